@@ -1,0 +1,16 @@
+// Distance evaluations by kind of ray, counted in the variant of `mariana bench` (COUNT_EVALUATIONS) and
+// compiled to nothing elsewhere.
+
+#ifdef COUNT_EVALUATIONS
+float count_primary = 0.0;
+float count_reflection = 0.0;
+float count_normal = 0.0;
+float count_shadow = 0.0;
+float count_occlusion = 0.0;
+float count_capped = 0.0;   // rays of this pixel that reached their step cap
+#define COUNT(kind) count_##kind += 1.0
+#define COUNT_N(kind, n) count_##kind += float(n)
+#else
+#define COUNT(kind)
+#define COUNT_N(kind, n)
+#endif

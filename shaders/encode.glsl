@@ -1,0 +1,7 @@
+// The one place where linear light becomes sRGB (IEC 61966-2-1). Framebuffers store what they are given.
+
+vec3 srgb_from_linear(vec3 color) {
+    vec3 low = 12.92 * color;
+    vec3 high = 1.055 * pow(max(color, 0.0031308), vec3(1.0 / 2.4)) - 0.055;
+    return mix(high, low, lessThan(color, vec3(0.0031308)));
+}

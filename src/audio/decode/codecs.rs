@@ -1,0 +1,115 @@
+//! The codecs: which decoder serves which, what they are called, and what a jump into the middle needs.
+
+use std::sync::LazyLock;
+
+use symphonia::core::codecs::audio::well_known as id;
+use symphonia::core::codecs::audio::{
+    AudioCodecId, AudioCodecParameters, AudioDecoder, AudioDecoderOptions, CODEC_ID_NULL_AUDIO,
+};
+use symphonia::core::codecs::registry::CodecRegistry;
+use symphonia::core::errors::Error;
+
+use super::error::DecodeError;
+use super::{contained, sniff};
+
+/// Sample rate of every Opus stream, in hertz.
+const OPUS_RATE: u32 = 48_000;
+
+static REGISTRY: LazyLock<CodecRegistry> = LazyLock::new(|| {
+    let mut registry = CodecRegistry::new();
+    symphonia::default::register_enabled_codecs(&mut registry);
+    registry.register_audio_decoder::<symphonia_adapter_libopus::OpusDecoder>();
+    registry
+});
+
+/// A decoder for a track.
+pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn AudioDecoder>, DecodeError> {
+    let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
+    let mut params = params.clone();
+    if params.codec == id::CODEC_ID_OPUS {
+        // Matroska may tell the rate of what was encoded. The head is taken away because the decoder would
+        // drop the pre-skip itself, and again after every jump.
+        params.sample_rate = Some(OPUS_RATE);
+        params.extra_data = None;
+    }
+    sniff::check(name, channels, params.sample_rate.unwrap_or(OPUS_RATE))?;
+    let options = AudioDecoderOptions::default();
+    match contained(name, || REGISTRY.make_audio_decoder(&params, &options))? {
+        Ok(decoder) => Ok(decoder),
+        Err(Error::DecodeError(what)) => {
+            Err(DecodeError::Damaged { name: name.into(), what: format!("the codec's setup ({what})") })
+        }
+        Err(_) => Err(DecodeError::UnsupportedCodec {
+            name: name.into(),
+            codec: match params.codec {
+                id::CODEC_ID_AAC if channels > 2 => format!("AAC with {channels} channels"),
+                id::CODEC_ID_AAC => "AAC of another profile than LC (such as HE-AAC)".into(),
+                id::CODEC_ID_OPUS => format!("Opus with {channels} channels"),
+                codec => codec_name(codec).into(),
+            },
+        }),
+    }
+}
+
+/// The name of a codec that may lack a decoder.
+fn codec_name(codec: AudioCodecId) -> &'static str {
+    match codec {
+        CODEC_ID_NULL_AUDIO => "an unknown codec",
+        id::CODEC_ID_WMA => "Windows Media Audio",
+        id::CODEC_ID_AC3 => "AC-3 (Dolby Digital)",
+        id::CODEC_ID_EAC3 => "E-AC-3 (Dolby Digital Plus)",
+        id::CODEC_ID_AC4 => "AC-4",
+        id::CODEC_ID_DCA => "DTS",
+        id::CODEC_ID_TRUEHD => "TrueHD",
+        id::CODEC_ID_SPEEX => "Speex",
+        id::CODEC_ID_MUSEPACK => "Musepack",
+        id::CODEC_ID_WAVPACK => "WavPack",
+        id::CODEC_ID_MONKEYS_AUDIO => "Monkey's Audio",
+        id::CODEC_ID_TTA => "True Audio",
+        id::CODEC_ID_ADPCM_G722 => "G.722 ADPCM",
+        id::CODEC_ID_ADPCM_G726 | id::CODEC_ID_ADPCM_G726LE => "G.726 ADPCM",
+        _ => "a codec without a decoder here",
+    }
+}
+
+/// Packets of these codecs begin at multiples of so many frames, which puts coarse time stamps right. Opus frames last
+/// at least 2.5 ms.
+pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
+    match codec {
+        id::CODEC_ID_AAC => Some(1024),
+        id::CODEC_ID_MP3 => Some(576),
+        id::CODEC_ID_OPUS => Some(120),
+        _ => None,
+    }
+}
+
+/// True for the layers of MPEG audio, whose packets begin with a header that may change in mid-stream.
+pub(super) fn is_mpeg_audio(codec: AudioCodecId) -> bool {
+    matches!(codec, id::CODEC_ID_MP1 | id::CODEC_ID_MP2 | id::CODEC_ID_MP3)
+}
+
+/// True for Opus.
+pub(super) fn is_opus(codec: AudioCodecId) -> bool {
+    codec == id::CODEC_ID_OPUS
+}
+
+/// Frames that must be decoded ahead of the target of a jump until the decoder's state is that of a straight run. Half
+/// a second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 asks for with
+/// Opus.
+pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
+    let lossless = (id::CODEC_ID_PCM_S32LE..=id::CODEC_ID_PCM_MULAW).contains(&codec)
+        || matches!(codec, id::CODEC_ID_FLAC | id::CODEC_ID_ALAC);
+    if lossless { 0 } else { i64::from(rate / 2) }
+}
+
+/// The encoder delay nearest to one that a container tells in coarse ticks: AAC encoders prime with 1024 or 2048 frames
+/// or with Apple's 2112, LAME's MP3 with 1105.
+pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
+    let known: &[u64] = match codec {
+        id::CODEC_ID_AAC => &[1024, 2048, 2112],
+        id::CODEC_ID_MP3 => &[1105],
+        _ => &[],
+    };
+    let tick = u64::from(rate) / 1000 + 1;
+    known.iter().copied().find(|delay| delay.abs_diff(about) <= tick).unwrap_or(about)
+}

@@ -1,0 +1,190 @@
+//! Where the bytes come from, and how they become a demuxer.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read, SeekFrom};
+use std::path::{Path, PathBuf};
+
+use symphonia::core::common::Limit;
+use symphonia::core::errors::Error;
+use symphonia::core::formats::probe::Hint;
+use symphonia::core::formats::{FormatOptions, FormatReader};
+use symphonia::core::io::{MediaSource, MediaSourceStream, ReadOnlySource};
+use symphonia::core::meta::MetadataOptions;
+
+use super::error::DecodeError;
+use super::gapless::{TrackEdit, track_edits};
+use super::{contained, sniff};
+
+/// Longest text tag that is read, in bytes.
+const TAG_BYTES_MAX: usize = 1 << 16;
+
+/// A stream of bytes that can be opened again and again.
+#[derive(Debug, Clone)]
+pub(super) enum Input {
+    /// A file on disk.
+    File {
+        /// Where it lies.
+        path: PathBuf,
+    },
+    /// Bytes in the program.
+    Bytes {
+        /// What to call it.
+        name: String,
+        /// The whole file.
+        bytes: &'static [u8],
+    },
+}
+
+/// A demuxer and what was learnt beside it.
+pub(super) struct Opened {
+    pub(super) format: Box<dyn FormatReader>,
+    pub(super) edits: Vec<TrackEdit>,
+    pub(super) fragmented: bool,
+}
+
+impl Input {
+    /// A file that exists, is one, and is not empty.
+    pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
+        let input = Self::File { path: path.to_path_buf() };
+        let metadata = std::fs::metadata(path).map_err(|e| input.read_error(e))?;
+        if metadata.is_dir() {
+            return Err(DecodeError::IsFolder { path: path.into() });
+        }
+        if !metadata.is_file() {
+            return Err(DecodeError::NotAFile { path: path.into() });
+        }
+        if metadata.len() == 0 {
+            return Err(DecodeError::Empty { name: input.name() });
+        }
+        Ok(input)
+    }
+
+    /// What to call the stream in messages: the file's name without its folders.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::File { path } => {
+                path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+            }
+            Self::Bytes { name, .. } => name.clone(),
+        }
+    }
+
+    /// The error for a failed system call.
+    pub(super) fn read_error(&self, source: io::Error) -> DecodeError {
+        match (self, source.kind()) {
+            (Self::File { path }, io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
+                DecodeError::NotFound { path: path.clone() }
+            }
+            (Self::File { path }, io::ErrorKind::PermissionDenied) => {
+                DecodeError::NoPermission { path: path.clone() }
+            }
+            _ => DecodeError::Read { name: self.name(), source },
+        }
+    }
+
+    /// Finds the container and reads its headers.
+    pub(super) fn open(&self) -> Result<Opened, DecodeError> {
+        match self {
+            Self::File { path } => {
+                let source = File::open(path).map_err(|e| self.read_error(e))?;
+                self.probe(source)
+            }
+            Self::Bytes { bytes, .. } => self.probe(Cursor::new(*bytes)),
+        }
+    }
+
+    fn probe(&self, mut source: impl MediaSource + 'static) -> Result<Opened, DecodeError> {
+        let name = self.name();
+        let mut head = Vec::new();
+        source.by_ref().take(sniff::SNIFF_BYTES as u64).read_to_end(&mut head).map_err(|e| self.read_error(e))?;
+        if head.is_empty() {
+            return Err(DecodeError::Empty { name });
+        }
+        if let Some(error) = sniff::foreign(&name, &head) {
+            return Err(error);
+        }
+        if let Some(error) = sniff::over_limit(&name, &head) {
+            return Err(error);
+        }
+        let is_mp4 = head.get(4..8) == Some(b"ftyp");
+        let (edits, fragmented) = if is_mp4 { track_edits(&mut source) } else { Default::default() };
+        source.seek(SeekFrom::Start(0)).map_err(|e| self.read_error(e))?;
+
+        let mut hint = Hint::new();
+        if let Some(extension) = Path::new(&name).extension().and_then(|e| e.to_str()) {
+            hint.with_extension(extension);
+        }
+        let metadata = MetadataOptions::default()
+            .limit_tag_bytes(Limit::Maximum(TAG_BYTES_MAX))
+            .limit_visual_bytes(Limit::Maximum(0));
+        let stream = MediaSourceStream::new(Box::new(source), Default::default());
+        let probe = |stream| {
+            contained(&name, || {
+                symphonia::default::get_probe().probe(&hint, stream, FormatOptions::default(), metadata)
+            })
+        };
+        let mut probed = probe(stream)?;
+        let looks_behind = head.starts_with(b"FORM") || head.starts_with(b"caff");
+        if looks_behind && matches!(&probed, Err(Error::IoError(_))) {
+            // The AIFF and CAF demuxers look for more behind the sound, which fails where the file is cut short;
+            // without the means to jump they do not.
+            let source: Box<dyn MediaSource> = match self {
+                Self::File { path } => {
+                    Box::new(ReadOnlySource::new(File::open(path).map_err(|e| self.read_error(e))?))
+                }
+                Self::Bytes { bytes, .. } => Box::new(ReadOnlySource::new(Cursor::new(*bytes))),
+            };
+            probed = probe(MediaSourceStream::new(source, Default::default()))?;
+        }
+        match probed {
+            Ok(format) => Ok(Opened { format, edits, fragmented }),
+            Err(error) => Err(self.probe_error(error, &head)),
+        }
+    }
+
+    fn probe_error(&self, error: Error, head: &[u8]) -> DecodeError {
+        let name = self.name();
+        let recognised = RECOGNISED.iter().any(|(offset, mark)| {
+            head.get(*offset..).is_some_and(|rest| rest.starts_with(mark))
+        });
+        match error {
+            Error::IoError(source) if source.kind() != io::ErrorKind::UnexpectedEof && source.raw_os_error().is_some() => {
+                self.read_error(source)
+            }
+            _ if !recognised => {
+                DecodeError::NotAudio { name, what: "nothing in it looks like sound".into() }
+            }
+            Error::Unsupported(what) => DecodeError::UnsupportedFormat {
+                name,
+                what: format!("a variant of a known format ({what})"),
+            },
+            Error::LimitError(what) => DecodeError::OverLimit {
+                name,
+                what: format!("an oversized header ({what})"),
+                limit: "that of the format's reader".into(),
+            },
+            Error::IoError(_) => {
+                DecodeError::Damaged { name, what: "it ends within its header".into() }
+            }
+            Error::DecodeError(what) => {
+                DecodeError::Damaged { name, what: format!("its header cannot be read ({what})") }
+            }
+            other => DecodeError::Damaged { name, what: format!("its header cannot be read ({other})") },
+        }
+    }
+}
+
+/// How the supported containers begin.
+const RECOGNISED: &[(usize, &[u8])] = &[
+    (0, b"RIFF"),
+    (0, b"FORM"),
+    (0, b"fLaC"),
+    (0, b"OggS"),
+    (0, b"caff"),
+    (0, b"ID3"),
+    (4, b"ftyp"),
+    (0, b"\x1A\x45\xDF\xA3"),
+    (0, b"\xFF\xFB"),
+    (0, b"\xFF\xF1"),
+    (0, b"\xFF\xF9"),
+];

@@ -1,0 +1,300 @@
+//! The list of sound hosts and devices, for `mariana devices`.
+
+use std::fmt;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use cpal::SupportedBufferSize;
+use cpal::traits::{DeviceTrait, HostTrait};
+use serde::Serialize;
+
+use super::output::{hosts_by_preference, hush_sound_library};
+use super::worker::Worker;
+
+/// How long a host may take to answer.
+const HOST_LIMIT: Duration = Duration::from_secs(3);
+
+/// All hosts of this system.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DeviceReport {
+    /// The one that is tried first stands first.
+    pub hosts: Vec<HostReport>,
+}
+
+/// A sound system and its devices.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HostReport {
+    /// The sound system's name.
+    pub name: String,
+    /// Why its devices are not known, if they are not.
+    pub problem: Option<String>,
+    /// What sound can be played on.
+    pub outputs: Vec<DeviceEntry>,
+    /// What sound can be taken from.
+    pub inputs: Vec<DeviceEntry>,
+}
+
+/// One direction of a device.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DeviceEntry {
+    /// What people call it.
+    pub name: String,
+    /// What `--device` takes; unlike the name it is unique.
+    pub id: String,
+    /// The host's default for this direction.
+    pub default: bool,
+    /// What is used unless asked otherwise, if the device tells.
+    pub usual: Option<FormatReport>,
+    /// Everything that is supported, alike entries joined.
+    pub supported: Vec<FormatReport>,
+}
+
+/// Sample formats that come with the same rates.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FormatReport {
+    /// Sample formats, as `f32`, `i16`.
+    pub formats: Vec<String>,
+    /// Least and most channels.
+    pub channels: (u16, u16),
+    /// Lowest and highest rate, in hertz.
+    pub sample_rate: (u32, u32),
+    /// Smallest and largest buffer in frames, if the device tells.
+    pub buffer_frames: Option<(u32, u32)>,
+}
+
+/// Asks all hosts at once, each within a limit of 3 s. Without devices or servers the lists are empty.
+pub fn list_devices() -> DeviceReport {
+    let asked: Vec<_> = hosts_by_preference()
+        .into_iter()
+        .map(|host| {
+            let (answer, answers) = channel();
+            // A host that does not answer keeps its thread; what it says later is not heard.
+            let worker = Worker::spawn("device list", move || drop(answer.send(report_host(host))));
+            (host.name(), worker, answers)
+        })
+        .collect();
+    let hosts = asked
+        .into_iter()
+        .map(|(name, worker, answers)| {
+            let problem = |text: String| HostReport {
+                name: name.into(),
+                problem: Some(text),
+                outputs: Vec::new(),
+                inputs: Vec::new(),
+            };
+            match worker {
+                Err(error) => problem(error.to_string()),
+                Ok(_) => answers.recv_timeout(HOST_LIMIT).unwrap_or_else(|error| match error {
+                    RecvTimeoutError::Timeout => problem(format!("no answer within {} s", HOST_LIMIT.as_secs())),
+                    RecvTimeoutError::Disconnected => problem("it failed while it was asked".into()),
+                }),
+            }
+        })
+        .collect();
+    DeviceReport { hosts }
+}
+
+fn report_host(id: cpal::HostId) -> HostReport {
+    hush_sound_library();
+    let mut report =
+        HostReport { name: id.name().into(), problem: None, outputs: Vec::new(), inputs: Vec::new() };
+    let devices = cpal::host_from_id(id).and_then(|host| {
+        let defaults = [host.default_output_device(), host.default_input_device()];
+        Ok((defaults.map(|device| device.and_then(|device| device.id().ok())), host.devices()?))
+    });
+    match devices {
+        Ok(([output, input], devices)) => {
+            for device in devices {
+                if let Ok(ranges) = device.supported_output_configs() {
+                    let usual = device.default_output_config().ok();
+                    report.outputs.extend(entry(&device, output.as_ref(), usual, ranges.collect()));
+                }
+                if let Ok(ranges) = device.supported_input_configs() {
+                    let usual = device.default_input_config().ok();
+                    report.inputs.extend(entry(&device, input.as_ref(), usual, ranges.collect()));
+                }
+            }
+        }
+        Err(error) => report.problem = Some(error.to_string()),
+    }
+    report
+}
+
+/// None for a device that supports nothing in this direction.
+fn entry(
+    device: &cpal::Device,
+    default: Option<&cpal::DeviceId>,
+    usual: Option<cpal::SupportedStreamConfig>,
+    ranges: Vec<cpal::SupportedStreamConfigRange>,
+) -> Option<DeviceEntry> {
+    if ranges.is_empty() {
+        return None;
+    }
+    let id = device.id().ok();
+    let name = device.description().map_or_else(|_| "unnamed".into(), |about| about.name().to_owned());
+    let usual = usual.map(|config| FormatReport {
+        formats: vec![config.sample_format().to_string()],
+        channels: (config.channels(), config.channels()),
+        sample_rate: (config.sample_rate(), config.sample_rate()),
+        buffer_frames: buffer_frames(*config.buffer_size()),
+    });
+    Some(DeviceEntry {
+        name,
+        default: id.is_some() && id.as_ref() == default,
+        id: id.map(|id| id.to_string()).unwrap_or_default(),
+        usual,
+        supported: join(ranges.into_iter().map(|range| FormatReport {
+            formats: vec![range.sample_format().to_string()],
+            channels: (range.channels(), range.channels()),
+            sample_rate: (range.min_sample_rate(), range.max_sample_rate()),
+            buffer_frames: buffer_frames(*range.buffer_size()),
+        })),
+    })
+}
+
+fn buffer_frames(size: SupportedBufferSize) -> Option<(u32, u32)> {
+    match size {
+        SupportedBufferSize::Range { min, max } => Some((min, max)),
+        SupportedBufferSize::Unknown => None,
+    }
+}
+
+/// One entry per range of rates: hosts list every format and number of channels on its own, hundreds of them.
+fn join(entries: impl Iterator<Item = FormatReport>) -> Vec<FormatReport> {
+    let mut joined: Vec<FormatReport> = Vec::new();
+    for mut entry in entries {
+        match joined.iter_mut().find(|other| other.sample_rate == entry.sample_rate) {
+            Some(other) => {
+                entry.formats.retain(|format| !other.formats.contains(format));
+                other.formats.append(&mut entry.formats);
+                other.channels = widest(other.channels, entry.channels);
+                other.buffer_frames = match (other.buffer_frames, entry.buffer_frames) {
+                    (Some(a), Some(b)) => Some(widest(a, b)),
+                    (a, b) => a.or(b),
+                };
+            }
+            None => joined.push(entry),
+        }
+    }
+    joined
+}
+
+fn widest<T: Ord>(a: (T, T), b: (T, T)) -> (T, T) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+impl fmt::Display for DeviceReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.hosts.is_empty() {
+            return writeln!(f, "no sound system");
+        }
+        for host in &self.hosts {
+            writeln!(f, "{}", host.name)?;
+            if let Some(problem) = &host.problem {
+                writeln!(f, "  {problem}")?;
+                continue;
+            }
+            for (title, devices) in [("outputs", &host.outputs), ("inputs", &host.inputs)] {
+                writeln!(f, "  {title}{}", if devices.is_empty() { ": none" } else { "" })?;
+                for device in devices {
+                    write!(f, "{device}")?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for DeviceEntry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mark = if self.default { "*" } else { " " };
+        writeln!(f, "  {mark} {}{}", self.name, if self.default { " (default)" } else { "" })?;
+        writeln!(f, "      id        {}", self.id)?;
+        if let Some(usual) = &self.usual {
+            writeln!(f, "      usual     {usual}")?;
+        }
+        for supported in &self.supported {
+            writeln!(f, "      supports  {supported}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for FormatReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { formats, channels, sample_rate, buffer_frames } = self;
+        write!(f, "{} Hz, {} channels, {}", Range(*sample_rate), Range(*channels), formats.join(" "))?;
+        match buffer_frames {
+            Some(frames) => write!(f, ", buffer {} frames", Range(*frames)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// `a` or `a..b`.
+struct Range<T>((T, T));
+
+impl<T: fmt::Display + PartialEq> fmt::Display for Range<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (low, high) = &self.0;
+        if low == high { write!(f, "{low}") } else { write!(f, "{low}..{high}") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn format(name: &str, channels: u16, sample_rate: (u32, u32), buffer: Option<(u32, u32)>) -> FormatReport {
+        FormatReport { formats: vec![name.into()], channels: (channels, channels), sample_rate, buffer_frames: buffer }
+    }
+
+    #[test]
+    fn alike_formats_are_joined_and_all_is_printed() {
+        let supported = join(
+            [
+                format("f32", 1, (8000, 96_000), Some((16, 512))),
+                format("f32", 8, (8000, 96_000), Some((8, 256))),
+                format("i16", 2, (8000, 96_000), None),
+                format("i16", 2, (192_000, 192_000), None),
+            ]
+            .into_iter(),
+        );
+        assert_eq!(supported.len(), 2);
+        let output = DeviceEntry {
+            name: "Loud Box".into(),
+            id: "alsa:hw0".into(),
+            default: true,
+            usual: Some(format("f32", 2, (48_000, 48_000), None)),
+            supported,
+        };
+        let hosts = vec![
+            HostReport { name: "ALSA".into(), problem: None, outputs: vec![output], inputs: Vec::new() },
+            HostReport { name: "Other".into(), problem: Some("asleep".into()), outputs: Vec::new(), inputs: Vec::new() },
+        ];
+        let report = DeviceReport { hosts };
+        let text = report.to_string();
+        for part in [
+            "ALSA\n  outputs\n  * Loud Box (default)\n",
+            "id        alsa:hw0\n",
+            "usual     48000 Hz, 2 channels, f32\n",
+            "supports  8000..96000 Hz, 1..8 channels, f32 i16, buffer 8..512 frames\n",
+            "supports  192000 Hz, 2 channels, i16\n",
+            "  inputs: none\n",
+            "Other\n  asleep\n",
+        ] {
+            assert!(text.contains(part), "no {part:?} in\n{text}");
+        }
+        let json = serde_json::to_value(&report).expect("it is plain data");
+        assert_eq!(json["hosts"][0]["outputs"][0]["supported"][0]["buffer_frames"], serde_json::json!([8, 512]));
+        assert_eq!(DeviceReport { hosts: Vec::new() }.to_string(), "no sound system\n");
+    }
+
+    #[test]
+    fn listing_ends_in_time_whatever_this_machine_has() {
+        let start = std::time::Instant::now();
+        let report = list_devices();
+        assert!(start.elapsed() < 2 * HOST_LIMIT);
+        assert_eq!(report.hosts.len(), cpal::available_hosts().len());
+    }
+}

@@ -1,0 +1,34 @@
+//! Sound: decoding, playback, and what is audible now.
+//!
+//! ```text
+//! FrameSource ─► decoding thread ─┬─ resampler ─► ring of frames ─► Feeder (the callback) ─► device or silent clock
+//!                                 │                                    │ spans: what sounds when (lock-free)
+//!                                 └─ analysis thread ─► Timeline ◄─────┴── Player::now: song time and features
+//! ```
+//!
+//! | module | what it does | runs on |
+//! |---|---|---|
+//! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
+//! | [`player`] | the handle of the window, and the decoding and analysis threads | |
+//! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
+//! | [`clock`] | from the callback's timestamps to the frame that is audible now | written by the callback |
+//! | [`output`] | the callback itself, devices, the silent clock, the supervisor | |
+//! | [`devices`] | the list of devices | caller |
+//!
+//! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change
+//! of device. A loop does not end it. Everything that flows is keyed by the segment's number, so nothing of
+//! before a seek is ever taken for what comes after.
+
+pub mod clock;
+pub mod decode;
+pub mod devices;
+mod error;
+pub mod output;
+pub mod player;
+pub mod resample;
+pub mod source;
+pub mod timeline;
+mod worker;
+
+pub use error::{OutputError, PlayerError};
+pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};

@@ -1,0 +1,253 @@
+//! Playback of one song: the handle that the window holds.
+//!
+//! Every method returns at once: what takes time happens on the threads that [`Player::start`] starts.
+
+mod analysis;
+mod decoding;
+
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Sender, channel, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::clock::Clock;
+use super::error::PlayerError;
+pub use super::output::OutputChoice;
+use super::output::{Controls, Counters, OutputRequest, Supervisor};
+use super::source::FrameSource;
+use super::timeline::SharedTimeline;
+use super::worker::Worker;
+use crate::dsp::Features;
+use crate::limits::LIMITS;
+use decoding::{Command, Decoding};
+
+/// How long the end of each thread is waited for.
+const END_LIMIT: Duration = Duration::from_secs(1);
+
+/// Pieces that may wait for the analysis.
+const ANALYSIS_QUEUE: usize = 32;
+
+/// How to play.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlayerOptions {
+    /// Id or name (or a part of one) of the output device; none is the default device.
+    pub device: Option<String>,
+    /// Begin anew at the end.
+    pub looping: bool,
+    /// 0 to 1.
+    pub volume: f32,
+    /// Start paused.
+    pub paused: bool,
+    /// A device or the silent clock.
+    pub output: OutputChoice,
+}
+
+impl Default for PlayerOptions {
+    fn default() -> Self {
+        Self { device: None, looping: true, volume: 1.0, paused: false, output: OutputChoice::Auto }
+    }
+}
+
+/// How playback stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlayerStatus {
+    /// Audible place of the song, in seconds.
+    pub position: f64,
+    /// Length of the song, in seconds, if known.
+    pub duration: Option<f64>,
+    /// Stands still on demand.
+    pub paused: bool,
+    /// 0 to 1.
+    pub volume: f32,
+    /// Runs without sound on demand.
+    pub muted: bool,
+    /// The last frame was heard and nothing follows.
+    pub ended: bool,
+    /// The output in words.
+    pub output: String,
+    /// Why there is no sound, if the song runs on the silent clock.
+    pub silent: Option<String>,
+    /// Stretches of silence because samples came too late.
+    pub underruns: u64,
+    /// Calls of the callback.
+    pub callbacks: u64,
+    /// Longest call relative to the duration of its buffer: 0.1 is a tenth.
+    pub worst_callback_load: f64,
+    /// The last trouble with the source.
+    pub source_error: Option<String>,
+}
+
+/// What is audible at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Place of the song, in seconds.
+    pub song_time: f64,
+    /// Its features.
+    pub features: Features,
+    /// Grows with each seek and each change of device.
+    pub segment: u64,
+    /// How often the song began anew within the segment.
+    pub lap: u32,
+}
+
+/// A song that plays. Dropping it ends the sound and the threads, within a limit.
+pub struct Player {
+    controls: Arc<Controls>,
+    counters: Arc<Counters>,
+    timeline: SharedTimeline,
+    commands: Sender<Command>,
+    /// Taken when dropped.
+    supervisor: Option<Supervisor>,
+    decoding: Worker,
+    analysis: Worker,
+    duration: Option<f64>,
+    error: Arc<Mutex<Option<String>>>,
+    /// For the position, and for the picture, which may be shifted.
+    position_clock: Clock,
+    picture_clock: Clock,
+    position: f64,
+    moment: Moment,
+}
+
+impl Player {
+    /// Starts to play `source`. The device opens meanwhile; should it fail, the song runs on the silent clock and
+    /// [`PlayerStatus::silent`] says why.
+    ///
+    /// # Errors
+    /// If the source's rate is beyond the limits or a thread cannot be started.
+    pub fn start(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
+        let rate = source.sample_rate();
+        let (min, max) = (LIMITS.sample_rate_min, LIMITS.sample_rate_max);
+        if !(min..=max).contains(&rate) {
+            return Err(PlayerError::SampleRate { rate, min, max });
+        }
+        let duration = source.duration();
+        let controls = Arc::new(Controls::new(options.volume, options.paused));
+        let counters = Arc::new(Counters::default());
+        let timeline = SharedTimeline::default();
+        let error = Arc::new(Mutex::new(None));
+        let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
+        let notes = timeline.clone();
+        let analysis = Worker::spawn("analysis", move || analysis::run(&analysis_inbox, rate, &notes))?;
+        let (commands, inbox) = channel();
+        let work = Decoding::new(source, options.looping, timeline.clone(), to_analysis, error.clone());
+        let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
+        let request =
+            OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
+        let outputs = commands.clone();
+        // If the decoding thread has ended, so has the playback.
+        let deliver = move |link| drop(outputs.send(Command::Output(link)));
+        let supervisor = Some(Supervisor::start(request, controls.clone(), counters.clone(), deliver)?);
+        Ok(Self {
+            controls,
+            counters,
+            timeline,
+            commands,
+            supervisor,
+            decoding,
+            analysis,
+            duration,
+            error,
+            position_clock: Clock::default(),
+            picture_clock: Clock::default(),
+            position: 0.0,
+            moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
+        })
+    }
+
+    /// Pauses or goes on.
+    pub fn toggle_pause(&self) {
+        self.set_paused(!self.is_paused());
+    }
+
+    /// Pauses (true) or goes on (false).
+    pub fn set_paused(&self, paused: bool) {
+        self.controls.set_paused(paused);
+    }
+
+    /// Whether it is paused.
+    pub fn is_paused(&self) -> bool {
+        self.controls.paused()
+    }
+
+    /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet; not beyond the
+    /// song's start. Past the end a looping song begins anew. What is not finite is ignored.
+    pub fn seek_by(&self, seconds: f64) {
+        self.send(Command::SeekBy(seconds));
+    }
+
+    /// Seeks to a time of the song, in seconds; clamped like [`Player::seek_by`].
+    pub fn seek_to(&self, seconds: f64) {
+        self.send(Command::SeekTo(seconds));
+    }
+
+    /// Changes the volume by `delta`; it stays within 0 to 1.
+    pub fn change_volume(&self, delta: f32) {
+        self.controls.set_volume(self.controls.volume() + delta);
+    }
+
+    /// Mutes or unmutes; the song runs on.
+    pub fn toggle_mute(&self) {
+        self.controls.set_muted(!self.controls.muted());
+    }
+
+    /// How playback stands now.
+    pub fn status(&mut self) -> PlayerStatus {
+        let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
+        let audible = self.position_clock.at(output.history.as_deref(), Instant::now(), 0.0);
+        let mut ended = false;
+        if let Some(audible) = audible {
+            let timeline = self.timeline.lock();
+            ended = timeline.is_end(audible);
+            self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
+        }
+        PlayerStatus {
+            position: self.position,
+            duration: self.duration,
+            paused: self.controls.paused(),
+            volume: self.controls.volume(),
+            muted: self.controls.muted(),
+            ended,
+            output: output.description,
+            silent: output.silent,
+            underruns: self.counters.underruns.load(Ordering::Relaxed),
+            callbacks: self.counters.callbacks.load(Ordering::Relaxed),
+            worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
+            source_error: self.error.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+        }
+    }
+
+    /// What is audible now. `latency_shift` seconds (within the limits' `latency_ms_max`) are added to the latency
+    /// that the device tells: more than 0 where the sound is heard later than the device knows. Less than 0
+    /// looks ahead, as far as is decoded (0.3 s).
+    pub fn now(&mut self, latency_shift: f64) -> Moment {
+        let limit = LIMITS.latency_ms_max / 1000.0;
+        let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
+        let history = self.supervisor.as_ref().and_then(Supervisor::history);
+        if let Some(audible) = self.picture_clock.at(history.as_deref(), Instant::now(), shift.max(0.0))
+            && let Some(place) = self.timeline.lock().place(audible, (-shift).max(0.0))
+        {
+            let segment = audible.segment;
+            self.moment = Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
+        }
+        self.moment
+    }
+
+    fn send(&self, command: Command) {
+        // If the decoding thread has ended there is nothing to seek in.
+        let _ = self.commands.send(command);
+    }
+}
+
+impl Drop for Player {
+    fn drop(&mut self) {
+        self.send(Command::Quit);
+        self.supervisor = None;
+        if !self.decoding.join_within(END_LIMIT) || !self.analysis.join_within(END_LIMIT) {
+            tracing::warn!("the decoding of the song does not end; it is left behind");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,36 @@
+//! A thread whose end is waited for, but never longer than a limit.
+
+use std::io;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::{Builder, JoinHandle};
+use std::time::Duration;
+
+/// A named thread.
+pub(crate) struct Worker {
+    handle: Option<JoinHandle<()>>,
+    done: Receiver<()>,
+}
+
+impl Worker {
+    /// Starts `work` on a thread of its own.
+    pub(crate) fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<Self> {
+        let (at_end, done) = channel();
+        let handle = Builder::new().name(name.into()).spawn(move || {
+            // Dropped when the work returns or fails.
+            let _at_end = at_end;
+            work();
+        })?;
+        Ok(Self { handle: Some(handle), done })
+    }
+
+    /// Waits for the thread's end, `limit` at most; true if it ended. After that it is left to itself.
+    pub(crate) fn join_within(&mut self, limit: Duration) -> bool {
+        let ended = matches!(self.done.recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
+        if let Some(handle) = self.handle.take().filter(|_| ended)
+            && handle.join().is_err()
+        {
+            tracing::error!("a playback thread failed");
+        }
+        ended
+    }
+}

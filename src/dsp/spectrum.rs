@@ -1,0 +1,59 @@
+//! The power spectrum of a stretch of stereo samples, by one complex Fourier transform for both channels.
+
+use std::sync::Arc;
+
+use rustfft::num_complex::Complex32;
+use rustfft::{Fft, FftPlanner};
+
+use super::StereoFrame;
+use super::window::hann;
+
+/// Measures how the power of a stretch spreads over frequency. Allocates in `new` only.
+pub(super) struct Spectrum {
+    fft: Arc<dyn Fft<f32>>,
+    window: Vec<f32>,
+    buffer: Vec<Complex32>,
+    scratch: Vec<Complex32>,
+    power: Vec<f32>,
+    scale: f32,
+}
+
+impl Spectrum {
+    /// For stretches of `length` frames, an even number.
+    pub(super) fn new(length: usize) -> Self {
+        let fft = FftPlanner::new().plan_fft_forward(length);
+        let window = hann(length);
+        let squares: f64 = window.iter().map(|&w| f64::from(w).powi(2)).sum();
+        Self {
+            window,
+            buffer: vec![Complex32::default(); length],
+            scratch: vec![Complex32::default(); fft.get_inplace_scratch_len()],
+            power: vec![0.0; length / 2],
+            scale: (1.0 / (length as f64 * squares)) as f32,
+            fft,
+        }
+    }
+
+    /// The power in each bin from 0 Hz up to below half the sample rate; bin k is k · rate / length hertz.
+    ///
+    /// Left and right are the real and the imaginary part of one signal z = l + i·r. Since l and r are real,
+    /// |L(k)|² + |R(k)|² = (|Z(k)|² + |Z(N-k)|²) / 2: the powers add, and what is in opposite phase in the two
+    /// channels does not cancel. (Bin 0 reads double; no band reaches down to it.)
+    ///
+    /// The scale divides by N·Σw² (Parseval), so that powers SUM rightly over bins: a sine of amplitude a in
+    /// both channels gives a² in all, wherever it lies between bins, and so does noise of the same power. For
+    /// Hann that is the squared coherent gain (½)² times the noise bandwidth of 1.5 bins.
+    pub(super) fn power(&mut self, frames: &[StereoFrame]) -> &[f32] {
+        for ((z, &[left, right]), &w) in self.buffer.iter_mut().zip(frames).zip(&self.window) {
+            *z = Complex32::new(left * w, right * w);
+        }
+        self.fft.process_with_scratch(&mut self.buffer, &mut self.scratch);
+        let mirrored = self.buffer[1..].iter().rev();
+        let (upward, scale) = (&self.buffer[1..], self.scale);
+        self.power[0] = 2.0 * self.buffer[0].norm_sqr() * scale;
+        for ((power, z), mirror) in self.power[1..].iter_mut().zip(upward).zip(mirrored) {
+            *power = (z.norm_sqr() + mirror.norm_sqr()) * scale;
+        }
+        &self.power
+    }
+}

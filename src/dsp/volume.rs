@@ -1,0 +1,51 @@
+//! Loudness of each channel: the mean of |sample|.
+
+use super::StereoFrame;
+
+/// Length of the stretch over which the volume is taken, in seconds.
+///
+/// The thesis (section 5, eq. 1) takes the samples that arrived since the last frame, some 1/60 s. That ties the
+/// volume to the frame rate and to the size of the sound card's blocks. Here the length is fixed and the
+/// stretch is centred on the moment that the features belong to.
+const SECONDS: f64 = 1.0 / 60.0;
+
+/// Frames of the stretch at `sample_rate` hertz: even, so that it has a centre; at least 2.
+pub(super) fn stretch_length(sample_rate: u32) -> usize {
+    2 * ((f64::from(sample_rate) * SECONDS / 2.0).round() as usize).max(1)
+}
+
+/// Thesis, section 5, eq. 1 for each channel: V = (Σ |S_i|) / n. No frames are silence.
+pub(super) fn mean_magnitude(frames: &[StereoFrame]) -> [f32; 2] {
+    let mut sum = [0.0_f64; 2];
+    for &[left, right] in frames {
+        sum[0] += f64::from(left.abs());
+        sum[1] += f64::from(right.abs());
+    }
+    let count = frames.len().max(1) as f64;
+    sum.map(|sum| (sum / count) as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equation_1_of_known_signals() {
+        assert_eq!(mean_magnitude(&[[0.5, -0.25], [-0.5, -0.25], [0.5, 0.75], [-0.5, -0.75]]), [0.5, 0.5]);
+        assert_eq!(mean_magnitude(&[[1.0, 0.0], [0.0, 0.0], [0.0, 0.0], [-1.0, -1.0]]), [0.5, 0.25]);
+        assert_eq!(mean_magnitude(&[]), [0.0, 0.0]);
+
+        let sine: Vec<StereoFrame> =
+            (0..1000).map(|n| [(std::f32::consts::TAU * n as f32 / 100.0).sin(), 0.0]).collect();
+        let [left, right] = mean_magnitude(&sine);
+        assert!((left - std::f32::consts::FRAC_2_PI).abs() < 1e-3, "full-scale sine reads {left}");
+        assert_eq!(right, 0.0);
+    }
+
+    #[test]
+    fn stretch_is_a_sixtieth_of_a_second_and_even() {
+        assert_eq!(stretch_length(48_000), 800);
+        assert_eq!(stretch_length(44_100), 736);
+        assert_eq!(stretch_length(4_000), 66);
+    }
+}

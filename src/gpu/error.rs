@@ -1,0 +1,71 @@
+//! What can go wrong on the way to a picture.
+
+use super::shader_source::ShaderSourceError;
+
+/// An error of the GPU side. Each message says what, where and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum GpuError {
+    /// No OpenGL without a window on this system.
+    #[error(
+        "no OpenGL without a window is to be had here ({reason}): install a driver with EGL \
+         (Debian: libegl1 and libgl1-mesa-dri, which also bring a software renderer)"
+    )]
+    NoHeadlessContext {
+        /// What the system said.
+        reason: String,
+    },
+    /// The driver is older than OpenGL 3.3.
+    #[error(
+        "OpenGL {found} is too old: Mariana needs 3.3 core; update the graphics driver, or set \
+         LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
+    )]
+    TooOld {
+        /// The driver's version string.
+        found: String,
+    },
+    /// Shader text is missing or malformed.
+    #[error(transparent)]
+    Source(#[from] ShaderSourceError),
+    /// The driver refused a shader.
+    #[error("the driver refuses {name}:\n{log}")]
+    Compile {
+        /// The shader file, or the program.
+        name: String,
+        /// The driver's log.
+        log: String,
+    },
+    /// The driver could not make an object.
+    #[error("the driver could not make {what}: {reason}")]
+    Object {
+        /// What was asked for.
+        what: &'static str,
+        /// What the driver said.
+        reason: String,
+    },
+    /// A picture beyond what the driver can hold.
+    #[error("a picture of {width}x{height} pixels is more than this driver takes ({limit} a side): ask for a smaller one")]
+    TooLarge {
+        /// Asked width in pixels.
+        width: u32,
+        /// Asked height in pixels.
+        height: u32,
+        /// The driver's largest side.
+        limit: u32,
+    },
+    /// An embedded picture could not be decoded.
+    #[error("the texture {name} cannot be decoded: {reason}")]
+    Texture {
+        /// Its name.
+        name: String,
+        /// What the decoder said.
+        reason: String,
+    },
+    /// The driver reported an error or lost the context.
+    #[error("OpenGL reports {what} while {doing}")]
+    Driver {
+        /// The GL error.
+        what: String,
+        /// What was being done.
+        doing: &'static str,
+    },
+}

@@ -1,0 +1,155 @@
+//! The context's functions, what the driver is, and its complaints.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use std::ffi::{CStr, c_void};
+use std::rc::Rc;
+
+use glow::HasContext;
+use serde::Serialize;
+
+use super::error::GpuError;
+
+/// The functions of the context that is current on this thread. Clones share it.
+///
+/// Objects made from it hold a clone, so that they can free themselves while the context lives.
+#[derive(Clone)]
+pub struct Gl {
+    functions: Rc<glow::Context>,
+    info: Rc<GlInfo>,
+}
+
+/// What the driver said of itself.
+#[derive(Debug, Clone, Serialize)]
+pub struct GlInfo {
+    /// GL_VENDOR.
+    pub vendor: String,
+    /// GL_RENDERER.
+    pub renderer: String,
+    /// GL_VERSION.
+    pub version: String,
+    /// GL_SHADING_LANGUAGE_VERSION.
+    pub shading_language: String,
+    /// Largest side of a texture, in texels.
+    pub texture_side_max: u32,
+    /// Most texels of a texture buffer (OpenGL 3.3 guarantees 65,536).
+    pub texture_buffer_texels_max: u32,
+    /// Most anisotropy of texture filters; 1 where the driver has none.
+    pub anisotropy_max: f32,
+    /// Whether the pictures are computed by the processor (llvmpipe and its like). GL timers then tell nothing.
+    pub software: bool,
+}
+
+impl std::fmt::Display for GlInfo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "vendor               {}", self.vendor)?;
+        writeln!(f, "renderer             {}", self.renderer)?;
+        writeln!(f, "version              {}", self.version)?;
+        writeln!(f, "shading language     {}", self.shading_language)?;
+        writeln!(f, "software renderer    {}", if self.software { "yes" } else { "no" })?;
+        writeln!(f, "texture side         {} texels", self.texture_side_max)?;
+        writeln!(f, "texture buffer       {} texels", self.texture_buffer_texels_max)?;
+        write!(f, "anisotropy           {}", self.anisotropy_max)
+    }
+}
+
+impl Gl {
+    /// Takes the functions of the current context by its loader and checks that it is OpenGL 3.3 or newer.
+    ///
+    /// With `log_debug` the driver's debug output is logged, where it has any (KHR_debug).
+    ///
+    /// # Errors
+    /// [`GpuError::TooOld`] for anything older than 3.3, OpenGL ES included.
+    pub fn load(
+        loader: impl FnMut(&CStr) -> *const c_void,
+        log_debug: bool,
+    ) -> Result<Self, GpuError> {
+        // SAFETY: the caller has made a context current on this thread, and the loader is that context's.
+        let mut functions = unsafe { glow::Context::from_loader_function_cstr(loader) };
+        let version = functions.version();
+        if version.is_embedded || (version.major, version.minor) < (3, 3) {
+            // SAFETY: as above.
+            let found = unsafe { functions.get_parameter_string(glow::VERSION) };
+            return Err(GpuError::TooOld { found });
+        }
+        if log_debug && functions.supports_debug() {
+            // SAFETY: the callback only formats its arguments; it is owned by the context's wrapper.
+            unsafe {
+                functions.enable(glow::DEBUG_OUTPUT);
+                functions.debug_message_callback(|_source, kind, id, severity, message| {
+                    let kind = if kind == glow::DEBUG_TYPE_ERROR { "error" } else { "note" };
+                    match severity {
+                        glow::DEBUG_SEVERITY_HIGH => tracing::error!("OpenGL {kind} {id}: {message}"),
+                        glow::DEBUG_SEVERITY_MEDIUM => tracing::warn!("OpenGL {kind} {id}: {message}"),
+                        _ => tracing::debug!("OpenGL {kind} {id}: {message}"),
+                    }
+                });
+            }
+        }
+        let info = Rc::new(read_info(&functions));
+        Ok(Self { functions: Rc::new(functions), info })
+    }
+
+    /// What the driver said of itself.
+    pub fn info(&self) -> &GlInfo {
+        &self.info
+    }
+
+    /// Fails if the driver has noted an error since the last check.
+    ///
+    /// # Errors
+    /// [`GpuError::Driver`] with the first error's name.
+    pub fn check(&self, doing: &'static str) -> Result<(), GpuError> {
+        // SAFETY: the context is current on this thread (Gl is neither Send nor Sync).
+        let code = unsafe { self.functions.get_error() };
+        let what = match code {
+            glow::NO_ERROR => return Ok(()),
+            glow::INVALID_ENUM => "an invalid enumerant".to_owned(),
+            glow::INVALID_VALUE => "an invalid value".to_owned(),
+            glow::INVALID_OPERATION => "an invalid operation".to_owned(),
+            glow::INVALID_FRAMEBUFFER_OPERATION => "an incomplete framebuffer".to_owned(),
+            glow::OUT_OF_MEMORY => "that its memory is used up".to_owned(),
+            glow::CONTEXT_LOST => "that the context is lost".to_owned(),
+            other => format!("error {other:#06x}"),
+        };
+        Err(GpuError::Driver { what, doing })
+    }
+
+    /// Waits until everything that was asked of the driver is done.
+    pub fn finish(&self) {
+        // SAFETY: as in `check`.
+        unsafe { self.functions.finish() }
+    }
+}
+
+impl std::ops::Deref for Gl {
+    type Target = glow::Context;
+
+    fn deref(&self) -> &glow::Context {
+        &self.functions
+    }
+}
+
+/// GL_MAX_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
+const MAX_ANISOTROPY: u32 = 0x84FF;
+
+fn read_info(gl: &glow::Context) -> GlInfo {
+    // SAFETY: the context is current; every name asked for writes one value.
+    unsafe {
+        let renderer = gl.get_parameter_string(glow::RENDERER);
+        let lower = renderer.to_lowercase();
+        let anisotropic = ["GL_EXT_texture_filter_anisotropic", "GL_ARB_texture_filter_anisotropic"]
+            .iter()
+            .any(|name| gl.supported_extensions().contains(*name));
+        GlInfo {
+            vendor: gl.get_parameter_string(glow::VENDOR),
+            version: gl.get_parameter_string(glow::VERSION),
+            shading_language: gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
+            texture_side_max: gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE).max(0).cast_unsigned(),
+            texture_buffer_texels_max: gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE).max(0).cast_unsigned(),
+            anisotropy_max: if anisotropic { gl.get_parameter_f32(MAX_ANISOTROPY).max(1.0) } else { 1.0 },
+            software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"].iter().any(|s| lower.contains(s)),
+            renderer,
+        }
+    }
+}

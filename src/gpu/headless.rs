@@ -1,0 +1,88 @@
+//! A context without a window: EGL on a device, drawing into framebuffers only.
+
+#![expect(unsafe_code, reason = "EGL and OpenGL are C interfaces")]
+
+use super::error::GpuError;
+use super::gl::Gl;
+
+/// A current context without a window. Everything made from [`Headless::gl`] must be dropped before it.
+pub struct Headless {
+    gl: Gl,
+    #[cfg(all(unix, not(target_os = "macos")))]
+    _context: glutin::api::egl::context::PossiblyCurrentContext,
+}
+
+impl Headless {
+    /// The functions of the context.
+    pub fn gl(&self) -> &Gl {
+        &self.gl
+    }
+
+    /// Makes a context on the first EGL device that gives one, hardware before software, and makes it current.
+    ///
+    /// # Errors
+    /// [`GpuError::NoHeadlessContext`] with what the devices said; [`GpuError::TooOld`] below OpenGL 3.3.
+    #[cfg(all(unix, not(target_os = "macos")))]
+    pub fn new(log_debug: bool) -> Result<Self, GpuError> {
+        use glutin::api::egl::device::Device;
+        let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
+        let mut devices: Vec<Device> =
+            Device::query_devices().map_err(|error| no_context(error.to_string()))?.collect();
+        devices.sort_by_key(|device| device.extensions().contains("EGL_MESA_device_software"));
+        let mut reasons = Vec::new();
+        for device in &devices {
+            match context_on(device) {
+                Ok((display, context)) => {
+                    use glutin::display::GlDisplay;
+                    let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
+                    return Ok(Self { gl, _context: context });
+                }
+                Err(error) => reasons.push(error.to_string()),
+            }
+        }
+        if reasons.is_empty() {
+            reasons.push("EGL lists no device".into());
+        }
+        Err(no_context(reasons.join("; ")))
+    }
+
+    /// Not to be had on this system yet.
+    ///
+    /// # Errors
+    /// Always [`GpuError::NoHeadlessContext`].
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    pub fn new(_log_debug: bool) -> Result<Self, GpuError> {
+        Err(GpuError::NoHeadlessContext { reason: "this system has no EGL devices".into() })
+    }
+}
+
+#[cfg(all(unix, not(target_os = "macos")))]
+fn context_on(
+    device: &glutin::api::egl::device::Device,
+) -> glutin::error::Result<(
+    glutin::api::egl::display::Display,
+    glutin::api::egl::context::PossiblyCurrentContext,
+)> {
+    use glutin::config::{Api, ConfigSurfaceTypes, ConfigTemplateBuilder};
+    use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
+    use glutin::display::GlDisplay;
+
+    // SAFETY: the device comes from the same EGL library; the context outlives nothing that is not ours.
+    unsafe {
+        let display = glutin::api::egl::display::Display::with_device(device, None)?;
+        let template = ConfigTemplateBuilder::new()
+            .with_surface_type(ConfigSurfaceTypes::empty())
+            .with_api(Api::OPENGL)
+            .build();
+        let config = display
+            .find_configs(template)?
+            .next()
+            .ok_or_else(|| glutin::error::Error::from(glutin::error::ErrorKind::BadConfig))?;
+        let attributes = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Core)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
+            .build(None);
+        let context = display.create_context(&config, &attributes)?.make_current_surfaceless()?;
+        Ok((display, context))
+    }
+}

@@ -1,0 +1,11 @@
+//! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
+
+pub mod error;
+pub mod gl;
+pub mod headless;
+pub mod object;
+pub mod program;
+pub mod renderer;
+pub mod shader_source;
+pub mod target;
+pub mod texture;

@@ -1,0 +1,72 @@
+//! OpenGL objects as owned types: each frees itself when it is dropped.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+
+/// Makes an owned newtype around one kind of GL name, with its constructor and its destructor.
+macro_rules! owned_object {
+    ($(#[$doc:meta])* $name:ident, $native:ty, $what:literal, $create:ident, $delete:ident) => {
+        $(#[$doc])*
+        pub struct $name {
+            gl: Gl,
+            native: $native,
+        }
+
+        impl $name {
+            /// Makes a new, empty object in the current context.
+            ///
+            /// # Errors
+            /// [`GpuError::Object`] if the driver has none left.
+            pub fn new(gl: &Gl) -> Result<Self, GpuError> {
+                // SAFETY: the context of `gl` is current on this thread.
+                let native = unsafe { gl.$create() }.map_err(|reason| GpuError::Object { what: $what, reason })?;
+                Ok(Self { gl: gl.clone(), native })
+            }
+
+            /// The driver's name of the object; valid while `self` lives.
+            pub fn native(&self) -> $native {
+                self.native
+            }
+        }
+
+        impl Drop for $name {
+            fn drop(&mut self) {
+                // SAFETY: the name is ours alone; deleting it in a lost context is ignored by the driver.
+                unsafe { self.gl.$delete(self.native) }
+            }
+        }
+    };
+}
+
+owned_object!(
+    /// A texture.
+    Texture, glow::NativeTexture, "a texture", create_texture, delete_texture
+);
+owned_object!(
+    /// A framebuffer.
+    Framebuffer, glow::NativeFramebuffer, "a framebuffer", create_framebuffer, delete_framebuffer
+);
+owned_object!(
+    /// A renderbuffer.
+    Renderbuffer, glow::NativeRenderbuffer, "a renderbuffer", create_renderbuffer, delete_renderbuffer
+);
+owned_object!(
+    /// A buffer.
+    Buffer, glow::NativeBuffer, "a buffer", create_buffer, delete_buffer
+);
+owned_object!(
+    /// A vertex array; core profiles draw nothing without one.
+    VertexArray, glow::NativeVertexArray, "a vertex array", create_vertex_array, delete_vertex_array
+);
+owned_object!(
+    /// A program before and after linking.
+    ProgramObject, glow::NativeProgram, "a program", create_program, delete_program
+);
+owned_object!(
+    /// A query.
+    Query, glow::NativeQuery, "a query", create_query, delete_query
+);

@@ -1,0 +1,283 @@
+//! Draws a frame: one sample a pixel, more samples where edges are, then the finished picture.
+//!
+//! 1. `scene.frag` traces one sample at each pixel's centre.
+//! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
+//! 3. `scene.frag` again, four times, only there, each time elsewhere in the pixel; the samples are summed.
+//! 4. `present.frag` averages, encodes as sRGB and dithers.
+//!
+//! The same program draws every sample, so that a driver compiles the scene once.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::{Buffer, Texture, VertexArray};
+use super::program::{Program, TEXTURE_UNITS, UNIFORM_BLOCKS};
+use super::shader_source::ShaderLibrary;
+use super::target::{Stencil, Target, Texel};
+use super::texture::{self, Wrap};
+use crate::frame::Frame;
+use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
+
+/// Offsets of the samples at an edge from the pixel's centre, in pixels: a rotated grid, so that no two share
+/// a row or a column. The first sample, at the centre, is drawn for every pixel.
+const EDGE_SAMPLES: [[f32; 2]; 4] = [[-0.125, -0.375], [0.375, -0.125], [0.125, 0.375], [-0.375, 0.125]];
+
+/// The defines of the variant that counts distance evaluations.
+pub const COUNTING_DEFINES: [&str; 1] = ["COUNT_EVALUATIONS"];
+
+/// Every fragment shader with every set of defines that the renderer may ask for; tests compile them all.
+pub const SHADER_VARIANTS: [(&str, &[&str]); 4] =
+    [("scene.frag", &[]), ("scene.frag", &COUNTING_DEFINES), ("edges.frag", &[]), ("present.frag", &[])];
+
+/// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
+#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+pub struct Evaluations {
+    /// Along rays from the eye.
+    pub primary: f64,
+    /// Along mirrored rays.
+    pub reflection: f64,
+    /// For normals.
+    pub normal: f64,
+    /// Along rays to the lamp.
+    pub shadow: f64,
+    /// For ambient occlusion.
+    pub occlusion: f64,
+    /// Rays that ended at their step cap.
+    pub capped_rays: f64,
+    /// Pixels that got the samples of an edge.
+    pub edge_pixels: f64,
+}
+
+impl Evaluations {
+    /// Evaluations of all kinds.
+    pub fn total(&self) -> f64 {
+        self.primary + self.reflection + self.normal + self.shadow + self.occlusion
+    }
+
+    /// The same, divided by a number of pixels.
+    pub fn per_pixel(&self, pixels: f64) -> Self {
+        Self {
+            primary: self.primary / pixels,
+            reflection: self.reflection / pixels,
+            normal: self.normal / pixels,
+            shadow: self.shadow / pixels,
+            occlusion: self.occlusion / pixels,
+            capped_rays: self.capped_rays / pixels,
+            edge_pixels: self.edge_pixels / pixels,
+        }
+    }
+}
+
+/// Whether a renderer counts distance evaluations (slower) or not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Counting {
+    /// Pictures only.
+    Off,
+    /// Pictures and [`Renderer::evaluations`].
+    On,
+}
+
+/// The programs, textures and targets of the picture.
+pub struct Renderer {
+    gl: Gl,
+    scene: Program,
+    edges: Program,
+    present: Program,
+    wood: Texture,
+    mallard: Texture,
+    frame_buffer: Buffer,
+    pass_buffer: Buffer,
+    vertices: VertexArray,
+    counting: Counting,
+    targets: Option<Targets>,
+}
+
+/// What depends on the picture's size.
+struct Targets {
+    first: Target,
+    extra: Target,
+    finished: Target,
+}
+
+impl Renderer {
+    /// Compiles the shaders of `library` and uploads the textures.
+    ///
+    /// # Errors
+    /// What the driver refuses, with its log.
+    pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
+        let defines: &[&str] = if counting == Counting::On { &COUNTING_DEFINES } else { &[] };
+        let scene = Program::link(gl, library, "scene.frag", defines)?;
+        let edges = Program::link(gl, library, "edges.frag", &[])?;
+        let present = Program::link(gl, library, "present.frag", &[])?;
+        let wood = texture::decode_png("wood.png", include_bytes!("../../assets/textures/wood.png"))?;
+        let mallard = texture::decode_png("mallard.png", include_bytes!("../../assets/textures/mallard.png"))?;
+        let renderer = Self {
+            gl: gl.clone(),
+            scene,
+            edges,
+            present,
+            wood: texture::upload(gl, &wood, Wrap::Repeat)?,
+            mallard: texture::upload(gl, &mallard, Wrap::Clamp)?,
+            frame_buffer: Buffer::new(gl)?,
+            pass_buffer: Buffer::new(gl)?,
+            vertices: VertexArray::new(gl)?,
+            counting,
+            targets: None,
+        };
+        gl.check("setting up the renderer")?;
+        Ok(renderer)
+    }
+
+    /// Draws `frame` into the renderer's own target; [`Renderer::show`] or [`Renderer::read`] brings it out.
+    ///
+    /// # Errors
+    /// A size beyond the driver's, or an error that the driver reports.
+    pub fn draw(&mut self, frame: &Frame) -> Result<(), GpuError> {
+        let targets = match self.targets.take() {
+            Some(targets) if targets.first.size() == frame.size => targets,
+            _ => Targets::new(&self.gl, frame.size, self.counting)?,
+        };
+        self.bind_inputs(&frame.block());
+        // SAFETY: plain state and draws on objects of ours, in the current context.
+        unsafe {
+            let gl = &*self.gl;
+            gl.disable(glow::BLEND);
+            gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::CULL_FACE);
+            gl.disable(glow::SCISSOR_TEST);
+            gl.disable(glow::FRAMEBUFFER_SRGB);
+
+            targets.first.bind();
+            self.scene.bind();
+            self.draw_sample([0.0, 0.0]);
+
+            targets.extra.bind();
+            gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            gl.clear_stencil(0);
+            gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
+            gl.enable(glow::STENCIL_TEST);
+            gl.stencil_func(glow::ALWAYS, 1, 0xff);
+            gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
+            gl.color_mask(false, false, false, false);
+            targets.first.bind_color(0, unit_of("picture"));
+            self.edges.bind();
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            gl.color_mask(true, true, true, true);
+
+            gl.stencil_func(glow::EQUAL, 1, 0xff);
+            gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
+            gl.enable(glow::BLEND);
+            gl.blend_func(glow::ONE, glow::ONE);
+            self.scene.bind();
+            for offset in EDGE_SAMPLES {
+                self.draw_sample(offset);
+            }
+            gl.disable(glow::BLEND);
+            gl.disable(glow::STENCIL_TEST);
+
+            targets.finished.bind();
+            targets.first.bind_color(0, unit_of("picture"));
+            targets.extra.bind_color(0, unit_of("extra_samples"));
+            self.present.bind();
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        }
+        self.targets = Some(targets);
+        self.gl.check("drawing a frame")
+    }
+
+    /// Copies the finished picture to the window's framebuffer.
+    ///
+    /// # Errors
+    /// An error that the driver reports.
+    pub fn show(&self) -> Result<(), GpuError> {
+        if let Some(targets) = &self.targets {
+            targets.finished.blit_to_window();
+        }
+        self.gl.check("showing a frame")
+    }
+
+    /// The finished picture, four bytes a pixel, the top row first. Empty before the first draw.
+    pub fn read(&self) -> Vec<u8> {
+        self.targets.as_ref().map_or_else(Vec::new, |targets| targets.finished.read_rgba8(0))
+    }
+
+    /// Distance evaluations of the last picture; zero without [`Counting::On`].
+    pub fn evaluations(&self) -> Evaluations {
+        let mut sum = Evaluations::default();
+        let Some(targets) = self.targets.as_ref().filter(|_| self.counting == Counting::On) else {
+            return sum;
+        };
+        for target in [&targets.first, &targets.extra] {
+            let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
+            for texel in kinds.as_chunks::<4>().0 {
+                let [primary, reflection, normal, shadow] = texel.map(f64::from);
+                sum.primary += primary;
+                sum.reflection += reflection;
+                sum.normal += normal;
+                sum.shadow += shadow;
+            }
+            for texel in more.as_chunks::<4>().0 {
+                sum.occlusion += f64::from(texel[0]);
+                sum.capped_rays += f64::from(texel[1]);
+            }
+        }
+        let extra = targets.extra.read_rgba32f(0);
+        sum.edge_pixels = extra.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
+        sum
+    }
+
+    fn bind_inputs(&self, block: &FrameBlock) {
+        let binding_of = |name: &str| UNIFORM_BLOCKS.iter().find(|(block, _)| *block == name).map_or(0, |(_, b)| *b);
+        let mut bytes = Vec::with_capacity(FRAME_BLOCK_VECTORS * 16);
+        bytes.extend(block.as_flattened().iter().flat_map(|value| value.to_ne_bytes()));
+        // SAFETY: buffers and textures are ours; the bytes are those of the block.
+        unsafe {
+            let gl = &*self.gl;
+            gl.bind_vertex_array(Some(self.vertices.native()));
+            gl.bind_buffer(glow::UNIFORM_BUFFER, Some(self.frame_buffer.native()));
+            gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            gl.bind_buffer_base(
+                glow::UNIFORM_BUFFER,
+                binding_of("FrameBlock"),
+                Some(self.frame_buffer.native()),
+            );
+            gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of("PassBlock"), Some(self.pass_buffer.native()));
+            for (name, texture) in [("wood", &self.wood), ("mallard", &self.mallard)] {
+                gl.active_texture(glow::TEXTURE0 + unit_of(name));
+                gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+            }
+        }
+    }
+
+    /// Draws one sample for every pixel that the stencil lets through.
+    fn draw_sample(&self, offset: [f32; 2]) {
+        let block = [offset[0], offset[1], 0.0, 0.0];
+        let bytes: Vec<u8> = block.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        // SAFETY: the buffer is ours and the draw reads nothing else than what `bind_inputs` bound.
+        unsafe {
+            self.gl.bind_buffer(glow::UNIFORM_BUFFER, Some(self.pass_buffer.native()));
+            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        }
+    }
+}
+
+impl Targets {
+    fn new(gl: &Gl, size: (u32, u32), counting: Counting) -> Result<Self, GpuError> {
+        let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F];
+        let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
+        let stencil = Stencil::new(gl, size)?;
+        Ok(Self {
+            first: Target::new(gl, size, texels, None)?,
+            extra: Target::new(gl, size, texels, Some(stencil))?,
+            finished: Target::new(gl, size, &[Texel::Rgba8], None)?,
+        })
+    }
+}
+
+fn unit_of(texture: &str) -> u32 {
+    TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
+}

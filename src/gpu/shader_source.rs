@@ -1,0 +1,222 @@
+//! Shader text: where it comes from, and how its includes are resolved.
+//!
+//! A shader is a file of `shaders/`. A line `#include "name.glsl"` takes another file of the same folder by
+//! its bare name, once per shader however often it is named. The files are embedded in the binary;
+//! `--shaders DIR` reads them from disk instead, for work on them. Nothing here knows of OpenGL.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+use include_dir::{Dir, include_dir};
+
+use crate::limits::LIMITS;
+
+static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core.
+pub const DRIVER_PREAMBLE: &str = "#version 330 core\n";
+
+/// Why shader text could not be put together.
+#[derive(Debug, thiserror::Error)]
+pub enum ShaderSourceError {
+    /// The folder of `--shaders` lacks a file, or it cannot be read.
+    #[error(
+        "the shader file {path} cannot be read: give --shaders a folder that holds every file of shaders/"
+    )]
+    Unreadable {
+        /// The file that was looked for.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// No embedded file has that name.
+    #[error("there is no shader file '{name}' (asked for by {asked_by}): correct the name in the #include line")]
+    Unknown {
+        /// The name as it was written.
+        name: String,
+        /// The file and line that ask for it.
+        asked_by: String,
+    },
+    /// An include line that is not of the form `#include "name"`.
+    #[error("{file}:{line}: write the include as #include \"name.glsl\", a bare name without folders")]
+    BadInclude {
+        /// The file with the line.
+        file: String,
+        /// Its line, from 1.
+        line: usize,
+    },
+    /// Includes nested deeper than [`crate::limits::Limits::include_depth_max`].
+    #[error("{file}: shader includes are nested deeper than {limit}: take some out")]
+    TooDeep {
+        /// The file at which the limit was met.
+        file: String,
+        /// The limit.
+        limit: usize,
+    },
+    /// More text than [`crate::limits::Limits::shader_bytes_max`].
+    #[error("{file}: the shader is longer than {limit} bytes with its includes: take some out")]
+    TooLong {
+        /// The shader.
+        file: String,
+        /// The limit.
+        limit: usize,
+    },
+}
+
+/// A folder of shader files: the embedded one, or one on disk.
+#[derive(Debug, Clone, Default)]
+pub struct ShaderLibrary {
+    folder: Option<PathBuf>,
+}
+
+impl ShaderLibrary {
+    /// The shaders that were compiled into the program.
+    pub fn embedded() -> Self {
+        Self { folder: None }
+    }
+
+    /// The shaders of `folder`, read anew at every [`ShaderLibrary::assemble`].
+    pub fn on_disk(folder: &Path) -> Self {
+        Self { folder: Some(folder.to_owned()) }
+    }
+
+    /// The text of `name` after `preamble`, a `#define` line for each of `defines`, and all includes.
+    ///
+    /// `#line` directives number the file's own lines, so that a driver's message points into the file.
+    ///
+    /// # Errors
+    /// A file that is missing or unreadable, an include line that is no bare name, and text over the limits
+    /// of depth and length.
+    pub fn assemble(
+        &self,
+        name: &str,
+        preamble: &str,
+        defines: &[&str],
+    ) -> Result<String, ShaderSourceError> {
+        let mut assembly = Assembly { library: self, included: HashSet::new(), text: preamble.to_owned() };
+        for define in defines {
+            assembly.text.push_str("#define ");
+            assembly.text.push_str(define);
+            assembly.text.push('\n');
+        }
+        assembly.append(name, "the program", 0)?;
+        Ok(assembly.text)
+    }
+
+    /// The names of all files of the library, sorted.
+    pub fn embedded_names() -> Vec<String> {
+        let mut names: Vec<String> =
+            EMBEDDED.files().map(|file| file.path().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    fn read(&self, name: &str, asked_by: &str) -> Result<String, ShaderSourceError> {
+        match &self.folder {
+            Some(folder) => {
+                let path = folder.join(name);
+                std::fs::read_to_string(&path).map_err(|source| ShaderSourceError::Unreadable { path, source })
+            }
+            None => EMBEDDED
+                .get_file(name)
+                .and_then(|file| file.contents_utf8())
+                .map(str::to_owned)
+                .ok_or_else(|| ShaderSourceError::Unknown { name: name.into(), asked_by: asked_by.into() }),
+        }
+    }
+}
+
+struct Assembly<'a> {
+    library: &'a ShaderLibrary,
+    included: HashSet<String>,
+    text: String,
+}
+
+impl Assembly<'_> {
+    fn append(&mut self, name: &str, asked_by: &str, depth: usize) -> Result<(), ShaderSourceError> {
+        if depth > LIMITS.include_depth_max {
+            return Err(ShaderSourceError::TooDeep { file: name.into(), limit: LIMITS.include_depth_max });
+        }
+        if !self.included.insert(name.to_owned()) {
+            return Ok(());
+        }
+        let source = self.library.read(name, asked_by)?;
+        self.text.push_str("#line 1\n");
+        for (index, line) in source.lines().enumerate() {
+            if let Some(rest) = line.trim_start().strip_prefix("#include") {
+                let bare = bare_name(rest)
+                    .ok_or_else(|| ShaderSourceError::BadInclude { file: name.into(), line: index + 1 })?;
+                self.append(bare, &format!("{name}:{}", index + 1), depth + 1)?;
+                self.text.push_str(&format!("#line {}\n", index + 2));
+            } else {
+                self.text.push_str(line);
+                self.text.push('\n');
+            }
+            if self.text.len() > LIMITS.shader_bytes_max {
+                return Err(ShaderSourceError::TooLong { file: name.into(), limit: LIMITS.shader_bytes_max });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The name between the quotes, if it is a bare file name.
+fn bare_name(rest: &str) -> Option<&str> {
+    let name = rest.trim().strip_prefix('"')?.strip_suffix('"')?;
+    let bare = !name.is_empty() && !name.contains(['/', '\\', '"']) && name != "." && name != "..";
+    bare.then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn library(files: &[(&str, &str)]) -> (tempfile::TempDir, ShaderLibrary) {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        let library = ShaderLibrary::on_disk(folder.path());
+        (folder, library)
+    }
+
+    #[test]
+    fn an_include_is_taken_once_and_lines_keep_their_numbers() {
+        let (_folder, library) =
+            library(&[("a", "one\n#include \"b\"\n#include \"b\"\nfour"), ("b", "in b\n#include \"a\"")]);
+        let text = library.assemble("a", "#version 330 core\n", &["X 1"]).unwrap();
+        let expected = "#version 330 core\n#define X 1\n#line 1\none\n#line 1\nin b\n#line 3\n#line 3\n#line 4\nfour\n";
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn an_include_with_a_folder_is_refused_with_its_line() {
+        let (_folder, library) = library(&[("a", "one\n#include \"../b\"")]);
+        let error = library.assemble("a", "", &[]).unwrap_err().to_string();
+        assert!(error.starts_with("a:2:"), "{error}");
+    }
+
+    #[test]
+    fn depth_and_length_have_limits() {
+        let names: Vec<String> = (0..=LIMITS.include_depth_max + 1).map(|i| format!("f{i}")).collect();
+        let texts: Vec<String> =
+            (0..names.len()).map(|i| format!("#include \"f{}\"", (i + 1).min(names.len() - 1))).collect();
+        let files: Vec<(&str, &str)> =
+            names.iter().zip(&texts).map(|(name, text)| (name.as_str(), text.as_str())).collect();
+        let (_folder, deep) = library(&files);
+        assert!(matches!(deep.assemble("f0", "", &[]), Err(ShaderSourceError::TooDeep { .. })));
+
+        let long_text = "// padding\n".repeat(LIMITS.shader_bytes_max / 11 + 1);
+        let (_folder, long) = library(&[("long", &long_text)]);
+        assert!(matches!(long.assemble("long", "", &[]), Err(ShaderSourceError::TooLong { .. })));
+    }
+
+    #[test]
+    fn a_missing_file_is_named() {
+        let error = ShaderLibrary::embedded().assemble("no_such.frag", "", &[]).unwrap_err().to_string();
+        assert!(error.contains("no_such.frag"), "{error}");
+        let (_folder, library) = library(&[]);
+        let error = library.assemble("scene.frag", "", &[]).unwrap_err().to_string();
+        assert!(error.contains("scene.frag"), "{error}");
+    }
+}

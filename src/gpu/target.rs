@@ -1,0 +1,248 @@
+//! Render targets: textures that passes draw into.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::{Framebuffer, Renderbuffer, Texture};
+
+/// A framebuffer with its colour textures, all of one size, and optionally a stencil.
+pub struct Target {
+    gl: Gl,
+    framebuffer: Framebuffer,
+    colors: Vec<Texture>,
+    // Freed after the framebuffer that uses it.
+    _stencil: Option<Stencil>,
+    size: (u32, u32),
+}
+
+/// The texel format of a colour attachment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Texel {
+    /// Four bytes, stored as they are written.
+    Rgba8,
+    /// Four 16-bit floats.
+    Rgba16F,
+    /// Four 32-bit floats.
+    Rgba32F,
+}
+
+impl Texel {
+    fn internal_format(self) -> u32 {
+        match self {
+            Texel::Rgba8 => glow::RGBA8,
+            Texel::Rgba16F => glow::RGBA16F,
+            Texel::Rgba32F => glow::RGBA32F,
+        }
+    }
+}
+
+/// A depth and stencil buffer for a target.
+pub struct Stencil(Renderbuffer);
+
+impl Stencil {
+    /// A depth and stencil buffer of `size` pixels.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has none left.
+    pub fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+        let buffer = Renderbuffer::new(gl)?;
+        // SAFETY: the renderbuffer is ours; sizes were checked against the driver by the target.
+        unsafe {
+            gl.bind_renderbuffer(glow::RENDERBUFFER, Some(buffer.native()));
+            gl.renderbuffer_storage(
+                glow::RENDERBUFFER,
+                glow::DEPTH24_STENCIL8,
+                size.0.cast_signed(),
+                size.1.cast_signed(),
+            );
+        }
+        Ok(Self(buffer))
+    }
+}
+
+impl Target {
+    /// A target of `size` pixels with a colour texture for each of `texels`.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] beyond the driver's size, [`GpuError::Object`] if it refuses the combination.
+    pub fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        texels: &[Texel],
+        stencil: Option<Stencil>,
+    ) -> Result<Self, GpuError> {
+        let limit = gl.info().texture_side_max;
+        if size.0 > limit || size.1 > limit {
+            return Err(GpuError::TooLarge { width: size.0, height: size.1, limit });
+        }
+        let framebuffer = Framebuffer::new(gl)?;
+        let mut colors = Vec::with_capacity(texels.len());
+        // SAFETY: all names are ours and made in the current context.
+        unsafe {
+            gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer.native()));
+            let mut attachments = Vec::with_capacity(texels.len());
+            for (texel, attachment) in texels.iter().zip(glow::COLOR_ATTACHMENT0..) {
+                let texture = Texture::new(gl)?;
+                gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+                let (kind, format) = (glow::UNSIGNED_BYTE, glow::RGBA);
+                gl.tex_image_2d(
+                    glow::TEXTURE_2D,
+                    0,
+                    texel.internal_format().cast_signed(),
+                    size.0.cast_signed(),
+                    size.1.cast_signed(),
+                    0,
+                    format,
+                    kind,
+                    glow::PixelUnpackData::Slice(None),
+                );
+                for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
+                    gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::NEAREST.cast_signed());
+                }
+                for name in [glow::TEXTURE_WRAP_S, glow::TEXTURE_WRAP_T] {
+                    gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::CLAMP_TO_EDGE.cast_signed());
+                }
+                gl.framebuffer_texture_2d(
+                    glow::FRAMEBUFFER,
+                    attachment,
+                    glow::TEXTURE_2D,
+                    Some(texture.native()),
+                    0,
+                );
+                attachments.push(attachment);
+                colors.push(texture);
+            }
+            if let Some(stencil) = &stencil {
+                gl.framebuffer_renderbuffer(
+                    glow::FRAMEBUFFER,
+                    glow::DEPTH_STENCIL_ATTACHMENT,
+                    glow::RENDERBUFFER,
+                    Some(stencil.0.native()),
+                );
+            }
+            gl.draw_buffers(&attachments);
+            let status = gl.check_framebuffer_status(glow::FRAMEBUFFER);
+            if status != glow::FRAMEBUFFER_COMPLETE {
+                let reason = format!("incomplete ({status:#06x}) with {texels:?}");
+                return Err(GpuError::Object { what: "a render target", reason });
+            }
+        }
+        gl.check("making a render target")?;
+        Ok(Self { gl: gl.clone(), framebuffer, colors, _stencil: stencil, size })
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Draws of the following passes go here, over the whole size.
+    pub fn bind(&self) {
+        // SAFETY: the framebuffer is ours and complete.
+        unsafe {
+            self.gl.bind_framebuffer(glow::FRAMEBUFFER, Some(self.framebuffer.native()));
+            self.gl.viewport(0, 0, self.size.0.cast_signed(), self.size.1.cast_signed());
+        }
+    }
+
+    /// Colour texture `index` becomes readable at texture unit `unit`.
+    pub fn bind_color(&self, index: usize, unit: u32) {
+        // SAFETY: the texture is ours.
+        unsafe {
+            self.gl.active_texture(glow::TEXTURE0 + unit);
+            self.gl.bind_texture(glow::TEXTURE_2D, self.colors.get(index).map(Texture::native));
+        }
+    }
+
+    /// Copies colour attachment 0 to the window's framebuffer, pixel by pixel.
+    pub fn blit_to_window(&self) {
+        let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
+        // SAFETY: both framebuffers are complete; conversion is off, so bytes are copied as they are.
+        unsafe {
+            self.gl.disable(glow::FRAMEBUFFER_SRGB);
+            self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
+            self.gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, None);
+            self.gl.blit_framebuffer(
+                0,
+                0,
+                width,
+                height,
+                0,
+                0,
+                width,
+                height,
+                glow::COLOR_BUFFER_BIT,
+                glow::NEAREST,
+            );
+        }
+    }
+
+    /// Reads colour attachment `index` as bytes, four a pixel, the top row first.
+    pub fn read_rgba8(&self, index: u32) -> Vec<u8> {
+        let row = self.size.0 as usize * 4;
+        let mut bytes = vec![0; row * self.size.1 as usize];
+        self.read(index, glow::UNSIGNED_BYTE, &mut bytes);
+        flip_rows(&mut bytes, row);
+        bytes
+    }
+
+    /// Reads colour attachment `index` as floats, four a pixel, the top row first.
+    pub fn read_rgba32f(&self, index: u32) -> Vec<f32> {
+        let row = self.size.0 as usize * 4;
+        let mut bytes = vec![0; row * 4 * self.size.1 as usize];
+        self.read(index, glow::FLOAT, &mut bytes);
+        let (words, _) = bytes.as_chunks::<4>();
+        let mut floats: Vec<f32> = words.iter().map(|word| f32::from_ne_bytes(*word)).collect();
+        flip_rows(&mut floats, row);
+        floats
+    }
+
+    fn read(&self, index: u32, kind: u32, bytes: &mut [u8]) {
+        // SAFETY: the slice holds exactly the texels of this size in this format.
+        unsafe {
+            self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
+            self.gl.read_buffer(glow::COLOR_ATTACHMENT0 + index);
+            self.gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
+            self.gl.read_pixels(
+                0,
+                0,
+                self.size.0.cast_signed(),
+                self.size.1.cast_signed(),
+                glow::RGBA,
+                kind,
+                glow::PixelPackData::Slice(Some(bytes)),
+            );
+            self.gl.read_buffer(glow::COLOR_ATTACHMENT0);
+        }
+    }
+}
+
+/// OpenGL's first row is the lowest one; a picture's is the top.
+fn flip_rows<T: Copy>(values: &mut [T], row: usize) {
+    if row == 0 {
+        return;
+    }
+    let rows = values.len() / row;
+    for y in 0..rows / 2 {
+        let (upper, lower) = values.split_at_mut((rows - 1 - y) * row);
+        upper[y * row..(y + 1) * row].swap_with_slice(&mut lower[..row]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::flip_rows;
+
+    #[test]
+    fn rows_are_flipped_for_odd_and_even_heights() {
+        let mut odd = [1, 2, 3, 4, 5, 6];
+        flip_rows(&mut odd, 2);
+        assert_eq!(odd, [5, 6, 3, 4, 1, 2]);
+        let mut even = [1, 2, 3, 4];
+        flip_rows(&mut even, 2);
+        assert_eq!(even, [3, 4, 1, 2]);
+    }
+}

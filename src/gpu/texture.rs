@@ -1,0 +1,86 @@
+//! Pictures from `assets/` as mipmapped textures.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+use image::RgbaImage;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::Texture;
+
+/// What happens outside 0..1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture repeats.
+    Repeat,
+    /// The border texel goes on.
+    Clamp,
+}
+
+/// Texture anisotropy on a GPU: what grazing floors and cabinet sides need, at little cost.
+const ANISOTROPY: f32 = 8.0;
+/// The same on a software renderer, where each tap is paid in full.
+const ANISOTROPY_SOFTWARE: f32 = 2.0;
+/// GL_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
+const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
+
+/// Decodes a PNG.
+///
+/// # Errors
+/// [`GpuError::Texture`] if the bytes are no picture.
+pub fn decode_png(name: &str, png: &[u8]) -> Result<RgbaImage, GpuError> {
+    image::load_from_memory_with_format(png, image::ImageFormat::Png)
+        .map(|picture| picture.to_rgba8())
+        .map_err(|error| GpuError::Texture { name: name.into(), reason: error.to_string() })
+}
+
+/// Uploads an sRGB picture: sampled in linear light, all mip levels, trilinear and anisotropic.
+///
+/// # Errors
+/// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no name left.
+pub fn upload(gl: &Gl, picture: &RgbaImage, wrap: Wrap) -> Result<Texture, GpuError> {
+    let (width, height) = picture.dimensions();
+    let limit = gl.info().texture_side_max;
+    if width > limit || height > limit {
+        return Err(GpuError::TooLarge { width, height, limit });
+    }
+    let texture = Texture::new(gl)?;
+    let wrap_mode = match wrap {
+        Wrap::Repeat => glow::REPEAT,
+        Wrap::Clamp => glow::CLAMP_TO_EDGE,
+    };
+    let wanted = if gl.info().software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
+    let anisotropy = wanted.min(gl.info().anisotropy_max);
+    // SAFETY: the texture is ours, and the slice holds width * height RGBA texels.
+    unsafe {
+        gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+        gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+        gl.tex_image_2d(
+            glow::TEXTURE_2D,
+            0,
+            glow::SRGB8_ALPHA8.cast_signed(),
+            width.cast_signed(),
+            height.cast_signed(),
+            0,
+            glow::RGBA,
+            glow::UNSIGNED_BYTE,
+            glow::PixelUnpackData::Slice(Some(picture.as_raw())),
+        );
+        gl.generate_mipmap(glow::TEXTURE_2D);
+        let parameters = [
+            (glow::TEXTURE_MIN_FILTER, glow::LINEAR_MIPMAP_LINEAR),
+            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
+            (glow::TEXTURE_WRAP_S, wrap_mode),
+            (glow::TEXTURE_WRAP_T, wrap_mode),
+        ];
+        for (name, value) in parameters {
+            gl.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
+        }
+        if anisotropy > 1.0 {
+            gl.tex_parameter_f32(glow::TEXTURE_2D, TEXTURE_MAX_ANISOTROPY, anisotropy);
+        }
+    }
+    gl.check("uploading a texture")?;
+    Ok(texture)
+}

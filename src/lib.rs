@@ -1,0 +1,10 @@
+//! Mariana: a music visualizer whose worlds are formulas.
+//!
+//! The folders spell the pipeline: sound comes in through [`audio`], is analysed in [`dsp`], meets time and
+//! camera in [`frame`], and is drawn by [`gpu`] for a window ([`app`]) or a file ([`export`]).
+//! ARCHITECTURE.md says what lives where and what must never be.
+
+pub mod dsp;
+pub mod frame;
+pub mod gpu;
+pub mod limits;

@@ -1,0 +1,67 @@
+//! Every ceiling of the program, in one place.
+//!
+//! A limit is data: code that meets one reads it here, an error that reports one names the number
+//! that stands here, and a test reaches it. Nothing in this file depends on any other room.
+
+/// Ceilings on what comes from outside and on what the program allocates for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Most channels of a decoded stream that are mixed down to stereo. More is an over-limit input.
+    pub channels_max: u16,
+    /// Lowest sample rate of a stream, in hertz.
+    pub sample_rate_min: u32,
+    /// Highest sample rate of a stream, in hertz.
+    pub sample_rate_max: u32,
+    /// Most undecodable packets in a row before a file is given up as damaged.
+    pub bad_packets_in_a_row: u32,
+    /// Most frames (one sample per channel) that one decoded packet may hold.
+    pub packet_frames_max: usize,
+    /// Longest time over which a feature track remembers, in seconds (36 kB for each).
+    pub feature_track_seconds_max: f64,
+    /// Longest duration of a stream, in seconds, that a container's claim is believed (a year); beyond, it is unknown.
+    pub claimed_duration_max: f64,
+    /// Smallest width and height of a picture or a window, in pixels.
+    pub picture_side_min: u32,
+    /// Largest width and height of a picture, in pixels (what OpenGL 3.3 drivers commonly allow).
+    pub picture_side_max: u32,
+    /// Most pixels of one picture (64 Mi: a target of 16-bit floats takes 512 MiB).
+    pub picture_pixels_max: u64,
+    /// Lowest and highest frame rate of `analyze`, `video` and the frame cap, in frames per second.
+    pub fps_min: f64,
+    /// See [`Limits::fps_min`].
+    pub fps_max: f64,
+    /// Longest time that `--at`, `--start` and `--duration` take, in seconds (a day).
+    pub seconds_max: f64,
+    /// Largest shift of the picture against the sound, in milliseconds, either way.
+    pub latency_ms_max: f64,
+    /// Deepest nesting of shader includes.
+    pub include_depth_max: usize,
+    /// Largest shader source after its includes were resolved, in bytes.
+    pub shader_bytes_max: usize,
+}
+
+/// The limits that the program runs with.
+pub const LIMITS: Limits = Limits {
+    channels_max: 32,
+    sample_rate_min: 4_000,
+    sample_rate_max: 768_000,
+    bad_packets_in_a_row: 256,
+    packet_frames_max: 1 << 20,
+    claimed_duration_max: 31_536_000.0,
+    feature_track_seconds_max: 600.0,
+    picture_side_min: 1,
+    picture_side_max: 16_384,
+    picture_pixels_max: 1 << 26,
+    fps_min: 1.0,
+    fps_max: 1_000.0,
+    seconds_max: 86_400.0,
+    latency_ms_max: 5_000.0,
+    include_depth_max: 16,
+    shader_bytes_max: 1 << 20,
+};
+
+impl Default for Limits {
+    fn default() -> Self {
+        LIMITS
+    }
+}
