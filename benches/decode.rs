@@ -66,7 +66,8 @@ fn decoding(c: &mut Criterion) {
 }
 
 fn resampling(c: &mut Criterion) {
-    let second: Vec<[f32; 2]> = (0..44_100).map(|n| [(n as f32 * 0.1).sin(), (n as f32 * 0.07).cos()]).collect();
+    let second: Vec<[f32; 2]> =
+        (0..44_100).map(|n| [(n as f32 * 0.1).sin(), (n as f32 * 0.07).cos()]).collect();
     let mut group = c.benchmark_group("resample");
     group.throughput(Throughput::Elements(44_100));
     for to in [48_000, 96_000] {

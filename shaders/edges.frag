@@ -5,24 +5,28 @@
 
 uniform sampler2D picture;
 
-// Smallest difference between neighbours, in encoded steps of 0..1, that gets more samples.
-const float EDGE_CONTRAST = 0.045;
+// Smallest difference between neighbours, in encoded steps of 0..1, that gets more samples: between different
+// surfaces, and on one surface (textures are filtered by their mip levels already).
+const float EDGE_CONTRAST = 0.03;
+const float INNER_CONTRAST = 0.30;
 
-vec3 seen(ivec2 texel, ivec2 limit) {
-    return srgb_from_linear(texelFetch(picture, clamp(texel, ivec2(0), limit), 0).rgb);
+vec4 seen(ivec2 texel, ivec2 limit) {
+    vec4 first = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
+    return vec4(srgb_from_linear(first.rgb), first.a);
 }
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     ivec2 limit = textureSize(picture, 0) - 1;
-    vec3 low = seen(texel, limit);
-    vec3 high = low;
+    vec4 low = seen(texel, limit);
+    vec4 high = low;
     for (int i = 0; i < 4; i++) {
         ivec2 step = i == 0 ? ivec2(1, 0) : i == 1 ? ivec2(-1, 0) : i == 2 ? ivec2(0, 1) : ivec2(0, -1);
-        vec3 color = seen(texel + step, limit);
-        low = min(low, color);
-        high = max(high, color);
+        vec4 other = seen(texel + step, limit);
+        low = min(low, other);
+        high = max(high, other);
     }
-    vec3 contrast = high - low;
-    if (max(contrast.r, max(contrast.g, contrast.b)) < EDGE_CONTRAST) discard;
+    vec4 range = high - low;
+    float contrast = max(range.r, max(range.g, range.b));
+    if (contrast < (range.a > 0.5 ? EDGE_CONTRAST : INNER_CONTRAST)) discard;
 }

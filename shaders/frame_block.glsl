@@ -11,7 +11,7 @@ layout(std140) uniform FrameBlock {
 };
 
 layout(std140) uniform PassBlock {
-    vec4 sample_offset;     // xy offset of this pass's sample from the pixel's centre, in pixels
+    vec4 sample_offset;     // xy from the pixel's centre, in pixels; z 1 for the further samples of an edge
 };
 
 float band(int index) {

@@ -1,11 +1,14 @@
 // How much light arrives: soft shadows and ambient occlusion.
 
-const vec3 LAMP_POSITION = vec3(-3.0, 11.0, -6.0);
-const vec3 LAMP_COLOR = vec3(1.0, 0.93, 0.82) * 1050.0;
+const vec3 LAMP_POSITION = vec3(-8.5, 12.0, -4.5);
+const vec3 LAMP_COLOR = vec3(1.0, 0.93, 0.82) * 1250.0;
 
-const int SHADOW_STEPS_MAX = 48;
+const int SHADOW_STEPS_MAX = 96;
+// Longest step near the scene: longer ones draw the steps into the penumbra.
+const float SHADOW_STEP_MAX = 0.6;
+const float SHADOW_STEP_MIN = 0.03;
 // Sharpness of the penumbra: distance over this is the radius of the lamp.
-const float SHADOW_SHARPNESS = 22.0;
+const float SHADOW_SHARPNESS = 16.0;
 // Shadow rays also feel what they pass at this distance outside the scene's bounds.
 const float SHADOW_MARGIN = 0.7;
 
@@ -20,21 +23,25 @@ float lamp_visibility(vec3 p, vec3 normal, float cone) {
     float end = min(span.y, lamp_t);
     float t = max(span.x, 0.02);
     float visible = 1.0;
-    float previous = 1e9;
+    float previous = 1e4;
+    float stride = 1e4;
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         if (t >= end) break;
-        float d = scene_distance(origin + t * direction);
+        Nearest nearest = scene_nearest(origin + t * direction);
+        float d = nearest.estimate;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS
-        if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
+        if (i == SHADOW_STEPS_MAX - 1) count_capped += 1000.0;
 #endif
         if (d < 0.002) return 0.0;
-        float behind = d * d / (2.0 * previous);
+        // Where the unbounded spheres of the last two points meet: so far behind this point, so far off the ray.
+        float behind = clamp((d * d + stride * stride - previous * previous) / (2.0 * stride), 0.0, d);
         float closest = sqrt(max(d * d - behind * behind, 0.0));
         visible = min(visible, SHADOW_SHARPNESS * closest / max(t - behind, 1e-3));
         if (visible < 0.004) return 0.0;
         previous = d;
-        t += max(d, 0.015);
+        stride = clamp(nearest.bound, SHADOW_STEP_MIN, SHADOW_STEP_MAX);
+        t += stride;
     }
     return visible * visible * (3.0 - 2.0 * visible);
 }
@@ -59,7 +66,7 @@ float ambient_occlusion(vec3 p, vec3 normal) {
         vec3 probe = p + normal * height;
         float d = probe.y - FLOOR_HEIGHT;
         if (scene_near) {
-            d = min(d, scene_distance(probe));
+            d = min(d, scene_nearest(probe).estimate);
             COUNT(occlusion);
         }
         sum += weight * clamp((height - d) / height, 0.0, 1.0);

@@ -8,7 +8,6 @@ struct Material {
     vec3 emission;      // light of its own
     float gloss;        // strength of the lamp's highlight
     float shine;        // its Blinn-Phong exponent
-    float mirror;       // reflectance at normal incidence of the part that continues the ray
 };
 
 // The pixel's footprint on the surface: how the hit point moves per pixel to the right and up.
@@ -39,7 +38,7 @@ const float MALLARD_Y = 1.55;
 Material speaker_material(vec3 p, vec3 normal, Footprint print) {
     float side = p.x < 0.0 ? -1.0 : 1.0;
     vec3 q = p - vec3(side, 1.0, 1.0) * SPEAKER_CENTRE;
-    Material m = Material(wood_color(p + vec3(side * 3.1, 0.0, 0.0), normal, print), vec3(0.0), 0.35, 40.0, 0.0);
+    Material m = Material(wood_color(p + vec3(side * 3.1, 0.0, 0.0), normal, print), vec3(0.0), 0.35, 40.0);
 
     // The mallard on the front, each looking at the other speaker. Its picture looks to the left.
     vec2 uv = vec2(-side * -1.0, -1.0) * vec2(q.x, q.y - MALLARD_Y) / MALLARD_SIZE + 0.5;
@@ -83,9 +82,14 @@ Material bar_material(vec3 p) {
     int index = bar_index(p.x);
     vec3 hue = bar_hue((float(index) + 0.5) / 32.0);
     float glow = 0.25 + 1.3 * band(index) * smoothstep(-0.6, 1.0, p.y / (0.04 + BAR_HEIGHT * band(index)));
-    return Material(0.5 * hue, hue * glow, 0.3, 60.0, 0.0);
+    return Material(0.5 * hue, hue * glow, 0.3, 60.0);
 }
 
-Material floor_material() {
-    return Material(vec3(0.0, 0.19, 0.20), vec3(0.0), 0.0, 1.0, 0.22);
+// Reflectance of the floor's mirror at normal incidence.
+const float FLOOR_MIRROR = 0.22;
+
+Material material_at(int object, vec3 p, vec3 normal, Footprint print) {
+    if (object == FLOOR) return Material(vec3(0.0, 0.19, 0.20), vec3(0.0), 0.0, 1.0);
+    if (object == BAR) return bar_material(p);
+    return speaker_material(p, normal, print);
 }

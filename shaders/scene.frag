@@ -1,5 +1,5 @@
 // One sample of the scene for each pixel: primary ray, light, and the mirror's reflection (LD?S*E, thesis 3.3).
-// Writes colour tone-mapped to 0..1, still linear.
+// Writes colour tone-mapped to 0..1, still linear, and in alpha a key of the surfaces seen.
 
 #include "frame_block.glsl"
 #include "speakers.glsl"
@@ -9,13 +9,13 @@
 #include "materials.glsl"
 #include "tone_map.glsl"
 
-layout(location = 0) out vec4 sample_color;
+layout(location = 0) out vec4 sample_color;         // alpha: a whole number below 2048
 #ifdef COUNT_EVALUATIONS
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
 layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, 0, 0
 #endif
 
-const float HORIZON_DISTANCE = 38.0;
+const float HORIZON_DISTANCE = 55.0;
 
 Footprint pixel_footprint(vec3 direction, vec3 normal, float distance) {
     float along = dot(direction, normal);
@@ -43,57 +43,72 @@ vec3 shade(Material m, vec3 p, vec3 normal, vec3 direction, float cone) {
     }
     float open = ambient_occlusion(p, normal);
     // From above the sky, from below what the teal floor throws back.
-    vec3 ambient = mix(vec3(0.045, 0.115, 0.120), vec3(0.155, 0.165, 0.185), 0.5 + 0.5 * normal.y);
-    ambient += vec3(0.10, 0.07, 0.05) * max(-normal.z, 0.0);
+    vec3 ambient = mix(vec3(0.020, 0.070, 0.075), vec3(0.085, 0.095, 0.120), 0.5 + 0.5 * normal.y);
+    ambient += vec3(0.060, 0.040, 0.028) * max(-normal.z, 0.0);
     light += m.albedo * ambient * open;
     return light;
 }
 
-Material material_of(int object, vec3 p, vec3 normal, Footprint print) {
-    if (object == BAR) return bar_material(p);
-    return speaker_material(p, normal, print);
+// A number for the surfaces of a path: where neighbours differ in it, an edge of the geometry lies between them.
+float surface_key = 0.0;
+
+void add_to_key(int object, vec3 normal) {
+    vec3 cell = floor(normal * 1.49 + 1.5);
+    float facing = object == FLOOR ? 0.0 : cell.x + 3.0 * cell.y + 9.0 * cell.z;
+    surface_key = surface_key * 4.0 + float(object) + 16.0 * facing;
 }
 
-// Colour of what the ray meets, other than the floor.
-vec3 object_color(Hit hit, vec3 origin, vec3 direction, float cone, float travelled) {
-    vec3 p = origin + hit.t * direction;
-    vec3 normal = surface_normal(p, cone);
-    Footprint print = pixel_footprint(direction, normal, travelled);
-    return shade(material_of(hit.object, p, normal, print), p, normal, direction, cone);
-}
+// The most surfaces that a path meets: the mirror and what it shows.
+const int SURFACES_MAX = 2;
 
+// Light along a ray from the eye. One loop over the surfaces of the path, so that a driver compiles tracing and
+// shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
-    Hit hit = trace(origin, direction, 0.0, 0.0, spread, false);
-    if (hit.object == SKY) return sky_color(direction);
-    if (hit.object != FLOOR) return object_color(hit, origin, direction, spread * hit.t, hit.t);
+    float travelled = 0.0;
+    float throughput = 1.0;
+    vec3 color = vec3(0.0);
+    for (int surface = 0; surface < SURFACES_MAX; surface++) {
+        float cone = spread * travelled;
+        Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
+        if (hit.object == SKY) return color + throughput * sky_color(direction);
+        travelled += hit.t;
+        cone = spread * travelled;
+        vec3 p = origin + hit.t * direction;
 
-    vec3 p = origin + hit.t * direction;
-    p.y = FLOOR_HEIGHT;
-    vec3 normal = vec3(0.0, 1.0, 0.0);
-    Material m = floor_material();
-    float haze = 1.0 - exp(-pow(length(p.xz - vec2(0.0, 10.0)) / HORIZON_DISTANCE, 2.0));
-    vec3 bounced = vec3(direction.x, -direction.y, direction.z);
-    vec3 far = sky_color(vec3(direction.x, 0.0, direction.z));
-    if (haze > 0.995) return far;
-
-    float cone = spread * hit.t;
-    vec3 color = shade(m, p, normal, direction, cone);
-    // Schlick's approximation of Fresnel's reflectance.
-    float reflectance = m.mirror + (1.0 - m.mirror) * pow(1.0 - max(-direction.y, 0.0), 5.0);
-    Hit mirrored = trace(p, bounced, 0.01, cone, spread, true);
-    vec3 seen = mirrored.object == SKY || mirrored.object == FLOOR
-        ? sky_color(bounced)
-        : object_color(mirrored, p, bounced, cone + spread * mirrored.t, hit.t + mirrored.t);
-    return mix(mix(color, seen, reflectance), far, haze);
+        float reflectance = 0.0;
+        vec3 normal = vec3(0.0, 1.0, 0.0);
+        if (hit.object == FLOOR) {
+            p.y = FLOOR_HEIGHT;
+            // The floor fades into the horizon.
+            vec2 away = p.xz - vec2(0.0, 10.0);
+            float haze = 1.0 - exp(-dot(away, away) / (HORIZON_DISTANCE * HORIZON_DISTANCE));
+            color += throughput * haze * sky_color(vec3(direction.x, 0.0, direction.z));
+            throughput *= 1.0 - haze;
+            if (throughput < 0.004) return color;
+            // Schlick's approximation of Fresnel's reflectance.
+            reflectance = FLOOR_MIRROR + (1.0 - FLOOR_MIRROR) * pow(1.0 - max(-direction.y, 0.0), 5.0);
+        } else {
+            normal = surface_normal(p, cone);
+        }
+        add_to_key(hit.object, normal);
+        Material m = material_at(hit.object, p, normal, pixel_footprint(direction, normal, travelled));
+        color += throughput * (1.0 - reflectance) * shade(m, p, normal, direction, cone);
+        throughput *= reflectance;
+        if (throughput < 0.004) return color;
+        origin = p;
+        direction = vec3(direction.x, -direction.y, direction.z);
+    }
+    return color;
 }
 
 void main() {
     vec2 pixel = gl_FragCoord.xy + sample_offset.xy;
+    float pass_kind = sample_offset.z;
     vec2 place = 2.0 * pixel * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
-    sample_color = vec4(tone_map(color), 1.0);
+    sample_color = vec4(tone_map(color), pass_kind > 0.5 ? 1.0 : surface_key);
 #ifdef COUNT_EVALUATIONS
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
     more_evaluations = vec4(count_occlusion, count_capped, 0.0, 0.0);

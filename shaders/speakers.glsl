@@ -12,7 +12,7 @@ const int SPEAKER = 2;
 const int BAR = 3;
 
 const float FLOOR_HEIGHT = 0.0;
-// All of scene_distance's zero set lies inside this box.
+// All surfaces lie inside this box.
 const vec3 BOUNDS_MIN = vec3(-7.2, 0.0, 7.8);
 const vec3 BOUNDS_MAX = vec3(7.2, 6.4, 12.2);
 
@@ -76,24 +76,24 @@ float bar_distance(vec3 p, int index) {
     return round_box(p - centre, vec3(BAR_HALF_WIDTH, 0.5 * height, BAR_HALF_DEPTH) - 0.02, 0.02);
 }
 
-// The nearest of 32 bars: far away the box around all, near by the two nearest in x, and no more than the
-// distance at which a third could stand.
-float bars_distance(vec3 p) {
+// What is known about the surfaces near a point: bound <= distance <= estimate.
+struct Nearest {
+    float bound;        // as far as a ray may step
+    float estimate;     // the distance to a surface that is there: penumbras and occlusion trust this alone
+    int object;         // what that surface belongs to
+};
+
+Nearest scene_nearest(vec3 p) {
+    float speakers = speakers_distance(p);
+    // Of the 32 bars the two nearest in x are measured. Another one can be no nearer than the box around all,
+    // nor than two places away.
+    int first = bar_index(p.x);
+    float centre = (float(first) - 15.5) * BAR_SPACING;
+    int second = clamp(first + (p.x > centre ? 1 : -1), 0, 31);
+    float bars = min(bar_distance(p, first), bar_distance(p, second));
     float around = box(p - vec3(0.0, 0.5 * (BAR_HEIGHT + 0.04), BAR_Z),
                        vec3(16.0 * BAR_SPACING, 0.5 * (BAR_HEIGHT + 0.04), BAR_HALF_DEPTH));
-    if (around > 0.3) return around;
-    int nearest = bar_index(p.x);
-    float centre = (float(nearest) - 15.5) * BAR_SPACING;
-    int other = clamp(nearest + (p.x > centre ? 1 : -1), 0, 31);
-    float two = min(bar_distance(p, nearest), bar_distance(p, other));
-    return min(two, 1.5 * BAR_SPACING - BAR_HALF_WIDTH);
-}
-
-float scene_distance(vec3 p) {
-    return min(speakers_distance(p), bars_distance(p));
-}
-
-// Which object the surface at p belongs to.
-int scene_object(vec3 p) {
-    return bars_distance(p) < speakers_distance(p) ? BAR : SPEAKER;
+    float others = max(around, 1.5 * BAR_SPACING - BAR_HALF_WIDTH);
+    int object = bars < speakers ? BAR : SPEAKER;
+    return Nearest(min(speakers, min(bars, others)), min(speakers, bars), object);
 }

@@ -36,18 +36,20 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float end = min(span.y, floor_t);
     float t = max(span.x, start);
     if (t >= end) return miss;
+    int object = SKY;
     for (int i = 0; i < STEPS_MAX; i++) {
-        vec3 p = origin + t * direction;
-        float d = scene_distance(p);
+        Nearest nearest = scene_nearest(origin + t * direction);
+        float d = nearest.bound;
+        object = nearest.object;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEPS_MAX - 1) COUNT(capped);
 #endif
-        if (d < HIT_SHARE * (cone + spread * t)) return Hit(t, scene_object(p));
+        if (d < HIT_SHARE * (cone + spread * t)) return Hit(t, object);
         t += d;
         if (t >= end) return miss;
     }
-    return Hit(t, scene_object(origin + t * direction));
+    return Hit(t, object);
 }
 
 // Normal by central differences on a tetrahedron, four taps; the step follows the pixel's cone (thesis 3.1).
@@ -56,7 +58,7 @@ vec3 surface_normal(vec3 p, float cone) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < 4; i++) {
         vec3 e = 2.0 * vec3(float(((i + 3) >> 1) & 1), float((i >> 1) & 1), float(i & 1)) - 1.0;
-        sum += e * scene_distance(p + h * e);
+        sum += e * scene_nearest(p + h * e).estimate;
     }
     COUNT_N(normal, 4);
     float size = length(sum);

@@ -67,14 +67,10 @@ fn a_storm_of_events_allocates_nothing_in_the_callback() {
         let length = length.min(samples.len());
         let latency = [None, Some(Duration::from_millis(20)), Some(Duration::MAX)][random.below(3)];
         let now = Instant::now();
-        assert_no_alloc(|| {
-            if size % 3 == 0 {
-                feeder.fill(&mut integers[..length], channels, now, latency);
-            } else if size % 3 == 1 {
-                feeder.fill(&mut samples[..length], channels, now, latency);
-            } else {
-                feeder.serve(&mut samples[..length], channels, latency);
-            }
+        assert_no_alloc(|| match size % 3 {
+            0 => feeder.fill(&mut integers[..length], channels, now, latency),
+            1 => feeder.fill(&mut samples[..length], channels, now, latency),
+            _ => feeder.serve(&mut samples[..length], channels, latency),
         });
         loudest = samples[..length].iter().fold(loudest, |loudest, sample| loudest.max(sample.abs()));
         frames += length / channels;

@@ -149,7 +149,13 @@ struct Recorder {
 impl Recorder {
     fn start() -> Self {
         let mut process = Command::new("parec")
-            .args(["--device=viz.monitor", "--format=float32le", "--rate=48000", "--channels=2", "--latency-msec=20"])
+            .args([
+                "--device=viz.monitor",
+                "--format=float32le",
+                "--rate=48000",
+                "--channels=2",
+                "--latency-msec=20",
+            ])
             .stdout(Stdio::piped())
             .spawn()
             .expect("parec is needed for this test: install it");
@@ -197,7 +203,8 @@ fn align(recorded: &[StereoFrame], wanted: &[StereoFrame], from: usize, length: 
 
 /// Correlation and level of `a` relative to `b`, in dB.
 fn compare(a: impl Iterator<Item = f32> + Clone, b: impl Iterator<Item = f32> + Clone) -> (f64, f64) {
-    let dot = |x: &mut dyn Iterator<Item = (f32, f32)>| x.map(|(x, y)| f64::from(x) * f64::from(y)).sum::<f64>();
+    let dot =
+        |x: &mut dyn Iterator<Item = (f32, f32)>| x.map(|(x, y)| f64::from(x) * f64::from(y)).sum::<f64>();
     let ab = dot(&mut a.clone().zip(b.clone()));
     let aa = dot(&mut a.clone().zip(a));
     let bb = dot(&mut b.clone().zip(b));
@@ -248,7 +255,9 @@ fn played_is_recorded(rate: u32) {
         }
     }
     // Silence before and after.
-    let loudest = |frames: &[StereoFrame]| frames.iter().flatten().fold(0.0_f32, |loudest, sample| loudest.max(sample.abs()));
+    let loudest = |frames: &[StereoFrame]| {
+        frames.iter().flatten().fold(0.0_f32, |loudest, sample| loudest.max(sample.abs()))
+    };
     let start = (shift.max(0)) as usize;
     assert!(loudest(&recorded[..start]) < 1e-3);
     assert!(loudest(&recorded[start + wanted.len() + 480..]) < 1e-3);

@@ -73,8 +73,13 @@ impl SpanHistory {
     /// An empty history of a device with `rate` frames per second, and its only writer.
     pub fn new(rate: u32) -> (SpanWriter, Arc<Self>) {
         let slots = (0..SPANS_KEPT).map(|_| Slot::default()).collect();
-        let history =
-            Arc::new(Self { epoch: Instant::now(), rate: rate.max(1), slots, written: AtomicU64::new(0), calls: AtomicU64::new(0) });
+        let history = Arc::new(Self {
+            epoch: Instant::now(),
+            rate: rate.max(1),
+            slots,
+            written: AtomicU64::new(0),
+            calls: AtomicU64::new(0),
+        });
         (SpanWriter { history: history.clone(), next_start_ns: None }, history)
     }
 
@@ -147,7 +152,9 @@ impl SpanWriter {
         self.history.calls.fetch_add(1, Ordering::Relaxed);
         let reported = self.history.nanoseconds(called_at) as f64 + latency.as_nanos() as f64;
         let start = match self.next_start_ns {
-            Some(expected) if (reported - expected).abs() < JUMP_NS => expected + (reported - expected) * FOLLOW,
+            Some(expected) if (reported - expected).abs() < JUMP_NS => {
+                expected + (reported - expected) * FOLLOW
+            }
             _ => reported,
         };
         self.next_start_ns = Some(start + self.duration_ns(frames));
@@ -224,7 +231,15 @@ mod tests {
         writer.push(span(10, 1, 0, 20, true));
         writer.push(span(30, 1, 20, 10, false));
         writer.push(span(40, 2, 0, 10, true));
-        for (ms, segment, frame) in [(0, 1, 0.0), (10, 1, 0.0), (15, 1, 5.0), (30, 1, 20.0), (39, 1, 20.0), (44, 2, 4.0), (900, 2, 10.0)] {
+        for (ms, segment, frame) in [
+            (0, 1, 0.0),
+            (10, 1, 0.0),
+            (15, 1, 5.0),
+            (30, 1, 20.0),
+            (39, 1, 20.0),
+            (44, 2, 4.0),
+            (900, 2, 10.0),
+        ] {
             assert_eq!(at_ms(&history, ms), Some(Audible { segment, frame }), "at {ms} ms");
         }
     }
@@ -234,7 +249,10 @@ mod tests {
         let (mut writer, history) = SpanHistory::new(1000);
         let count = SPANS_KEPT as u64 + 100;
         (0..count).for_each(|n| writer.push(span(10 * n, 1, 10 * n, 10, true)));
-        assert_eq!(at_ms(&history, 10 * count - 5).map(|audible| audible.frame), Some(10.0 * count as f64 - 5.0));
+        assert_eq!(
+            at_ms(&history, 10 * count - 5).map(|audible| audible.frame),
+            Some(10.0 * count as f64 - 5.0)
+        );
         assert_eq!(at_ms(&history, 0).map(|audible| audible.frame), Some(1000.0));
     }
 

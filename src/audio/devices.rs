@@ -85,7 +85,9 @@ pub fn list_devices() -> DeviceReport {
             match worker {
                 Err(error) => problem(error.to_string()),
                 Ok(_) => answers.recv_timeout(HOST_LIMIT).unwrap_or_else(|error| match error {
-                    RecvTimeoutError::Timeout => problem(format!("no answer within {} s", HOST_LIMIT.as_secs())),
+                    RecvTimeoutError::Timeout => {
+                        problem(format!("no answer within {} s", HOST_LIMIT.as_secs()))
+                    }
                     RecvTimeoutError::Disconnected => problem("it failed while it was asked".into()),
                 }),
             }
@@ -245,8 +247,18 @@ impl<T: fmt::Display + PartialEq> fmt::Display for Range<T> {
 mod tests {
     use super::*;
 
-    fn format(name: &str, channels: u16, sample_rate: (u32, u32), buffer: Option<(u32, u32)>) -> FormatReport {
-        FormatReport { formats: vec![name.into()], channels: (channels, channels), sample_rate, buffer_frames: buffer }
+    fn format(
+        name: &str,
+        channels: u16,
+        sample_rate: (u32, u32),
+        buffer: Option<(u32, u32)>,
+    ) -> FormatReport {
+        FormatReport {
+            formats: vec![name.into()],
+            channels: (channels, channels),
+            sample_rate,
+            buffer_frames: buffer,
+        }
     }
 
     #[test]
@@ -270,7 +282,12 @@ mod tests {
         };
         let hosts = vec![
             HostReport { name: "ALSA".into(), problem: None, outputs: vec![output], inputs: Vec::new() },
-            HostReport { name: "Other".into(), problem: Some("asleep".into()), outputs: Vec::new(), inputs: Vec::new() },
+            HostReport {
+                name: "Other".into(),
+                problem: Some("asleep".into()),
+                outputs: Vec::new(),
+                inputs: Vec::new(),
+            },
         ];
         let report = DeviceReport { hosts };
         let text = report.to_string();
@@ -286,7 +303,10 @@ mod tests {
             assert!(text.contains(part), "no {part:?} in\n{text}");
         }
         let json = serde_json::to_value(&report).expect("it is plain data");
-        assert_eq!(json["hosts"][0]["outputs"][0]["supported"][0]["buffer_frames"], serde_json::json!([8, 512]));
+        assert_eq!(
+            json["hosts"][0]["outputs"][0]["supported"][0]["buffer_frames"],
+            serde_json::json!([8, 512])
+        );
         assert_eq!(DeviceReport { hosts: Vec::new() }.to_string(), "no sound system\n");
     }
 

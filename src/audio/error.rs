@@ -6,7 +6,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum PlayerError {
     /// The source's sample rate is beyond what the program takes.
-    #[error("the sound has {rate} samples per second, but only {min} to {max} are supported; convert it, for example to 48000")]
+    #[error(
+        "the sound has {rate} samples per second, but only {min} to {max} are supported; convert it, for example to 48000"
+    )]
     SampleRate {
         /// The source's rate, in hertz.
         rate: u32,
@@ -24,19 +26,25 @@ pub enum PlayerError {
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum OutputError {
     /// Nothing to play on.
-    #[error("there is no sound output device; connect one or start the sound server, then start the program again")]
+    #[error(
+        "there is no sound output device; connect one or start the sound server, then start the program again"
+    )]
     NoDevice,
     /// The device asked for is not there.
     #[error("there is no sound output called '{0}'; 'mariana devices' lists those that are there")]
     UnknownDevice(String),
     /// Another program holds the device.
-    #[error("the sound output {device} is busy; close the program that uses it or choose another with --device")]
+    #[error(
+        "the sound output {device} is busy; close the program that uses it or choose another with --device"
+    )]
     Busy {
         /// The device's name.
         device: String,
     },
     /// The device takes none of the sample formats that can be produced.
-    #[error("the sound output {device} takes only {format} samples, which are not supported; choose another with --device")]
+    #[error(
+        "the sound output {device} takes only {format} samples, which are not supported; choose another with --device"
+    )]
     Format {
         /// The device's name.
         device: String,
@@ -52,7 +60,9 @@ pub enum OutputError {
         reason: String,
     },
     /// Opening took too long.
-    #[error("the sound system did not answer within {seconds} s; restart it or choose another output with --device")]
+    #[error(
+        "the sound system did not answer within {seconds} s; restart it or choose another output with --device"
+    )]
     Timeout {
         /// How long was waited.
         seconds: u64,

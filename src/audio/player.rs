@@ -132,8 +132,7 @@ impl Player {
         let (commands, inbox) = channel();
         let work = Decoding::new(source, options.looping, timeline.clone(), to_analysis, error.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
-        let request =
-            OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
+        let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
         let outputs = commands.clone();
         // If the decoding thread has ended, so has the playback.
         let deliver = move |link| drop(outputs.send(Command::Output(link)));
@@ -228,7 +227,8 @@ impl Player {
             && let Some(place) = self.timeline.lock().place(audible, (-shift).max(0.0))
         {
             let segment = audible.segment;
-            self.moment = Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
+            self.moment =
+                Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
         }
         self.moment
     }

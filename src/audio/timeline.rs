@@ -72,7 +72,14 @@ impl Timeline {
         }
         let anchors = VecDeque::from([Anchor { segment_time: 0.0, song_time: start, lap: 0 }]);
         let track = FeatureTrack::new(LIMITS.latency_ms_max / 1000.0 + TRACK_RESERVE);
-        self.segments.push_back(SegmentNotes { id, rate: rate.max(1), start, anchors, track, end_frame: None });
+        self.segments.push_back(SegmentNotes {
+            id,
+            rate: rate.max(1),
+            start,
+            anchors,
+            track,
+            end_frame: None,
+        });
     }
 
     /// Forgets a segment that was never handed out.
@@ -178,13 +185,18 @@ mod tests {
     #[test]
     fn features_belong_to_their_segment() {
         let mut timeline = Timeline::default();
-        let moment = |time, volume| TimedFeatures { time, features: Features { volume: [volume; 2], ..Features::default() } };
+        let moment = |time, volume| TimedFeatures {
+            time,
+            features: Features { volume: [volume; 2], ..Features::default() },
+        };
         timeline.begin(1, 100, 5.0);
         timeline.push_features(1, moment(5.0, 0.25));
         timeline.begin(2, 100, 5.0);
         timeline.push_features(2, moment(5.0, 0.75));
         timeline.push_features(2, moment(7.0, 0.25));
-        let volume = |segment, frame, ahead| timeline.place(at(segment, frame), ahead).map(|place| place.features.volume[0]);
+        let volume = |segment, frame, ahead| {
+            timeline.place(at(segment, frame), ahead).map(|place| place.features.volume[0])
+        };
         assert_eq!(volume(1, 10.0, 0.0), Some(0.25));
         assert_eq!(volume(2, 0.0, 0.0), Some(0.75));
         assert_eq!(volume(2, 100.0, 0.0), Some(0.5));

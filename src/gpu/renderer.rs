@@ -152,7 +152,7 @@ impl Renderer {
 
             targets.first.bind();
             self.scene.bind();
-            self.draw_sample([0.0, 0.0]);
+            self.draw_sample([0.0, 0.0], 0.0);
 
             targets.extra.bind();
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
@@ -173,7 +173,7 @@ impl Renderer {
             gl.blend_func(glow::ONE, glow::ONE);
             self.scene.bind();
             for offset in EDGE_SAMPLES {
-                self.draw_sample(offset);
+                self.draw_sample(offset, 1.0);
             }
             gl.disable(glow::BLEND);
             gl.disable(glow::STENCIL_TEST);
@@ -252,9 +252,9 @@ impl Renderer {
         }
     }
 
-    /// Draws one sample for every pixel that the stencil lets through.
-    fn draw_sample(&self, offset: [f32; 2]) {
-        let block = [offset[0], offset[1], 0.0, 0.0];
+    /// Draws one sample for every pixel that the stencil lets through; `further` is 1 for the samples of an edge.
+    fn draw_sample(&self, offset: [f32; 2], further: f32) {
+        let block = [offset[0], offset[1], further, 0.0];
         let bytes: Vec<u8> = block.iter().flat_map(|value| value.to_ne_bytes()).collect();
         // SAFETY: the buffer is ours and the draw reads nothing else than what `bind_inputs` bound.
         unsafe {

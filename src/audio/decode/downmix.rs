@@ -223,7 +223,8 @@ mod tests {
             mixed(&layout, &frame)[side] / front[0]
         };
         // Relative to the front: centre and surrounds -3 dB, LFE nothing.
-        for (i, side, wanted_db) in [(1, 1, 0.0), (2, 0, -3.01), (2, 1, -3.01), (4, 0, -3.01), (5, 1, -3.01)] {
+        for (i, side, wanted_db) in [(1, 1, 0.0), (2, 0, -3.01), (2, 1, -3.01), (4, 0, -3.01), (5, 1, -3.01)]
+        {
             assert!((20.0 * ratio(i, side).log10() - wanted_db).abs() < 0.01, "channel {i}");
         }
         assert_eq!((ratio(3, 0), ratio(3, 1), ratio(4, 1), ratio(5, 0)), (0.0, 0.0, 0.0, 0.0));

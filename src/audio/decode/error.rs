@@ -49,7 +49,9 @@ pub enum DecodeError {
         source: std::io::Error,
     },
     /// The bytes are no sound in any form, or not in a form that can be recognised.
-    #[error("{name} is not an audio file: {what}; choose a wav, aiff, flac, mp3, ogg, opus, m4a, caf, mkv or webm file")]
+    #[error(
+        "{name} is not an audio file: {what}; choose a wav, aiff, flac, mp3, ogg, opus, m4a, caf, mkv or webm file"
+    )]
     NotAudio {
         /// The file's name.
         name: String,

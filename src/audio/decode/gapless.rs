@@ -165,14 +165,10 @@ mod tests {
     fn an_edit_list_is_found_behind_an_empty_edit() {
         let elst = boxed(b"elst", &words(&[0, 2, 40, u32::MAX, 0x1_0000, 960, 1024, 0x1_0000]));
         let mdhd = boxed(b"mdhd", &words(&[0, 0, 0, 44_100, 0, 0]));
-        let trak = [
-            boxed(b"tkhd", &words(&[0, 0, 0, 7, 0])),
-            boxed(b"edts", &elst),
-            boxed(b"mdia", &mdhd),
-        ]
-        .concat();
-        let file =
-            [boxed(b"ftyp", b"M4A "), boxed(b"moov", &boxed(b"trak", &trak)), boxed(b"mdat", &[0; 9])].concat();
+        let trak =
+            [boxed(b"tkhd", &words(&[0, 0, 0, 7, 0])), boxed(b"edts", &elst), boxed(b"mdia", &mdhd)].concat();
+        let file = [boxed(b"ftyp", b"M4A "), boxed(b"moov", &boxed(b"trak", &trak)), boxed(b"mdat", &[0; 9])]
+            .concat();
         let wanted = TrackEdit { track_id: 7, timescale: 44_100, media_time: 1024 };
         assert_eq!(track_edits(&mut Cursor::new(&file)), (vec![wanted], false));
         // No cut and no nonsense makes it fail or hang.

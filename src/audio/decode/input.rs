@@ -96,7 +96,11 @@ impl Input {
     fn probe(&self, mut source: impl MediaSource + 'static) -> Result<Opened, DecodeError> {
         let name = self.name();
         let mut head = Vec::new();
-        source.by_ref().take(sniff::SNIFF_BYTES as u64).read_to_end(&mut head).map_err(|e| self.read_error(e))?;
+        source
+            .by_ref()
+            .take(sniff::SNIFF_BYTES as u64)
+            .read_to_end(&mut head)
+            .map_err(|e| self.read_error(e))?;
         if head.is_empty() {
             return Err(DecodeError::Empty { name });
         }
@@ -124,48 +128,45 @@ impl Input {
             })
         };
         let mut probed = probe(stream)?;
-        let looks_behind = head.starts_with(b"FORM") || head.starts_with(b"caff");
-        if looks_behind && matches!(&probed, Err(Error::IoError(_))) {
-            // The AIFF and CAF demuxers look for more behind the sound, which fails where the file is cut short;
-            // without the means to jump they do not.
+        let recognised = RECOGNISED
+            .iter()
+            .any(|(offset, mark)| head.get(*offset..).is_some_and(|rest| rest.starts_with(mark)));
+        if recognised && probed.is_err() {
+            // Many demuxers look for more at the end, or hold lengths against that of the file, which fails where
+            // it is cut short; without the means to jump they do not.
             let source: Box<dyn MediaSource> = match self {
                 Self::File { path } => {
                     Box::new(ReadOnlySource::new(File::open(path).map_err(|e| self.read_error(e))?))
                 }
                 Self::Bytes { bytes, .. } => Box::new(ReadOnlySource::new(Cursor::new(*bytes))),
             };
-            probed = probe(MediaSourceStream::new(source, Default::default()))?;
+            let again = probe(MediaSourceStream::new(source, Default::default()))?;
+            probed = again.or(probed);
         }
         match probed {
             Ok(format) => Ok(Opened { format, edits, fragmented }),
-            Err(error) => Err(self.probe_error(error, &head)),
+            Err(error) => Err(self.probe_error(error, recognised)),
         }
     }
 
-    fn probe_error(&self, error: Error, head: &[u8]) -> DecodeError {
+    fn probe_error(&self, error: Error, recognised: bool) -> DecodeError {
         let name = self.name();
-        let recognised = RECOGNISED.iter().any(|(offset, mark)| {
-            head.get(*offset..).is_some_and(|rest| rest.starts_with(mark))
-        });
         match error {
-            Error::IoError(source) if source.kind() != io::ErrorKind::UnexpectedEof && source.raw_os_error().is_some() => {
+            Error::IoError(source)
+                if source.kind() != io::ErrorKind::UnexpectedEof && source.raw_os_error().is_some() =>
+            {
                 self.read_error(source)
             }
-            _ if !recognised => {
-                DecodeError::NotAudio { name, what: "nothing in it looks like sound".into() }
+            _ if !recognised => DecodeError::NotAudio { name, what: "nothing in it looks like sound".into() },
+            Error::Unsupported(what) => {
+                DecodeError::UnsupportedFormat { name, what: format!("a variant of a known format ({what})") }
             }
-            Error::Unsupported(what) => DecodeError::UnsupportedFormat {
-                name,
-                what: format!("a variant of a known format ({what})"),
-            },
             Error::LimitError(what) => DecodeError::OverLimit {
                 name,
                 what: format!("an oversized header ({what})"),
                 limit: "that of the format's reader".into(),
             },
-            Error::IoError(_) => {
-                DecodeError::Damaged { name, what: "it ends within its header".into() }
-            }
+            Error::IoError(_) => DecodeError::Damaged { name, what: "it ends within its header".into() },
             Error::DecodeError(what) => {
                 DecodeError::Damaged { name, what: format!("its header cannot be read ({what})") }
             }

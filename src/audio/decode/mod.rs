@@ -12,7 +12,8 @@
 //!   codecs; with lossy ones half a second is decoded ahead, which makes their state the same (AAC's substituted noise
 //!   excepted, which is drawn at random).
 //! - Damaged packets are skipped and counted; where the clock tells how long they were, silence takes their place, so
-//!   that the rest stays in time. What is cut short plays as far as it goes.
+//!   that the rest stays in time. What is cut short plays as far as it goes (not CAF, and not MP4 with its
+//!   tables at the end).
 //! - Chained streams (Ogg) play one after the other. A change of channels changes the down-mix; a change of rate is
 //!   resampled to the first rate.
 //! - Nothing of a file's claims sizes a buffer, and a panic in a codec library becomes an error.

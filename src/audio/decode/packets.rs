@@ -302,7 +302,11 @@ impl PacketReader {
         // Oldest first, so that the newest word counts.
         loop {
             if let Some(revision) = metadata.current() {
-                revision.per_track.iter().filter(|per| per.track_id == track).for_each(|per| read(&per.metadata));
+                revision
+                    .per_track
+                    .iter()
+                    .filter(|per| per.track_id == track)
+                    .for_each(|per| read(&per.metadata));
                 read(&revision.media);
             }
             if metadata.pop().is_none() {

@@ -92,10 +92,9 @@ fn wave_format(head: &[u8]) -> Option<(usize, u32)> {
         return None;
     }
     match find_chunk(head, b"fmt ", u32::from_le_bytes)? {
-        [_, _, c0, c1, r0, r1, r2, r3, ..] => Some((
-            usize::from(u16::from_le_bytes([*c0, *c1])),
-            u32::from_le_bytes([*r0, *r1, *r2, *r3]),
-        )),
+        [_, _, c0, c1, r0, r1, r2, r3, ..] => {
+            Some((usize::from(u16::from_le_bytes([*c0, *c1])), u32::from_le_bytes([*r0, *r1, *r2, *r3])))
+        }
         _ => None,
     }
 }
@@ -129,7 +128,8 @@ mod tests {
         for end in 0..wave.len() {
             over_limit("a.wav", &wave[..end]);
         }
-        let mut aiff = b"FORM\x00\x00\x00\x00AIFFCOMM\x00\x00\x00\x12\x00\x02\x00\x00\x00\x00\x00\x10".to_vec();
+        let mut aiff =
+            b"FORM\x00\x00\x00\x00AIFFCOMM\x00\x00\x00\x12\x00\x02\x00\x00\x00\x00\x00\x10".to_vec();
         aiff.extend_from_slice(&[0x40, 0x0E, 0xAC, 0x44, 0, 0, 0, 0, 0, 0]);
         assert_eq!(aiff_format(&aiff), Some((2, 44_100)));
     }

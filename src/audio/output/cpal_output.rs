@@ -8,7 +8,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
-use cpal::{BufferSize, ErrorKind, FromSample, I24, SampleFormat, SizedSample, StreamConfig, SupportedBufferSize, U24};
+use cpal::{
+    BufferSize, ErrorKind, FromSample, I24, SampleFormat, SizedSample, StreamConfig, SupportedBufferSize, U24,
+};
 
 use super::feeder::{Controls, Counters, Feeder, FeederLink};
 use crate::audio::error::OutputError;
@@ -58,10 +60,17 @@ pub(crate) fn open(
         Some(name) => find_device(name).ok_or_else(|| OutputError::UnknownDevice(name.into()))?,
         None => default_device().ok_or(OutputError::NoDevice)?,
     };
-    let name = format!("'{}'", device.description().map_or_else(|_| "default".into(), |about| about.name().to_owned()));
+    let name = format!(
+        "'{}'",
+        device.description().map_or_else(|_| "default".into(), |about| about.name().to_owned())
+    );
     let refused = |error: cpal::Error| match error.kind() {
         ErrorKind::DeviceBusy => OutputError::Busy { device: name.clone() },
-        _ => OutputError::Open { device: name.clone(), reason: error.to_string() },
+        // A default device may be a name with nothing behind it.
+        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable if wanted.is_none() => {
+            OutputError::NoDevice
+        }
+        _ => OutputError::Open { device: name.clone(), reason: sentence(&error) },
     };
     let supported = device.default_output_config().map_err(refused)?;
     let frames = buffer_frames(supported.sample_rate(), *supported.buffer_size());
@@ -95,7 +104,8 @@ pub(crate) fn open(
                 };
                 let StreamConfig { channels, sample_rate, .. } = config;
                 let host = device.id().map_or("unknown host", |id| id.host().name());
-                let description = format!("{host}: {name}, {sample_rate} Hz, {channels} channels, {format}, {buffer}");
+                let description =
+                    format!("{host}: {name}, {sample_rate} Hz, {channels} channels, {format}, {buffer}");
                 return Ok(Opened { stream, link, description });
             }
             Err(error) => last_error = Some(error),
@@ -110,7 +120,8 @@ fn default_device() -> Option<cpal::Device> {
 
 /// The device with the id `wanted` (as `mariana devices` prints it), or else whose id or name contains it.
 fn find_device(wanted: &str) -> Option<cpal::Device> {
-    let hosts: Vec<_> = hosts_by_preference().into_iter().filter_map(|host| cpal::host_from_id(host).ok()).collect();
+    let hosts: Vec<_> =
+        hosts_by_preference().into_iter().filter_map(|host| cpal::host_from_id(host).ok()).collect();
     let outputs: Vec<_> = hosts.iter().filter_map(|host| host.output_devices().ok()).flatten().collect();
     let lower = wanted.to_lowercase();
     let texts = |device: &cpal::Device| {
@@ -118,10 +129,9 @@ fn find_device(wanted: &str) -> Option<cpal::Device> {
         let name = device.description().map(|about| about.name().to_owned()).unwrap_or_default();
         [id.to_lowercase(), name.to_lowercase()]
     };
-    let position = outputs
-        .iter()
-        .position(|device| texts(device).contains(&lower))
-        .or_else(|| outputs.iter().position(|device| texts(device).iter().any(|text| text.contains(&lower))))?;
+    let position = outputs.iter().position(|device| texts(device).contains(&lower)).or_else(|| {
+        outputs.iter().position(|device| texts(device).iter().any(|text| text.contains(&lower)))
+    })?;
     outputs.into_iter().nth(position)
 }
 
@@ -147,8 +157,13 @@ fn error_callback(
         // The stream goes on.
         ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
         _ if reported.swap(true, Ordering::Relaxed) => {}
-        _ => on_failure(error.to_string()),
+        _ => on_failure(sentence(&error)),
     }
+}
+
+/// What the system says, to be put into a sentence.
+fn sentence(error: &cpal::Error) -> String {
+    error.to_string().trim_end_matches('.').to_owned()
 }
 
 fn build<T: SizedSample + FromSample<f32>>(
@@ -160,7 +175,8 @@ fn build<T: SizedSample + FromSample<f32>>(
     let channels = usize::from(config.channels);
     let callback = move |data: &mut [T], info: &cpal::OutputCallbackInfo| {
         let stamps = info.timestamp();
-        let latency = stamps.playback.checked_duration_since(stamps.callback).filter(|latency| !latency.is_zero());
+        let latency =
+            stamps.playback.checked_duration_since(stamps.callback).filter(|latency| !latency.is_zero());
         feeder.serve(data, channels, latency);
     };
     device.build_output_stream(config, callback, on_error, Some(BUILD_LIMIT))

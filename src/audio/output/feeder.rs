@@ -44,8 +44,11 @@ pub struct Controls {
 impl Controls {
     /// `volume` is 0 to 1; others are clamped.
     pub fn new(volume: f32, paused: bool) -> Self {
-        let controls =
-            Self { volume: AtomicU32::new(0), muted: AtomicBool::new(false), paused: AtomicBool::new(paused) };
+        let controls = Self {
+            volume: AtomicU32::new(0),
+            muted: AtomicBool::new(false),
+            paused: AtomicBool::new(paused),
+        };
         controls.set_volume(volume);
         controls
     }
@@ -272,7 +275,9 @@ impl Feeder {
         let mut done = 0;
         while done < frames {
             let count = self.next_run((frames - done).min(CHUNK), start_ns, done);
-            for (frame, out) in self.chunk[..count].iter().zip(whole[done * channels..].chunks_exact_mut(channels)) {
+            for (frame, out) in
+                self.chunk[..count].iter().zip(whole[done * channels..].chunks_exact_mut(channels))
+            {
                 write_frame(*frame, out);
             }
             done += count;
@@ -319,7 +324,8 @@ impl Feeder {
             self.last = last;
         }
         for frame in &mut self.chunk[..count] {
-            self.fade = if self.fade < target { self.fade + 1 } else { self.fade.saturating_sub(1).max(target) };
+            self.fade =
+                if self.fade < target { self.fade + 1 } else { self.fade.saturating_sub(1).max(target) };
             self.gain = approach(self.gain, gain, gain_step);
             let factor = self.gain * (self.fade as f32 / full);
             *frame = [frame[0] * factor, frame[1] * factor];

@@ -122,7 +122,10 @@ fn a_paused_feeder_takes_a_new_segment_in_silence() {
     bench.play(500);
     bench.offer(2, &ramp(0..1000));
     assert_eq!(bench.play(500), vec![[0.0; 2]; 500]);
-    assert_eq!(bench.link.history.at(bench.now).map(|audible| (audible.segment, audible.frame)), Some((2, 0.0)));
+    assert_eq!(
+        bench.link.history.at(bench.now).map(|audible| (audible.segment, audible.frame)),
+        Some((2, 0.0))
+    );
 }
 
 #[test]

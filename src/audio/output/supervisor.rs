@@ -84,7 +84,8 @@ impl Supervisor {
         deliver: impl FnMut(FeederLink) + Send + 'static,
     ) -> io::Result<Self> {
         let (events, inbox) = channel();
-        let status = Arc::new(Mutex::new(OutputStatus { description: "opening".into(), ..OutputStatus::default() }));
+        let status =
+            Arc::new(Mutex::new(OutputStatus { description: "opening".into(), ..OutputStatus::default() }));
         let mut watch = Watch {
             request,
             controls,

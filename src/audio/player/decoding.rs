@@ -109,7 +109,18 @@ impl Decoding {
         error: Arc<Mutex<Option<String>>>,
     ) -> Self {
         let (link, filling) = (None, None);
-        Self { source, looping, timeline, analysis, error, link, filling, last_id: 0, start: 0.0, scratch: Vec::new() }
+        Self {
+            source,
+            looping,
+            timeline,
+            analysis,
+            error,
+            link,
+            filling,
+            last_id: 0,
+            start: 0.0,
+            scratch: Vec::new(),
+        }
     }
 
     /// Works until [`Command::Quit`] or until the player is gone.
@@ -173,7 +184,8 @@ impl Decoding {
     fn begin(&mut self, target: f64) {
         self.start = target;
         let place = self.place();
-        let Some((rate, buffer_frames)) = self.link.as_ref().map(|link| (link.rate, link.buffer_frames)) else {
+        let Some((rate, buffer_frames)) = self.link.as_ref().map(|link| (link.rate, link.buffer_frames))
+        else {
             return;
         };
         if let Some(unheard) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
@@ -228,7 +240,9 @@ impl Decoding {
 
     /// Does the next piece of work on the segment.
     fn fill(&mut self) -> Next {
-        let (Some(link), Some(filling)) = (self.link.as_mut(), self.filling.as_mut()) else { return Next::Wait };
+        let (Some(link), Some(filling)) = (self.link.as_mut(), self.filling.as_mut()) else {
+            return Next::Wait;
+        };
         filling.push_ready();
         if filling.ready.is_empty() && filling.exhausted && !filling.finished {
             filling.finished = true;
@@ -244,7 +258,11 @@ impl Decoding {
         if filling.finished || !filling.ready.is_empty() {
             return Next::Wait;
         }
-        if filling.decoded.is_empty() { self.decode() } else { self.convert() }
+        if filling.decoded.is_empty() {
+            self.decode()
+        } else {
+            self.convert()
+        }
         Next::GoOn
     }
 
@@ -300,7 +318,8 @@ impl Decoding {
                     (filling.since_jump, filling.from_start) = (0, true);
                     let (id, lap_start) = (filling.id, filling.fed as f64 / source_rate);
                     let played = self.link.as_ref().and_then(|link| {
-                        let audible = link.history.at(Instant::now()).filter(|audible| audible.segment == id)?;
+                        let audible =
+                            link.history.at(Instant::now()).filter(|audible| audible.segment == id)?;
                         Some(audible.frame / f64::from(link.rate) - LIMITS.latency_ms_max / 1000.0)
                     });
                     self.timeline.lock().begin_lap(id, lap_start, played.unwrap_or(0.0));

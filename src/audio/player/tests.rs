@@ -111,7 +111,8 @@ impl Stepped {
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
                 // Half a frame in, so that rounding of the time does not matter.
-                let moment = self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / f64::from(RATE)) as u64);
+                let moment =
+                    self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / f64::from(RATE)) as u64);
                 let audible = self.history.at(moment);
                 if let Some((audible, place)) = audible.and_then(|a| Some((a, timeline.place(a, 0.0)?))) {
                     let index = (value == before + 1.0).then_some(value);
@@ -146,7 +147,12 @@ impl Drop for Stepped {
 /// What was heard is what the clock told, for nearly all frames (the others are fades).
 fn assert_told(heard: &[Heard], least_part: f64) {
     let clear: Vec<_> = heard.iter().filter_map(|heard| Some((heard.index?, heard.told_index))).collect();
-    assert!(clear.len() as f64 >= least_part * heard.len() as f64, "{} of {} are clear", clear.len(), heard.len());
+    assert!(
+        clear.len() as f64 >= least_part * heard.len() as f64,
+        "{} of {} are clear",
+        clear.len(),
+        heard.len()
+    );
     for (index, told) in clear {
         assert!((index - told).abs() < 0.01, "heard frame {index}, told {told}");
     }
@@ -193,7 +199,9 @@ fn the_end_comes_after_the_last_frame_and_a_seek_leads_back() {
     let song = 30_000;
     let mut stepped = Stepped::new(Ramp::new(song), false);
     let mut heard = Vec::new();
-    let ended = |stepped: &Stepped| stepped.history.at(stepped.now).is_some_and(|a| stepped.timeline.lock().is_end(a));
+    let ended = |stepped: &Stepped| {
+        stepped.history.at(stepped.now).is_some_and(|a| stepped.timeline.lock().is_end(a))
+    };
     let start = Instant::now();
     while !ended(&stepped) && start.elapsed() < Duration::from_secs(10) {
         heard.extend(stepped.play(480));
