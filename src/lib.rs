@@ -4,7 +4,12 @@
 //! camera in [`frame`], and is drawn by [`gpu`] for a window ([`app`]) or a file ([`export`]).
 //! ARCHITECTURE.md says what lives where and what must never be.
 
+pub mod app;
+pub mod audio;
+pub mod cli;
+pub mod config;
 pub mod dsp;
+pub mod export;
 pub mod frame;
 pub mod gpu;
 pub mod limits;

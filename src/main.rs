@@ -1,2 +1,13 @@
-//! placeholder
-fn main() {}
+//! The program: arguments in, one printed error and the exit code out.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    match mariana::cli::run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("mariana: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

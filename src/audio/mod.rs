@@ -26,6 +26,7 @@ mod error;
 pub mod output;
 pub mod player;
 pub mod resample;
+pub mod song;
 pub mod source;
 pub mod timeline;
 mod worker;

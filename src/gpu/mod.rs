@@ -9,3 +9,4 @@ pub mod renderer;
 pub mod shader_source;
 pub mod target;
 pub mod texture;
+pub mod timer;

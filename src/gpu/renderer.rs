@@ -188,13 +188,13 @@ impl Renderer {
         self.gl.check("drawing a frame")
     }
 
-    /// Copies the finished picture to the window's framebuffer.
+    /// Copies the finished picture to the window's framebuffer of `window` pixels.
     ///
     /// # Errors
     /// An error that the driver reports.
-    pub fn show(&self) -> Result<(), GpuError> {
+    pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         if let Some(targets) = &self.targets {
-            targets.finished.blit_to_window();
+            targets.finished.blit_to_window(window);
         }
         self.gl.check("showing a frame")
     }

@@ -157,8 +157,9 @@ impl Target {
         }
     }
 
-    /// Copies colour attachment 0 to the window's framebuffer, pixel by pixel.
-    pub fn blit_to_window(&self) {
+    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if it is larger.
+    pub fn blit_to_window(&self, window: (u32, u32)) {
+        let filter = if window == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
         // SAFETY: both framebuffers are complete; conversion is off, so bytes are copied as they are.
         unsafe {
@@ -172,10 +173,10 @@ impl Target {
                 height,
                 0,
                 0,
-                width,
-                height,
+                window.0.cast_signed(),
+                window.1.cast_signed(),
                 glow::COLOR_BUFFER_BIT,
-                glow::NEAREST,
+                filter,
             );
         }
     }

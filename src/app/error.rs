@@ -1,0 +1,35 @@
+//! What keeps the window from showing. Each message says what, where and what to do.
+
+use crate::audio::PlayerError;
+use crate::gpu::error::GpuError;
+
+/// An error of the window.
+#[derive(Debug, thiserror::Error)]
+pub enum AppError {
+    /// No display to open a window on.
+    #[error(
+        "no window can be opened ({0}): start Mariana in a graphical session, or use 'mariana still' or 'mariana \
+         video', which need none"
+    )]
+    NoDisplay(String),
+    /// The window system refused.
+    #[error("the window system refuses {doing}: {reason}")]
+    Window {
+        /// What was being done.
+        doing: &'static str,
+        /// What the system said.
+        reason: String,
+    },
+    /// No usable OpenGL for the window.
+    #[error(
+        "the window gets no OpenGL 3.3 core context ({0}): update the graphics driver, or set \
+         LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
+    )]
+    NoContext(String),
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The song cannot be played.
+    #[error(transparent)]
+    Player(#[from] PlayerError),
+}

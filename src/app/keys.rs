@@ -1,0 +1,181 @@
+//! The keys: one table from which handling, help and README are derived.
+
+use winit::keyboard::{Key, NamedKey};
+
+/// What a key does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Action {
+    /// Pause or go on.
+    TogglePause,
+    /// Seek by so many seconds.
+    Seek(f64),
+    /// Change the volume by so much of 0..1.
+    ChangeVolume(f32),
+    /// Mute or unmute.
+    ToggleMute,
+    /// Enter or leave full screen.
+    ToggleFullscreen,
+    /// Leave full screen; never quits.
+    LeaveFullscreen,
+    /// Print the keys.
+    PrintHelp,
+    /// End the program.
+    Quit,
+}
+
+/// Seconds of a seek by key.
+pub const SEEK_SECONDS: f64 = 5.0;
+/// Step of the volume by key, of 0..1.
+pub const VOLUME_STEP: f32 = 0.05;
+
+/// One row of the table.
+pub struct Binding {
+    /// The keys as winit reports them, letters in lower case.
+    pub keys: &'static [Key<&'static str>],
+    /// The keys as people write them.
+    pub written: &'static str,
+    /// What they do.
+    pub action: Action,
+    /// The same in words.
+    pub meaning: &'static str,
+    /// Whether holding the key repeats it.
+    pub repeats: bool,
+}
+
+/// Every key that does something.
+pub const BINDINGS: &[Binding] = &[
+    Binding {
+        keys: &[Key::Named(NamedKey::Space), Key::Named(NamedKey::MediaPlayPause)],
+        written: "Space",
+        action: Action::TogglePause,
+        meaning: "pause, or go on",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::ArrowLeft)],
+        written: "Left",
+        action: Action::Seek(-SEEK_SECONDS),
+        meaning: "back 5 s",
+        repeats: true,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::ArrowRight)],
+        written: "Right",
+        action: Action::Seek(SEEK_SECONDS),
+        meaning: "forward 5 s",
+        repeats: true,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::ArrowUp)],
+        written: "Up",
+        action: Action::ChangeVolume(VOLUME_STEP),
+        meaning: "louder",
+        repeats: true,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::ArrowDown)],
+        written: "Down",
+        action: Action::ChangeVolume(-VOLUME_STEP),
+        meaning: "quieter",
+        repeats: true,
+    },
+    Binding {
+        keys: &[Key::Character("m")],
+        written: "M",
+        action: Action::ToggleMute,
+        meaning: "mute, or unmute; the picture goes on",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("f"), Key::Named(NamedKey::F11)],
+        written: "F, F11 or double click",
+        action: Action::ToggleFullscreen,
+        meaning: "full screen, or back",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::Escape)],
+        written: "Esc",
+        action: Action::LeaveFullscreen,
+        meaning: "leave full screen",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("h"), Key::Named(NamedKey::F1)],
+        written: "H or F1",
+        action: Action::PrintHelp,
+        meaning: "print the keys",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("q")],
+        written: "Q",
+        action: Action::Quit,
+        meaning: "quit",
+        repeats: false,
+    },
+];
+
+/// What `key` does, if anything; `repeated` while it is held.
+pub fn action_of(key: &Key, repeated: bool) -> Option<Action> {
+    let lower = match key {
+        Key::Character(text) => Key::Character(text.to_lowercase()),
+        Key::Named(named) => Key::Named(*named),
+        _ => return None,
+    };
+    let same = |bound: &Key<&str>| match (bound, &lower) {
+        (Key::Character(bound), Key::Character(typed)) => *bound == typed,
+        (Key::Named(bound), Key::Named(typed)) => bound == typed,
+        _ => false,
+    };
+    let binding = BINDINGS.iter().find(|binding| binding.keys.iter().any(same))?;
+    (binding.repeats || !repeated).then_some(binding.action)
+}
+
+/// The keys as text, a line each.
+pub fn help() -> String {
+    let mut text = String::from("Keys:\n");
+    for binding in BINDINGS {
+        text.push_str(&format!("  {:<24}{}\n", binding.written, binding.meaning));
+    }
+    text
+}
+
+/// The keys as the rows of README's table.
+pub fn markdown_table() -> String {
+    let mut text = String::from("| key | what it does |\n|---|---|\n");
+    for binding in BINDINGS {
+        text.push_str(&format!("| {} | {} |\n", binding.written, binding.meaning));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_key_is_bound_twice() {
+        let all: Vec<_> = BINDINGS.iter().flat_map(|binding| binding.keys).collect();
+        for (index, key) in all.iter().enumerate() {
+            assert!(!all[..index].contains(key), "{key:?} stands twice");
+        }
+    }
+
+    #[test]
+    fn letters_work_with_caps_lock_and_only_some_keys_repeat() {
+        assert_eq!(action_of(&Key::Character("M".into()), false), Some(Action::ToggleMute));
+        assert_eq!(action_of(&Key::Character("m".into()), true), None);
+        assert_eq!(action_of(&Key::Named(NamedKey::ArrowLeft), true), Some(Action::Seek(-SEEK_SECONDS)));
+        assert_eq!(action_of(&Key::Character("z".into()), false), None);
+    }
+
+    #[test]
+    fn the_words_of_a_seek_name_its_length() {
+        for binding in BINDINGS {
+            if let Action::Seek(seconds) = binding.action {
+                assert!(binding.meaning.contains(&format!("{} s", seconds.abs())), "{}", binding.meaning);
+            }
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! The window: the only room that uses winit.
+
+pub mod error;
+pub mod keys;
+pub mod pacing;
+mod show;
+mod window;
+
+pub use error::AppError;
+pub use show::run;

@@ -1,0 +1,51 @@
+//! When the next frame is due: a frame limiter for drivers whose vertical sync does not hold (STACK: Xvfb).
+
+use std::time::{Duration, Instant};
+
+/// Keeps frames at least an interval apart, without drift.
+#[derive(Debug, Clone)]
+pub struct Pacing {
+    interval: Duration,
+    due: Instant,
+}
+
+impl Pacing {
+    /// At most `fps` frames per second from `now` on.
+    pub fn new(fps: f64, now: Instant) -> Self {
+        let interval = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(16));
+        Self { interval, due: now }
+    }
+
+    /// When the next frame is due.
+    pub fn due(&self) -> Instant {
+        self.due
+    }
+
+    /// Notes a frame that was begun at `now`. A frame that came late moves the following ones: no burst makes up
+    /// for it.
+    pub fn begun(&mut self, now: Instant) {
+        self.due = (self.due + self.interval).max(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_keep_their_rhythm_and_lateness_is_not_made_up_for() {
+        let start = Instant::now();
+        let mut pacing = Pacing::new(100.0, start);
+        let ms = |n: u64| start + Duration::from_millis(n);
+        pacing.begun(ms(0));
+        assert_eq!(pacing.due(), ms(10));
+        // A little late: the grid stays.
+        pacing.begun(ms(12));
+        assert_eq!(pacing.due(), ms(20));
+        // Very late: the next frame is due at once, and only one.
+        pacing.begun(ms(95));
+        assert_eq!(pacing.due(), ms(95));
+        pacing.begun(ms(95));
+        assert_eq!(pacing.due(), ms(105));
+    }
+}

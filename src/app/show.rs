@@ -1,0 +1,313 @@
+//! The show: a song that plays, a window that shows it, keys that steer it.
+
+use std::time::{Duration, Instant};
+
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalPosition;
+use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::WindowId;
+
+use super::error::AppError;
+use super::keys::{self, Action};
+use super::pacing::Pacing;
+use super::window::GlWindowContext;
+use crate::audio::song::{Song, display_name};
+use crate::audio::source::FrameSource;
+use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
+use crate::config::PlaySettings;
+use crate::frame::Frame;
+use crate::gpu::headless::Headless;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::shader_source::ShaderLibrary;
+
+/// Frame cap where the monitor tells no rate.
+const FPS_DEFAULT: f64 = 60.0;
+/// How often a show that stands still looks around.
+const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+/// How often status (title, messages) is looked at.
+const STATUS_INTERVAL: Duration = Duration::from_millis(200);
+/// Two clicks within this time and distance in pixels are a double click.
+const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
+
+/// Opens the window and plays `song` until the user quits, or until it ends if it plays once.
+///
+/// # Errors
+/// The song cannot be opened or the window cannot show it.
+pub fn run(song: &Song, settings: PlaySettings) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let decoder = song.open()?;
+    let event_loop = match EventLoop::new() {
+        Ok(event_loop) => event_loop,
+        Err(_) if settings.gl_info => {
+            println!("context              EGL without a window\n{}", Headless::new(false)?.gl().info());
+            return Ok(());
+        }
+        Err(error) => return Err(AppError::NoDisplay(error.to_string()).into()),
+    };
+    let mut show = Show {
+        name: display_name(&decoder),
+        source: Some(Box::new(decoder)),
+        settings,
+        started,
+        stage: None,
+        error: None,
+    };
+    event_loop
+        .run_app(&mut show)
+        .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
+    show.error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// Everything that lives as long as the event loop.
+struct Show {
+    name: String,
+    /// Taken by the player when the window stands.
+    source: Option<Box<dyn FrameSource>>,
+    settings: PlaySettings,
+    started: Instant,
+    stage: Option<Stage>,
+    error: Option<AppError>,
+}
+
+/// Everything that lives as long as the window.
+struct Stage {
+    player: Player,
+    renderer: Renderer,
+    pacing: Pacing,
+    /// What the last frame showed; a show that stands still is not drawn again.
+    shown: Option<(Moment, (u32, u32))>,
+    frames: u64,
+    status_due: Instant,
+    told_silent: Option<String>,
+    told_source: Option<String>,
+    title: String,
+    last_click: Option<(Instant, PhysicalPosition<f64>)>,
+    cursor: PhysicalPosition<f64>,
+    occluded: bool,
+    // Last: everything above that holds OpenGL objects goes first.
+    window: GlWindowContext,
+}
+
+impl Show {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+        let settings = &self.settings;
+        let title = title(&self.name, None);
+        let window =
+            GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, settings.verbose)?;
+        if settings.gl_info {
+            println!("{}", window.gl().info());
+            event_loop.exit();
+            return Ok(());
+        }
+        if settings.fullscreen {
+            window.set_fullscreen(true);
+        }
+        let library = settings.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk);
+        let renderer = Renderer::new(window.gl(), &library, Counting::Off)?;
+        let Some(source) = self.source.take() else { return Ok(()) };
+        // The song starts with the first picture, so that nothing of it is missed.
+        let options = PlayerOptions {
+            device: settings.device.clone(),
+            looping: !settings.once,
+            volume: settings.volume,
+            paused: true,
+            output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+        };
+        let player = Player::start(source, options)?;
+        let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
+        let now = Instant::now();
+        self.stage = Some(Stage {
+            player,
+            renderer,
+            pacing: Pacing::new(fps, now),
+            shown: None,
+            frames: 0,
+            status_due: now,
+            told_silent: None,
+            told_source: None,
+            title,
+            last_click: None,
+            cursor: PhysicalPosition::default(),
+            occluded: false,
+            window,
+        });
+        Ok(())
+    }
+
+    fn draw(&mut self) -> Result<(), AppError> {
+        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let Some(size) = stage.window.size() else { return Ok(()) };
+        stage.pacing.begun(Instant::now());
+        let moment = stage.player.now(self.settings.latency);
+        // A window beyond the driver's textures is drawn smaller and enlarged.
+        let limit = stage.window.gl().info().texture_side_max;
+        let drawn = (size.0.min(limit), size.1.min(limit));
+        if stage.shown != Some((moment, drawn)) {
+            stage.renderer.draw(&Frame::new(moment.song_time, moment.features, drawn))?;
+        }
+        stage.renderer.show(size)?;
+        stage.window.swap()?;
+        stage.shown = Some((moment, drawn));
+        if stage.frames == 0 {
+            tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
+            stage.player.set_paused(false);
+        }
+        stage.frames += 1;
+        Ok(())
+    }
+
+    fn act(&mut self, action: Action, event_loop: &ActiveEventLoop) {
+        let Some(stage) = &mut self.stage else { return };
+        match action {
+            Action::TogglePause => stage.player.toggle_pause(),
+            Action::Seek(seconds) => stage.player.seek_by(seconds),
+            Action::ChangeVolume(delta) => stage.player.change_volume(delta),
+            Action::ToggleMute => stage.player.toggle_mute(),
+            Action::ToggleFullscreen => stage.window.set_fullscreen(!stage.window.is_fullscreen()),
+            Action::LeaveFullscreen => stage.window.set_fullscreen(false),
+            Action::PrintHelp => println!("{}", keys::help()),
+            Action::Quit => event_loop.exit(),
+        }
+        stage.status_due = Instant::now();
+    }
+
+    /// Title and messages, and the end of a song that plays once.
+    fn look_at_status(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(stage) = &mut self.stage else { return };
+        let now = Instant::now();
+        if now < stage.status_due {
+            return;
+        }
+        stage.status_due = now + STATUS_INTERVAL;
+        let status = stage.player.status();
+        if status.silent != stage.told_silent {
+            match &status.silent {
+                Some(reason) if !self.settings.silent => {
+                    eprintln!("mariana: the song runs without sound: {reason}");
+                }
+                Some(_) => {}
+                None => eprintln!("mariana: the sound is back: {}", status.output),
+            }
+            stage.told_silent.clone_from(&status.silent);
+        }
+        if status.source_error != stage.told_source {
+            if let Some(error) = &status.source_error {
+                eprintln!("mariana: {error}");
+            }
+            stage.told_source.clone_from(&status.source_error);
+        }
+        let title = title(&self.name, Some(&status));
+        if title != stage.title {
+            stage.window.window().set_title(&title);
+            stage.title = title;
+        }
+        if status.ended {
+            event_loop.exit();
+        }
+    }
+
+    fn click(&mut self, event_loop: &ActiveEventLoop) {
+        let Some(stage) = &mut self.stage else { return };
+        let now = Instant::now();
+        let double = stage.last_click.is_some_and(|(then, place)| {
+            let (dx, dy) = (place.x - stage.cursor.x, place.y - stage.cursor.y);
+            now - then <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
+        });
+        stage.last_click = if double { None } else { Some((now, stage.cursor)) };
+        if double {
+            self.act(Action::ToggleFullscreen, event_loop);
+        }
+    }
+
+    fn fail(&mut self, error: AppError, event_loop: &ActiveEventLoop) {
+        self.error.get_or_insert(error);
+        event_loop.exit();
+    }
+}
+
+/// The window's title: the song, the program, and what is not as usual.
+fn title(name: &str, status: Option<&PlayerStatus>) -> String {
+    let mut title = format!("{name} - Mariana");
+    let Some(status) = status else { return title };
+    let mut notes = Vec::new();
+    if status.paused {
+        notes.push("paused".to_owned());
+    }
+    if status.muted {
+        notes.push("muted".to_owned());
+    } else if status.volume < 0.995 {
+        notes.push(format!("volume {:.0} %", status.volume * 100.0));
+    }
+    if status.silent.is_some() {
+        notes.push("no sound device".to_owned());
+    }
+    if !notes.is_empty() {
+        title.push_str(&format!(" ({})", notes.join(", ")));
+    }
+    title
+}
+
+impl ApplicationHandler for Show {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if self.stage.is_none()
+            && self.error.is_none()
+            && let Err(error) = self.open(event_loop)
+        {
+            self.fail(error, event_loop);
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+        let Some(stage) = &mut self.stage else { return };
+        match event {
+            WindowEvent::CloseRequested => event_loop.exit(),
+            WindowEvent::Resized(_) => {
+                stage.window.resize();
+                stage.window.window().request_redraw();
+            }
+            WindowEvent::Occluded(occluded) => stage.occluded = occluded,
+            WindowEvent::CursorMoved { position, .. } => stage.cursor = position,
+            WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
+                self.click(event_loop);
+            }
+            WindowEvent::KeyboardInput {
+                event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
+                is_synthetic: false,
+                ..
+            } => {
+                if let Some(action) = keys::action_of(&logical_key, repeat) {
+                    self.act(action, event_loop);
+                }
+            }
+            WindowEvent::RedrawRequested if !event_loop.exiting() => {
+                if let Err(error) = self.draw() {
+                    self.fail(error, event_loop);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.look_at_status(event_loop);
+        let latency = self.settings.latency;
+        let Some(stage) = &mut self.stage else { return };
+        let now = Instant::now();
+        let moving = stage.shown.is_none_or(|(shown, _)| stage.player.now(latency) != shown);
+        if !moving || stage.occluded {
+            // Paused, ended or covered: nothing to draw until something happens.
+            event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));
+        } else if now >= stage.pacing.due() {
+            stage.window.window().request_redraw();
+            event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));
+        } else {
+            event_loop.set_control_flow(ControlFlow::WaitUntil(stage.pacing.due()));
+        }
+    }
+
+    fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        // While the event loop's display still lives.
+        self.stage = None;
+    }
+}

@@ -1,0 +1,150 @@
+//! A window with an OpenGL 3.3 core context.
+
+#![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
+
+use std::num::NonZeroU32;
+
+use glutin::config::{ConfigTemplateBuilder, GlConfig};
+use glutin::context::{
+    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext, Version,
+};
+use glutin::display::{GetGlDisplay, GlDisplay};
+use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
+use glutin_winit::{ApiPreference, DisplayBuilder, GlWindow};
+use winit::dpi::PhysicalSize;
+use winit::event_loop::ActiveEventLoop;
+use winit::raw_window_handle::HasWindowHandle;
+use winit::window::{Fullscreen, Window, WindowAttributes};
+
+use super::error::AppError;
+use crate::gpu::gl::Gl;
+
+/// A window, its surface and its current context.
+pub struct GlWindowContext {
+    // Dropped in this order: the context before the surface before the window.
+    gl: Gl,
+    context: PossiblyCurrentContext,
+    surface: Surface<WindowSurface>,
+    window: Window,
+}
+
+impl GlWindowContext {
+    /// Opens a window of `size` pixels and makes its context current.
+    ///
+    /// # Errors
+    /// No window, or no OpenGL 3.3.
+    pub fn open(
+        event_loop: &ActiveEventLoop,
+        title: &str,
+        size: (u32, u32),
+        visible: bool,
+        log_debug: bool,
+    ) -> Result<Self, AppError> {
+        let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
+        let attributes = WindowAttributes::default()
+            .with_title(title)
+            .with_inner_size(PhysicalSize::new(size.0, size.1))
+            .with_visible(visible);
+        let template = ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
+        let (window, config) = DisplayBuilder::new()
+            .with_preference(ApiPreference::PreferEgl)
+            .with_window_attributes(Some(attributes))
+            .build(event_loop, template, |configs| {
+                // No multisampling: the picture brings its own. glutin asks for one config at least.
+                #[expect(clippy::expect_used, reason = "glutin-winit calls this with one config or more")]
+                configs.min_by_key(|config| config.num_samples()).expect("one config or more")
+            })
+            .map_err(|error| no_context(&error))?;
+        let window = window.ok_or_else(|| AppError::NoContext("no window came with it".into()))?;
+        let handle = window.window_handle().map_err(|error| no_context(&error))?.as_raw();
+        let display = config.display();
+        let attributes = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Core)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
+            .build(Some(handle));
+        // SAFETY: the handle is that of the window, which outlives context and surface (see the fields' order).
+        let (context, surface) = unsafe {
+            let context =
+                display.create_context(&config, &attributes).map_err(|error| no_context(&error))?;
+            let attributes =
+                window.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
+            let surface = display
+                .create_window_surface(&config, &attributes)
+                .map_err(|error| no_context(&error))?;
+            (context, surface)
+        };
+        let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
+        if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
+            tracing::info!("no vertical sync ({error}); the frame cap holds alone");
+        }
+        let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
+        tracing::info!("window context by {}", config_kind(&config));
+        Ok(Self { gl, context, surface, window })
+    }
+
+    /// The functions of the context.
+    pub fn gl(&self) -> &Gl {
+        &self.gl
+    }
+
+    /// The window.
+    pub fn window(&self) -> &Window {
+        &self.window
+    }
+
+    /// Size of the drawable, in pixels; none while it has no area.
+    pub fn size(&self) -> Option<(u32, u32)> {
+        let size = self.window.inner_size();
+        (size.width > 0 && size.height > 0).then_some((size.width, size.height))
+    }
+
+    /// Brings the surface to the window's size.
+    pub fn resize(&self) {
+        if let Some((width, height)) = self.size()
+            && let (Some(width), Some(height)) = (NonZeroU32::new(width), NonZeroU32::new(height))
+        {
+            self.surface.resize(&self.context, width, height);
+        }
+    }
+
+    /// Shows what was drawn; waits for the vertical sync where there is one.
+    ///
+    /// # Errors
+    /// A lost surface.
+    pub fn swap(&self) -> Result<(), AppError> {
+        self.window.pre_present_notify();
+        self.surface.swap_buffers(&self.context).map_err(|error| AppError::Window {
+            doing: "to show a frame",
+            reason: error.to_string(),
+        })
+    }
+
+    /// Frames per second of the window's monitor, where it tells.
+    pub fn refresh_rate(&self) -> Option<f64> {
+        let millihertz = self.window.current_monitor()?.refresh_rate_millihertz()?;
+        (millihertz > 0).then(|| f64::from(millihertz) / 1000.0)
+    }
+
+    /// Whether the window is in full screen.
+    pub fn is_fullscreen(&self) -> bool {
+        self.window.fullscreen().is_some()
+    }
+
+    /// Enters or leaves full screen.
+    pub fn set_fullscreen(&self, on: bool) {
+        self.window.set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
+    }
+}
+
+/// The interface that gave the context.
+fn config_kind(config: &glutin::config::Config) -> &'static str {
+    match config {
+        #[cfg(any(unix, windows))]
+        #[cfg(not(target_os = "macos"))]
+        glutin::config::Config::Egl(_) => "EGL",
+        #[cfg(all(unix, not(target_os = "macos")))]
+        glutin::config::Config::Glx(_) => "GLX",
+        #[allow(unreachable_patterns)]
+        _ => "the system's own interface",
+    }
+}

@@ -1,0 +1,406 @@
+//! The command line: every flag and subcommand, checked against the limits, and what each starts.
+
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::{Args, Parser, Subcommand};
+
+use crate::app;
+use crate::audio::devices::list_devices;
+use crate::audio::song::Song;
+use crate::config::PlaySettings;
+use crate::export::analyze::{AnalyzeRequest, print_features};
+use crate::export::bench::{BenchRequest, measure};
+use crate::export::still::{StillRequest, write_still};
+use crate::export::video::{VideoRequest, write_video};
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::limits::LIMITS;
+
+/// A music visualizer whose worlds are formulas: plays a song and shows it.
+#[derive(Parser)]
+#[command(name = "mariana", version, args_conflicts_with_subcommands = true, after_help = PLAY_EXAMPLES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+
+    #[command(flatten)]
+    play: PlayArguments,
+}
+
+const PLAY_EXAMPLES: &str = "\
+Formats: wav, aiff, flac, mp3, ogg (vorbis, opus), m4a (aac, alac), caf, mkv and webm; any rate, up to 32 channels.
+
+Examples:
+  mariana                         play the built-in demo track
+  mariana song.flac               play a song
+  mariana song.mp3 --once         ... and end with it
+  mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
+  mariana still song.flac --at 12.5 --size 1280x720 -o frame.png
+  mariana help still              what a subcommand takes
+
+H in the window prints the keys.";
+
+#[derive(Args)]
+struct PlayArguments {
+    /// The song; without one the built-in demo track plays
+    file: Option<PathBuf>,
+    /// Output device: an id or a name of 'mariana devices', or a part of one
+    #[arg(long, value_name = "NAME", conflicts_with = "silent")]
+    device: Option<String>,
+    /// Play without sound, in real time
+    #[arg(long)]
+    silent: bool,
+    /// End after the song instead of beginning anew
+    #[arg(long)]
+    once: bool,
+    /// Volume at the start, in percent
+    #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = clap::value_parser!(u8).range(0..=100))]
+    volume: u8,
+    /// The sound is heard so much later than the device says; negative for earlier
+    #[arg(long, value_name = "MS", default_value = "0", value_parser = parse_latency, allow_negative_numbers = true)]
+    latency: f64,
+    /// Most frames per second [default: the monitor's rate]
+    #[arg(long, value_name = "FPS", value_parser = parse_fps)]
+    fps_cap: Option<f64>,
+    /// Start in full screen
+    #[arg(long)]
+    fullscreen: bool,
+    /// Size of the window in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: (u32, u32),
+    /// Print what OpenGL is got, and end
+    #[arg(long)]
+    gl_info: bool,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+#[derive(Args)]
+struct CommonArguments {
+    /// Read the shaders from this folder, for work on them
+    #[arg(long, value_name = "DIR")]
+    shaders: Option<PathBuf>,
+    /// Log what happens; twice for more
+    #[arg(short, long, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render one moment of a song to a PNG, without a window and without a sound card
+    #[command(after_help = "Examples:\n  mariana still song.flac --at 12.5 --size 1280x720 -o frame.png\n  \
+                            mariana still --at 30 -o demo.png       of the demo track")]
+    Still(StillArguments),
+    /// Render a stretch of a song to a video (needs ffmpeg) or to numbered stills
+    #[command(after_help = "Examples:\n  mariana video song.flac -o song.mp4\n  \
+                            mariana video song.flac --start 60 --duration 10 --fps 30 --size 640x360 -o part.mp4\n  \
+                            mariana video --duration 10 --fps 1 -o stills/    a folder: numbered PNGs")]
+    Video(VideoArguments),
+    /// Print the features of a song, one line for each frame
+    #[command(after_help = "Examples:\n  mariana analyze song.flac --json > song.jsonl\n  \
+                            mariana analyze song.flac --fps 10 --start 30 --duration 5")]
+    Analyze(AnalyzeArguments),
+    /// Measure frame times and distance evaluations, without a window
+    #[command(after_help = "Examples:\n  mariana bench\n  mariana bench song.flac --at 30 --size 1280x720 --json")]
+    Bench(BenchArguments),
+    /// List the sound systems, inputs and outputs with what they support
+    #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
+                            mariana song.flac --device \"USB\"       play on the first one with USB in its name")]
+    Devices {
+        /// JSON instead of text
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(Args)]
+struct StillArguments {
+    /// The song; without one the built-in demo track
+    file: Option<PathBuf>,
+    /// The moment, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    at: f64,
+    /// Size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: (u32, u32),
+    /// The PNG
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+#[derive(Args)]
+struct VideoArguments {
+    /// The song; without one the built-in demo track
+    file: Option<PathBuf>,
+    /// First moment, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    start: f64,
+    /// Length in seconds [default: to the end]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    duration: Option<f64>,
+    /// Frames per second
+    #[arg(long, default_value = "30", value_parser = parse_fps)]
+    fps: f64,
+    /// Size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: (u32, u32),
+    /// The video, or a folder ending in '/' for numbered PNGs
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+#[derive(Args)]
+struct AnalyzeArguments {
+    /// The song; without one the built-in demo track
+    file: Option<PathBuf>,
+    /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...
+    #[arg(long)]
+    json: bool,
+    /// Lines per second
+    #[arg(long, default_value = "60", value_parser = parse_fps)]
+    fps: f64,
+    /// First moment, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    start: f64,
+    /// Length in seconds [default: to the end]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    duration: Option<f64>,
+}
+
+#[derive(Args)]
+struct BenchArguments {
+    /// The song that drives the picture; without one the built-in demo track
+    file: Option<PathBuf>,
+    /// The moment that is drawn, in seconds
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    at: f64,
+    /// Size in pixels
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size)]
+    size: (u32, u32),
+    /// Frames to time
+    #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    frames: u16,
+    /// JSON instead of text
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+/// Parses the arguments and does what they say.
+///
+/// # Errors
+/// What the job could not do; usage errors end the program with code 2 before.
+pub fn run() -> anyhow::Result<()> {
+    let Arguments { command, play } = Arguments::parse();
+    match command {
+        None => run_play(play),
+        Some(Command::Still(arguments)) => run_still(arguments),
+        Some(Command::Video(arguments)) => run_video(arguments),
+        Some(Command::Analyze(arguments)) => run_analyze(arguments),
+        Some(Command::Bench(arguments)) => run_bench(arguments),
+        Some(Command::Devices { json }) => run_devices(json),
+    }
+}
+
+fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    let settings = PlaySettings {
+        device: arguments.device,
+        silent: arguments.silent,
+        once: arguments.once,
+        volume: f32::from(arguments.volume) / 100.0,
+        latency: arguments.latency / 1000.0,
+        fps_cap: arguments.fps_cap,
+        fullscreen: arguments.fullscreen,
+        size: arguments.size,
+        shaders: common.shaders,
+        gl_info: arguments.gl_info,
+        verbose: common.verbose > 0,
+    };
+    app::run(&song(arguments.file.as_deref()), settings)
+}
+
+fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    write_still(&StillRequest {
+        song: song(arguments.file.as_deref()),
+        at: arguments.at,
+        size: arguments.size,
+        output: arguments.output,
+        shaders: common.library(),
+        verbose: common.verbose > 0,
+    })?;
+    Ok(())
+}
+
+fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    let request = VideoRequest {
+        song: song(arguments.file.as_deref()),
+        start: arguments.start,
+        duration: arguments.duration,
+        fps: arguments.fps,
+        size: arguments.size,
+        output: arguments.output,
+        shaders: common.library(),
+        verbose: common.verbose > 0,
+    };
+    let on_terminal = std::io::stderr().is_terminal();
+    let mut progress = |done: u64, expected: Option<u64>| {
+        if on_terminal {
+            match expected {
+                Some(expected) => eprint!("\rframe {done} of {expected}"),
+                None => eprint!("\rframe {done}"),
+            }
+        }
+    };
+    let written = write_video(&request, &mut progress);
+    if on_terminal {
+        eprintln!();
+    }
+    println!("{} frames in {}", written?, request.output.display());
+    Ok(())
+}
+
+fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
+    let request = AnalyzeRequest {
+        song: song(arguments.file.as_deref()),
+        fps: arguments.fps,
+        start: arguments.start,
+        duration: arguments.duration,
+        json: arguments.json,
+    };
+    print_features(&request, &mut BufWriter::new(std::io::stdout().lock()))?;
+    Ok(())
+}
+
+fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    let report = measure(&BenchRequest {
+        song: song(arguments.file.as_deref()),
+        at: arguments.at,
+        size: arguments.size,
+        frames: arguments.frames.into(),
+        shaders: common.library(),
+    })?;
+    if arguments.json { print_json(&report) } else { print_line(&report.to_string()) }
+}
+
+fn run_devices(json: bool) -> anyhow::Result<()> {
+    let report = list_devices();
+    if json { print_json(&report) } else { print_line(report.to_string().trim_end()) }
+}
+
+fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    print_line(&serde_json::to_string_pretty(value)?)
+}
+
+fn print_line(text: &str) -> anyhow::Result<()> {
+    writeln!(std::io::stdout(), "{text}").context("the results cannot be printed")
+}
+
+fn song(file: Option<&Path>) -> Song {
+    Song::from_argument(file)
+}
+
+impl CommonArguments {
+    /// Starts the log on standard error: warnings, with -v what happens, with -vv details.
+    fn start_log(self) -> Self {
+        let level = match self.verbose {
+            0 => tracing::Level::WARN,
+            1 => tracing::Level::INFO,
+            _ => tracing::Level::DEBUG,
+        };
+        tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).without_time().init();
+        self
+    }
+
+    fn library(&self) -> ShaderLibrary {
+        self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk)
+    }
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let (width, height) =
+        text.split_once(['x', 'X', '×']).ok_or("write it as WIDTHxHEIGHT, such as 1280x720")?;
+    let side = |text: &str| {
+        let value: u32 = text.trim().parse().map_err(|_| format!("'{text}' is no whole number of pixels"))?;
+        let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
+        if (low..=high).contains(&value) { Ok(value) } else { Err(format!("a side has {low} to {high} pixels")) }
+    };
+    let (width, height) = (side(width)?, side(height)?);
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > LIMITS.picture_pixels_max {
+        return Err(format!("a picture has at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
+    }
+    Ok((width, height))
+}
+
+fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
+    if value >= low && value <= high { Ok(value) } else { Err(format!("it is from {low} to {high} {unit}")) }
+}
+
+fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.0, LIMITS.seconds_max, "seconds")
+}
+
+fn parse_fps(text: &str) -> Result<f64, String> {
+    parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
+}
+
+fn parse_latency(text: &str) -> Result<f64, String> {
+    parse_within(text, -LIMITS.latency_ms_max, LIMITS.latency_ms_max, "milliseconds")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_argument_parser_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes_within_the_limits_are_read_and_others_refused_with_the_limit() {
+        assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
+        assert_eq!(parse_size("1X16384"), Ok((1, 16384)));
+        for (text, part) in [
+            ("1280", "WIDTHxHEIGHT"),
+            ("0x5", "1 to 16384"),
+            ("16385x5", "1 to 16384"),
+            ("-3x5", "whole number"),
+            ("16384x16384", "at most"),
+            ("axb", "whole number"),
+        ] {
+            let message = parse_size(text).unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn numbers_outside_the_limits_and_non_numbers_are_refused() {
+        for text in ["nan", "inf", "-1", "1e9", "x", ""] {
+            assert!(parse_seconds(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_seconds("12.5"), Ok(12.5));
+        assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
+        assert_eq!(parse_latency("-180"), Ok(-180.0));
+    }
+
+    #[test]
+    fn every_subcommand_shows_examples() {
+        for command in Arguments::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            assert!(help.contains("Examples:"), "{} has none", command.get_name());
+        }
+    }
+}

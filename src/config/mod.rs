@@ -1,0 +1,30 @@
+//! Settings of a run: what the command line chooses, with the defaults. A settings file comes later.
+
+use std::path::PathBuf;
+
+/// How the window plays and shows a song.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlaySettings {
+    /// Output device by id, name or part of a name; none is the default.
+    pub device: Option<String>,
+    /// No sound: the song runs on the silent clock.
+    pub silent: bool,
+    /// End after the song instead of looping it.
+    pub once: bool,
+    /// Volume at the start, 0..1.
+    pub volume: f32,
+    /// The sound is heard this much later than the device says, in seconds.
+    pub latency: f64,
+    /// Most frames per second; none is the monitor's rate.
+    pub fps_cap: Option<f64>,
+    /// Start in full screen.
+    pub fullscreen: bool,
+    /// Size of the window in pixels at the start.
+    pub size: (u32, u32),
+    /// Shaders from a folder instead of the embedded ones.
+    pub shaders: Option<PathBuf>,
+    /// Print what OpenGL was got, and end.
+    pub gl_info: bool,
+    /// Log the driver's debug output.
+    pub verbose: bool,
+}

@@ -1,0 +1,54 @@
+//! What can go wrong with an export. Each message says what, where and what to do.
+
+use std::path::PathBuf;
+
+use crate::audio::decode::DecodeError;
+use crate::gpu::error::GpuError;
+
+/// An error of an export.
+#[derive(Debug, thiserror::Error)]
+pub enum ExportError {
+    /// The song cannot be decoded.
+    #[error(transparent)]
+    Decode(#[from] DecodeError),
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// A moment after the song's end.
+    #[error("{name} ends at {end:.2} s: ask for a time before that instead of {asked} s")]
+    AfterTheEnd {
+        /// The song.
+        name: String,
+        /// The time that was asked for, in seconds.
+        asked: f64,
+        /// The song's length, in seconds.
+        end: f64,
+    },
+    /// The output cannot be written.
+    #[error("{} cannot be written ({reason}): choose another place with -o; nothing there was changed", .path.display())]
+    Unwritable {
+        /// The output.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// A picture that the encoder refuses.
+    #[error("the picture could not be encoded: {0}")]
+    Encode(#[from] image::ImageError),
+    /// ffmpeg is not there.
+    #[error(
+        "a video needs ffmpeg, which was not found ({0}): install it, or give -o a folder that ends in '/' to write stills"
+    )]
+    NoEncoder(std::io::Error),
+    /// ffmpeg gave up.
+    #[error("ffmpeg could not write {}: {message}", .path.display())]
+    Encoder {
+        /// The output.
+        path: PathBuf,
+        /// Its last words.
+        message: String,
+    },
+    /// Standard output is gone or full.
+    #[error("the results cannot be printed: {0}")]
+    Print(std::io::Error),
+}

@@ -1,0 +1,11 @@
+//! Pictures and numbers without a window: stills, videos, analysis, measurements.
+
+pub mod analyze;
+pub mod atomic_file;
+pub mod bench;
+pub mod error;
+pub mod song_features;
+pub mod still;
+pub mod video;
+
+pub use error::ExportError;

@@ -1,0 +1,93 @@
+//! The features of a song at given times, by decoding it: the same analysis that runs beside playback.
+
+use crate::audio::decode::{DecodeError, Decoder};
+use crate::audio::song::{Song, display_name};
+use crate::audio::source::FrameSource;
+use crate::dsp::{Analyzer, FeatureTrack, Features, StereoFrame};
+
+use super::error::ExportError;
+
+/// Sound analysed before the first time asked for, in seconds: smoothing has settled long before.
+const PRE_ROLL: f64 = 20.0;
+/// Seconds of features that are kept; times may step back by that much.
+const TRACK_SECONDS: f64 = 4.0;
+
+/// Decodes and analyses a song just as far as it is asked for.
+pub struct SongFeatures {
+    decoder: Decoder,
+    name: String,
+    analyzer: Analyzer,
+    track: FeatureTrack,
+    block: Vec<StereoFrame>,
+    frames: u64,
+    ended: bool,
+}
+
+impl SongFeatures {
+    /// Opens `song` for times from `start` seconds on.
+    ///
+    /// # Errors
+    /// What the decoder says about the file.
+    pub fn open(song: &Song, start: f64) -> Result<Self, DecodeError> {
+        let mut decoder = song.open()?;
+        let name = display_name(&decoder);
+        let mut analyzer = Analyzer::new(decoder.sample_rate());
+        let mut frames = 0;
+        if start > PRE_ROLL {
+            let reached = decoder.seek(start - PRE_ROLL)?;
+            frames = (reached * f64::from(decoder.sample_rate())).round() as u64;
+            analyzer.restart(frames);
+        }
+        let track = FeatureTrack::new(TRACK_SECONDS);
+        Ok(Self { decoder, name, analyzer, track, block: Vec::new(), frames, ended: false })
+    }
+
+    /// What the song is called.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Length in seconds: as far as the container tells, or as was found by decoding to the end.
+    pub fn duration(&self) -> Option<f64> {
+        if self.ended { Some(self.decoded()) } else { self.decoder.info().duration }
+    }
+
+    /// The features at `time` seconds; none if the song ends at or before it. Times must not step back by more
+    /// than a few seconds.
+    ///
+    /// # Errors
+    /// What the decoder says about a damaged file.
+    pub fn at(&mut self, time: f64) -> Result<Option<Features>, DecodeError> {
+        while !self.ended && self.track.span().is_none_or(|(_, last)| last <= time) {
+            self.block.clear();
+            let track = &mut self.track;
+            let mut emit = |features| track.push(features);
+            if self.decoder.next_block(&mut self.block)? == 0 {
+                self.ended = true;
+                self.analyzer.finish(&mut emit);
+            } else {
+                self.frames += self.block.len() as u64;
+                self.analyzer.push(&self.block, &mut emit);
+            }
+        }
+        let over = self.ended && time >= self.decoded();
+        Ok((!over).then(|| self.track.at(time)))
+    }
+
+    /// The features at `time`, a time after the end being an error.
+    ///
+    /// # Errors
+    /// [`ExportError::AfterTheEnd`], and what the decoder says.
+    pub fn require(&mut self, time: f64) -> Result<Features, ExportError> {
+        let features = self.at(time)?;
+        features.ok_or_else(|| ExportError::AfterTheEnd {
+            name: self.name.clone(),
+            asked: time,
+            end: self.decoded(),
+        })
+    }
+
+    fn decoded(&self) -> f64 {
+        self.frames as f64 / f64::from(self.decoder.sample_rate())
+    }
+}

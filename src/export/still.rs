@@ -1,0 +1,65 @@
+//! One moment of a song as a PNG.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::{ColorType, ImageFormat};
+
+use super::atomic_file::AtomicFile;
+use super::error::ExportError;
+use super::song_features::SongFeatures;
+use crate::audio::song::Song;
+use crate::frame::Frame;
+use crate::gpu::headless::Headless;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::shader_source::ShaderLibrary;
+
+/// Which still to make.
+#[derive(Debug, Clone)]
+pub struct StillRequest {
+    /// The song.
+    pub song: Song,
+    /// The moment, in seconds.
+    pub at: f64,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// The PNG.
+    pub output: PathBuf,
+    /// The shaders.
+    pub shaders: ShaderLibrary,
+    /// Log the driver's debug output.
+    pub verbose: bool,
+}
+
+/// Makes the still: the same bytes at every run on one machine.
+///
+/// # Errors
+/// The song, the driver or the output refuse.
+pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
+    // Opened first: an output that cannot be written should cost no work.
+    let file = AtomicFile::create(&request.output)?;
+    let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
+    let context = Headless::new(request.verbose)?;
+    let mut renderer = Renderer::new(context.gl(), &request.shaders, Counting::Off)?;
+    renderer.draw(&Frame::new(request.at, features, request.size))?;
+    file.write(&png(&renderer.read(), request.size)?)
+}
+
+/// Encodes an opaque RGBA picture, the top row first, as a PNG without alpha.
+///
+/// # Errors
+/// [`ExportError::Encode`] if the bytes are not those of the size.
+pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    let rgb: Vec<u8> = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    let mut bytes = Cursor::new(Vec::new());
+    image::write_buffer_with_format(&mut bytes, &rgb, size.0, size.1, ColorType::Rgb8, ImageFormat::Png)?;
+    Ok(bytes.into_inner())
+}
+
+/// Writes a finished picture as a PNG.
+///
+/// # Errors
+/// The encoder or the output refuse.
+pub fn write_png(path: &Path, rgba: &[u8], size: (u32, u32)) -> Result<(), ExportError> {
+    AtomicFile::create(path)?.write(&png(rgba, size)?)
+}

@@ -1,0 +1,109 @@
+//! The comparison of pictures: one measure, two tolerances.
+
+use std::path::{Path, PathBuf};
+
+use image::{Rgba, RgbaImage};
+
+/// How far two pictures may be apart. Colours count in steps of 0..255; alpha is not looked at.
+#[derive(Debug, Clone, Copy)]
+pub struct Tolerance {
+    /// Largest mean difference over all colour channels, in steps.
+    pub mean_max: f64,
+    /// A pixel differs visibly when one of its channels is further apart than this, in steps.
+    pub visible: u8,
+    /// Largest share of pixels that differ visibly, 0..1.
+    pub share_max: f64,
+}
+
+/// For pictures of one machine that should be the same but were computed another way.
+pub const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, share_max: 0.001 };
+
+/// For pictures of different drivers: roundings move edges and penumbras.
+pub const LOOSE: Tolerance = Tolerance { mean_max: 2.0, visible: 24, share_max: 0.01 };
+
+/// How far two pictures are apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Mean over all colour channels, in steps of 0..255.
+    pub mean: f64,
+    /// Share of the pixels that differ visibly, 0..1.
+    pub share: f64,
+    /// The largest difference of a channel, in steps.
+    pub largest: u8,
+}
+
+/// The largest difference of the colour channels of two pixels, in steps of 0..255.
+pub fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
+    (0..3).map(|channel| a.0[channel].abs_diff(b.0[channel])).max().unwrap_or(0)
+}
+
+/// Measures how far two pictures of one size are apart; `visible` as in [`Tolerance::visible`].
+pub fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Difference {
+    assert_eq!(a.dimensions(), b.dimensions(), "pictures of different sizes");
+    let (mut sum, mut seen, mut largest) = (0_u64, 0_u64, 0);
+    for (a, b) in a.pixels().zip(b.pixels()) {
+        sum += (0..3).map(|channel| u64::from(a.0[channel].abs_diff(b.0[channel]))).sum::<u64>();
+        let pixel = pixel_difference(a, b);
+        seen += u64::from(pixel > visible);
+        largest = largest.max(pixel);
+    }
+    let pixels = f64::from(a.width()) * f64::from(a.height());
+    Difference { mean: sum as f64 / (3.0 * pixels), share: seen as f64 / pixels, largest }
+}
+
+/// Fails if `actual` is further from `expected` than `tolerance`, and then leaves the pictures for the eye.
+pub fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) {
+    if let Err(reason) = compare(name, actual, expected, tolerance) {
+        panic!("{reason}");
+    }
+}
+
+/// Compares `actual` with `tests/golden/NAME.png` by [`LOOSE`]. With MARIANA_BLESS=1 in the environment it
+/// becomes that file instead.
+pub fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{name}.png"));
+    if std::env::var_os("MARIANA_BLESS").is_some_and(|value| value == "1") {
+        return write(&path, actual);
+    }
+    let advice = "if the new look is wanted, run MARIANA_BLESS=1 cargo test --test pictures";
+    let golden = image::open(&path).map_err(|error| format!("{}: {error}; {advice}", path.display()))?.to_rgba8();
+    if golden.dimensions() != actual.dimensions() {
+        return Err(format!("{name} is not of the golden picture's size; {advice}"));
+    }
+    compare(name, actual, &golden, LOOSE).map_err(|reason| format!("{reason}; {advice}"))
+}
+
+fn compare(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) -> Result<(), String> {
+    let found = difference(actual, expected, tolerance.visible);
+    if found.mean <= tolerance.mean_max && found.share <= tolerance.share_max {
+        return Ok(());
+    }
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let seen = [
+        (folder.join(format!("{name}.actual.png")), actual.clone()),
+        (folder.join(format!("{name}.expected.png")), expected.clone()),
+        (folder.join(format!("{name}.difference.png")), difference_picture(actual, expected)),
+    ];
+    let mut reason = format!("{name} is {found:?} from what is expected, allowed is {tolerance:?}; look at");
+    for (path, picture) in &seen {
+        write(path, picture)?;
+        reason.push_str(&format!("\n  {}", path.display()));
+    }
+    Err(reason)
+}
+
+/// Differences of the channels, eight times as large, so that a visible one can be seen.
+fn difference_picture(a: &RgbaImage, b: &RgbaImage) -> RgbaImage {
+    RgbaImage::from_fn(a.width(), a.height(), |x, y| {
+        let (a, b) = (a.get_pixel(x, y).0, b.get_pixel(x, y).0);
+        let channel = |i: usize| a[i].abs_diff(b[i]).saturating_mul(8);
+        Rgba([channel(0), channel(1), channel(2), 255])
+    })
+}
+
+fn write(path: &Path, picture: &RgbaImage) -> Result<(), String> {
+    let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).map_err(|error| error.to_string());
+    written
+        .and_then(|()| picture.save(path).map_err(|error| error.to_string()))
+        .map_err(|error| format!("{} cannot be written: {error}", path.display()))
+}

@@ -1,0 +1,183 @@
+//! Shader text before two strict readers: glslang and naga.
+//!
+//! naga reads Vulkan's GLSL 4.50, the renderer speaks OpenGL's 3.30. [`vulkan_form`] brings the second into the
+//! form of the first by rewriting text, a line for a line, so that line numbers stay:
+//!
+//! | OpenGL 3.30 | Vulkan 4.50 |
+//! |---|---|
+//! | `#version 330 core` | `#version 450` |
+//! | `layout(std140) uniform Block {` | `layout(std140, set = 0, binding = N) uniform Block {` |
+//! | `uniform sampler2D name;` | `uniform texture2D name_texture;` and `uniform sampler name_sampler;` in set 1 |
+//! | `name` as an argument | `sampler2D(name_texture, name_sampler)` |
+//! | `gl_VertexID` | `gl_VertexIndex` |
+//!
+//! Macros are expanded by glslang before, as naga's preprocessor has no `##`.
+
+use std::io::Write;
+use std::process::Command;
+
+use mariana::gpu::program::{TEXTURE_UNITS, UNIFORM_BLOCKS};
+use naga::front::glsl::{Frontend, Options};
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+/// The stage of a shader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stage {
+    /// A vertex shader.
+    Vertex,
+    /// A fragment shader.
+    Fragment,
+}
+
+impl Stage {
+    /// The stage that a file's extension names.
+    pub fn of(file: &str) -> Self {
+        match file.rsplit_once('.').map(|(_, extension)| extension) {
+            Some("vert") => Self::Vertex,
+            Some("frag") => Self::Fragment,
+            _ => panic!("{file}: a shader's stage is named by its extension, .vert or .frag"),
+        }
+    }
+}
+
+/// Runs glslangValidator on `text`. What it prints is the result, or the error if it refuses the text.
+fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, String> {
+    let suffix = if stage == Stage::Vertex { ".vert" } else { ".frag" };
+    let mut file = tempfile::Builder::new().suffix(suffix).tempfile().unwrap();
+    file.write_all(text.as_bytes()).unwrap();
+    let output = Command::new("glslangValidator").args(options).arg(file.path()).output().unwrap_or_else(|error| {
+        panic!(
+            "glslangValidator cannot be run ({error}): install it (Debian: glslang-tools, Fedora: glslang, \
+             Arch: glslang, Homebrew: glslang)"
+        )
+    });
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    if output.status.success() {
+        return Ok(printed);
+    }
+    let complaints = printed + &String::from_utf8_lossy(&output.stderr);
+    Err(with_quoted_lines(text, complaints.trim()))
+}
+
+/// Checks a whole shader with glslang. The error quotes the offending lines.
+pub fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String> {
+    run_glslang(stage, text, &[]).map(drop)
+}
+
+/// glslang's complaints, each `ERROR: 0:LINE: ...` followed by the lines of the text that bear this number: one
+/// for each included file that is long enough.
+fn with_quoted_lines(text: &str, complaints: &str) -> String {
+    let mut quoted = String::new();
+    for complaint in complaints.lines() {
+        quoted.push_str(complaint);
+        quoted.push('\n');
+        let number = complaint.strip_prefix("ERROR: 0:").and_then(|rest| rest.split(':').next());
+        let Some(number) = number.and_then(|number| number.parse().ok()) else { continue };
+        for line in lines_numbered(text, number) {
+            quoted.push_str(&format!("    {number} | {line}\n"));
+        }
+    }
+    quoted
+}
+
+/// The lines that bear `wanted` by the `#line` directives of the text.
+fn lines_numbered(text: &str, wanted: usize) -> Vec<&str> {
+    let mut number = 1;
+    let mut found = Vec::new();
+    for line in text.lines() {
+        if let Some(next) = line.strip_prefix("#line ").and_then(|next| next.trim().parse().ok()) {
+            number = next;
+            continue;
+        }
+        if number == wanted {
+            found.push(line);
+        }
+        number += 1;
+    }
+    found
+}
+
+/// Takes a whole OpenGL shader through naga's GLSL front end and its validator. The error quotes the offending
+/// line of the rewritten text.
+pub fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
+    let expanded = run_glslang(stage, text, &["-E"])?;
+    let vulkan = vulkan_form(&expanded)?;
+    let naga_stage = match stage {
+        Stage::Vertex => naga::ShaderStage::Vertex,
+        Stage::Fragment => naga::ShaderStage::Fragment,
+    };
+    let module = Frontend::default()
+        .parse(&Options::from(naga_stage), &vulkan)
+        .map_err(|errors| errors.emit_to_string(&vulkan))?;
+    Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(&vulkan))?;
+    Ok(())
+}
+
+/// OpenGL 3.30 text as Vulkan 4.50 text; see the table at the head of this file.
+///
+/// A block or a texture without a fixed place in the program is an error: the renderer would not bind it.
+pub fn vulkan_form(text: &str) -> Result<String, String> {
+    let samplers: Vec<&str> = text.lines().filter_map(declared_sampler).collect();
+    let mut vulkan = String::new();
+    for line in text.lines() {
+        if line.starts_with("#version") {
+            vulkan.push_str("#version 450");
+        } else if line.starts_with("#line") {
+            // An empty line keeps the count; naga numbers lines from the first.
+        } else if let Some(name) = declared_sampler(line) {
+            let unit = place_of(&TEXTURE_UNITS, name)?;
+            vulkan.push_str(&format!(
+                "layout(set = 1, binding = {}) uniform texture2D {name}_texture; \
+                 layout(set = 1, binding = {}) uniform sampler {name}_sampler;",
+                2 * unit,
+                2 * unit + 1
+            ));
+        } else if let Some(name) = declared_block(line) {
+            let binding = place_of(&UNIFORM_BLOCKS, name)?;
+            vulkan.push_str(&line.replacen("std140", &format!("std140, set = 0, binding = {binding}"), 1));
+        } else {
+            for token in identifiers_and_rest(line) {
+                if samplers.contains(&token) {
+                    vulkan.push_str(&format!("sampler2D({token}_texture, {token}_sampler)"));
+                } else if token == "gl_VertexID" {
+                    vulkan.push_str("gl_VertexIndex");
+                } else {
+                    vulkan.push_str(token);
+                }
+            }
+        }
+        vulkan.push('\n');
+    }
+    Ok(vulkan)
+}
+
+/// The name in a line `uniform sampler2D name;`.
+fn declared_sampler(line: &str) -> Option<&str> {
+    Some(line.trim().strip_prefix("uniform sampler2D ")?.split_once(';')?.0.trim())
+}
+
+/// The name in a line `layout(std140) uniform Name {`.
+fn declared_block(line: &str) -> Option<&str> {
+    let (layout, rest) = line.split_once("uniform ")?;
+    layout.contains("std140").then(|| rest.split('{').next().unwrap_or(rest).trim())
+}
+
+fn place_of(places: &[(&str, u32)], name: &str) -> Result<u32, String> {
+    let place = places.iter().find(|(known, _)| *known == name);
+    place.map(|(_, place)| *place).ok_or_else(|| format!("the program gives '{name}' no fixed place"))
+}
+
+/// The line cut into identifiers (numbers too) and what stands between them.
+fn identifiers_and_rest(line: &str) -> impl Iterator<Item = &str> {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let mut rest = line;
+    std::iter::from_fn(move || {
+        let word = is_word(rest.chars().next()?);
+        let end = rest.find(|c| is_word(c) != word).unwrap_or(rest.len());
+        let (token, after) = rest.split_at(end);
+        rest = after;
+        Some(token)
+    })
+}
