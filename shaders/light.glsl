@@ -1,7 +1,7 @@
 // How much light arrives: soft shadows and ambient occlusion.
 
-const vec3 LAMP_POSITION = vec3(-8.5, 12.0, -4.5);
-const vec3 LAMP_COLOR = vec3(1.0, 0.93, 0.82) * 1250.0;
+const vec3 LAMP_POSITION = vec3(-9.0, 12.5, -2.5);
+const vec3 LAMP_COLOR = vec3(1.0, 0.90, 0.74) * 1500.0;
 
 const int SHADOW_STEPS_MAX = 96;
 // Longest step near the scene: longer ones draw the steps into the penumbra.
@@ -31,7 +31,7 @@ float lamp_visibility(vec3 p, vec3 normal, float cone) {
         float d = nearest.estimate;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS
-        if (i == SHADOW_STEPS_MAX - 1) count_capped += 1000.0;
+        if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
         if (d < 0.002) return 0.0;
         // Where the unbounded spheres of the last two points meet: so far behind this point, so far off the ray.

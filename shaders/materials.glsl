@@ -38,7 +38,8 @@ const float MALLARD_Y = 1.55;
 Material speaker_material(vec3 p, vec3 normal, Footprint print) {
     float side = p.x < 0.0 ? -1.0 : 1.0;
     vec3 q = p - vec3(side, 1.0, 1.0) * SPEAKER_CENTRE;
-    Material m = Material(wood_color(p + vec3(side * 3.1, 0.0, 0.0), normal, print), vec3(0.0), 0.35, 40.0);
+    vec3 grain = wood_color(p + vec3(side * 3.1, 0.0, 0.0), normal, print);
+    Material m = Material(grain * grain * vec3(0.80, 1.02, 1.25) + 0.24 * grain, vec3(0.0), 0.45, 50.0);
 
     // The mallard on the front, each looking at the other speaker. Its picture looks to the left.
     vec2 uv = vec2(-side * -1.0, -1.0) * vec2(q.x, q.y - MALLARD_Y) / MALLARD_SIZE + 0.5;
@@ -86,10 +87,10 @@ Material bar_material(vec3 p) {
 }
 
 // Reflectance of the floor's mirror at normal incidence.
-const float FLOOR_MIRROR = 0.22;
+const float FLOOR_MIRROR = 0.38;
 
 Material material_at(int object, vec3 p, vec3 normal, Footprint print) {
-    if (object == FLOOR) return Material(vec3(0.0, 0.19, 0.20), vec3(0.0), 0.0, 1.0);
+    if (object == FLOOR) return Material(vec3(0.0, 0.12, 0.128), vec3(0.0), 0.0, 1.0);
     if (object == BAR) return bar_material(p);
     return speaker_material(p, normal, print);
 }

@@ -43,8 +43,8 @@ vec3 shade(Material m, vec3 p, vec3 normal, vec3 direction, float cone) {
     }
     float open = ambient_occlusion(p, normal);
     // From above the sky, from below what the teal floor throws back.
-    vec3 ambient = mix(vec3(0.020, 0.070, 0.075), vec3(0.085, 0.095, 0.120), 0.5 + 0.5 * normal.y);
-    ambient += vec3(0.060, 0.040, 0.028) * max(-normal.z, 0.0);
+    vec3 ambient = mix(vec3(0.012, 0.050, 0.056), vec3(0.060, 0.075, 0.110), 0.5 + 0.5 * normal.y);
+    ambient += vec3(0.045, 0.036, 0.034) * max(-normal.z, 0.0);
     light += m.albedo * ambient * open;
     return light;
 }

@@ -2,9 +2,11 @@
 
 #include "counters.glsl"
 
-const int STEPS_MAX = 96;
-// Share of a pixel's cone that counts as the surface.
+const int STEPS_MAX = 128;
+// Share of a pixel's cone that counts as the surface, and its growth per step: a ray that creeps along a surface
+// ends there.
 const float HIT_SHARE = 0.7;
+const float HIT_SHARE_GROWTH = 0.015;
 
 struct Hit {
     float t;        // along the ray
@@ -45,7 +47,8 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEPS_MAX - 1) COUNT(capped);
 #endif
-        if (d < HIT_SHARE * (cone + spread * t)) return Hit(t, object);
+        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(i);
+        if (d < reach * (cone + spread * t)) return Hit(t, object);
         t += d;
         if (t >= end) return miss;
     }

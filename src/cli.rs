@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::prelude::*;
 
 use crate::app;
 use crate::audio::devices::list_devices;
@@ -310,14 +312,20 @@ fn song(file: Option<&Path>) -> Song {
 }
 
 impl CommonArguments {
-    /// Starts the log on standard error: warnings, with -v what happens, with -vv details.
+    /// Starts the log on standard error: the program's own warnings; with -v what happens, and other libraries'
+    /// warnings; with -vv details.
     fn start_log(self) -> Self {
-        let level = match self.verbose {
-            0 => tracing::Level::WARN,
-            1 => tracing::Level::INFO,
-            _ => tracing::Level::DEBUG,
+        let (own, others) = match self.verbose {
+            0 => (LevelFilter::WARN, LevelFilter::OFF),
+            1 => (LevelFilter::INFO, LevelFilter::WARN),
+            _ => (LevelFilter::DEBUG, LevelFilter::INFO),
         };
-        tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).without_time().init();
+        let filter = Targets::new().with_default(others).with_target(env!("CARGO_CRATE_NAME"), own);
+        let lines = tracing_subscriber::fmt::layer()
+            .with_writer(std::io::stderr)
+            .with_ansi(std::io::stderr().is_terminal())
+            .without_time();
+        tracing_subscriber::registry().with(lines.with_filter(filter)).init();
         self
     }
 

@@ -91,6 +91,7 @@ const TOP_LEVEL: &[&str] = &[
     "README.md",
     "assets",
     "benches",
+    "clippy.toml",
     "docs",
     "examples",
     "rustfmt.toml",
@@ -233,14 +234,20 @@ fn misplaced_unsafe(file: &str, text: &str) -> Vec<String> {
         .collect()
 }
 
-/// Calls of `unwrap` and `expect`, by line.
+/// Calls of `unwrap` and `expect`, by line, less those that carry `#[expect(clippy::..., reason = ...)]`. (That the
+/// attribute stands at a call is clippy's to check: an idle one is a warning.)
 fn unwraps(tokens: &[Token]) -> Vec<usize> {
-    lines_where(tokens, |i| {
+    let excuses = ["unwrap_used", "expect_used"]
+        .map(|lint| ["#", "[", "expect", "(", "clippy", "::", lint, ",", "reason"]);
+    let excused =
+        (0..tokens.len()).filter(|&i| excuses.iter().any(|excuse| stands_at(tokens, i, excuse))).count();
+    let calls: Vec<usize> = lines_where(tokens, |i| {
         matches!(tokens[i].text.as_str(), "unwrap" | "expect")
             && i > 0
             && matches!(tokens[i - 1].text.as_str(), "." | "::")
     })
-    .collect()
+    .collect();
+    if calls.len() <= excused { Vec::new() } else { calls }
 }
 
 fn lines_where<'a>(
@@ -480,6 +487,9 @@ mod scanner {
                     #[cfg(not(test))] fn o() { p.expect(\"q\") } // .unwrap()";
         let (kept, modules) = without_tests(&tokens(text));
         assert_eq!(unwraps(&kept), [1, 1, 2, 7]);
+        let excused = "#[expect(clippy::expect_used, reason = \"never empty\")] a.expect(\"b\");";
+        assert_eq!(unwraps(&tokens(excused)), [0; 0]);
+        assert_eq!(unwraps(&tokens(&format!("{excused} c.unwrap()"))), [1, 1]);
         let files: Vec<_> = modules.iter().map(|module| module_files("src/x/y.rs", module)).collect();
         assert_eq!(files, [vec!["src/x/j_tests.rs"], vec!["src/x/y/k.rs", "src/x/y/k/mod.rs"]]);
     }
