@@ -1,5 +1,7 @@
 //! Pictures as users see them: what the passes promise, that music shows, what it costs, and golden pictures.
 
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
 mod support;
 
 use glam::DVec3;
@@ -64,7 +66,8 @@ fn linear_light_becomes_srgb_once(studio: &Studio) {
         let picture = draw(&mut renderer_of(studio, "", &format!("color = vec3({linear:?});")), (64, 64));
         let expected = srgb_steps(linear);
         for pixel in picture.pixels() {
-            let off = pixel.0[..3].iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
+            let off =
+                pixel.0[..3].iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
             assert!(off <= 1.01, "{linear} becomes {pixel:?}, not {expected:.2}");
             assert_eq!(pixel.0[3], 255, "the picture is not opaque");
         }
@@ -108,7 +111,9 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &Studio) {
     let width = all.len() as u32;
     let picture = draw(&mut renderer_of(studio, "#include \"tone_map.glsl\"", &body), (width, 8));
     // The brightest of a column, which the dithering moves by half a step.
-    let steps = |column: u32| (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten();
+    let steps = |column: u32| {
+        (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
+    };
     for (light, column) in black.iter().zip(0..) {
         assert!(steps(column) <= Some(1), "{light} becomes {:?} of 255, not black", steps(column));
     }
@@ -127,12 +132,23 @@ fn share_of(picture: &RgbaImage, test: impl Fn(u8) -> bool) -> f64 {
 #[test]
 fn no_picture_is_a_void_or_burnt_out() {
     let mut studio = Studio::new();
-    for time in [0.0, 7.0, 19.0, 31.0, 60.0, 1234.5] {
-        for features in [silence(), soft_music(), loud_music()] {
-            let picture = studio.picture(time, features, (160, 90));
-            let (black, white) = (share_of(&picture, |value| value == 0), share_of(&picture, |value| value == 255));
-            assert!(black <= 0.30, "{black:.3} of the pixels are black at {time} s, volume {:?}", features.volume);
-            assert!(white <= 0.02, "{white:.3} of the pixels are white at {time} s, volume {:?}", features.volume);
+    let features = [silence(), soft_music(), loud_music()];
+    for (time, size) in [
+        (0.0, (160, 90)),
+        (7.0, (160, 90)),
+        (19.0, (90, 160)),
+        (31.6, (60, 240)),
+        (31.6, (160, 90)),
+        (60.0, (240, 60)),
+        (1234.5, (120, 120)),
+    ] {
+        for features in features {
+            let picture = studio.picture(time, features, size);
+            let seen = format!("{size:?} at {time} s, volume {:?}", features.volume);
+            let (black, white) =
+                (share_of(&picture, |value| value == 0), share_of(&picture, |value| value == 255));
+            assert!(black <= 0.30, "{black:.3} of the pixels are black: {seen}");
+            assert!(white <= 0.02, "{white:.3} of the pixels are white: {seen}");
         }
     }
 }
@@ -168,7 +184,8 @@ fn music_shows_and_each_channel_moves_its_own_woofer() {
 
         let frame = Frame::new(time, silence(), size);
         let centre = vector_constant("speakers.glsl", "SPEAKER_CENTRE");
-        let front = centre.z - constant_vector_z("CABINET_HALF") - constant("speakers.glsl", "CABINET_ROUNDING");
+        let half_size = vector_constant("speakers.glsl", "CABINET_HALF");
+        let front = centre.z - half_size.z - constant("speakers.glsl", "CABINET_ROUNDING");
         let woofer_y = centre.y + constant("speakers.glsl", "WOOFER_Y");
         for (channel, name) in ["left", "right"].into_iter().enumerate() {
             let mut features = silence();
@@ -186,11 +203,6 @@ fn music_shows_and_each_channel_moves_its_own_woofer() {
             assert!(other <= 0.01, "the {name} volume changes {other:.3} of the other woofer at {time} s");
         }
     }
-}
-
-/// The z component of a vector constant of the speakers.
-fn constant_vector_z(name: &str) -> f64 {
-    vector_constant("speakers.glsl", name).z
 }
 
 #[test]
@@ -237,7 +249,10 @@ fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
         let picture = counting.picture(time, loud_music(), size);
         let evaluations = counting.renderer.evaluations();
         let each = evaluations.per_pixel(f64::from(size.0 * size.1));
-        assert!(each.primary >= 0.3 && each.shadow > 0.3 && each.normal > 0.3, "nothing was counted: {each:?}");
+        assert!(
+            each.primary >= 0.3 && each.shadow > 0.3 && each.normal > 0.3,
+            "nothing was counted: {each:?}"
+        );
         assert!(each.reflection > 0.01 && each.occlusion > 0.3, "nothing was counted: {each:?}");
         assert_eq!(evaluations.capped_rays, 0.0, "rays end at their step cap at {time} s");
         assert!(each.total() <= 60.0, "{:.1} evaluations a pixel at {time} s: {each:?}", each.total());
@@ -280,7 +295,8 @@ fn pictures_look_like_the_golden_ones() {
         ("loud", 12.0, loud_music(), (256, 144)),
         ("tall", 12.0, loud_music(), (144, 256)),
     ];
-    let results = scenes.map(|(name, time, features, size)| check_golden(name, &studio.picture(time, features, size)));
+    let results =
+        scenes.map(|(name, time, features, size)| check_golden(name, &studio.picture(time, features, size)));
     let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

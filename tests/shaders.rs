@@ -1,5 +1,7 @@
 //! Every shader variant before three judges: naga, glslang and the driver. And each judge before broken shaders.
 
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
 mod support;
 
 use mariana::gpu::error::GpuError;
@@ -105,7 +107,8 @@ fn no_shader_file_is_dead() {
     for dead in shader_names() {
         let (folder, library) = changed_shaders(&[]);
         std::fs::remove_file(folder.path().join(&dead)).unwrap();
-        let missed = variants().any(|(name, defines)| library.assemble(name, DRIVER_PREAMBLE, defines).is_err());
+        let missed =
+            variants().any(|(name, defines)| library.assemble(name, DRIVER_PREAMBLE, defines).is_err());
         assert!(missed, "no shader variant uses shaders/{dead}: delete it");
     }
 }

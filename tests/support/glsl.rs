@@ -80,7 +80,7 @@ fn with_quoted_lines(text: &str, complaints: &str) -> String {
     quoted
 }
 
-/// The lines that bear `wanted` by the `#line` directives of the text.
+/// The lines with text that bear `wanted` by the `#line` directives of the text.
 fn lines_numbered(text: &str, wanted: usize) -> Vec<&str> {
     let mut number = 1;
     let mut found = Vec::new();
@@ -89,13 +89,16 @@ fn lines_numbered(text: &str, wanted: usize) -> Vec<&str> {
             number = next;
             continue;
         }
-        if number == wanted {
+        if number == wanted && !line.trim().is_empty() {
             found.push(line);
         }
         number += 1;
     }
     found
 }
+
+/// What naga's complaints call the text: its line numbers are those of the whole text, includes in it.
+const REWRITTEN: &str = "rewritten, whole shader";
 
 /// Takes a whole OpenGL shader through naga's GLSL front end and its validator. The error quotes the offending
 /// line of the rewritten text.
@@ -108,10 +111,10 @@ pub fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     };
     let module = Frontend::default()
         .parse(&Options::from(naga_stage), &vulkan)
-        .map_err(|errors| errors.emit_to_string(&vulkan))?;
+        .map_err(|errors| errors.emit_to_string_with_path(&vulkan, REWRITTEN))?;
     Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
-        .map_err(|error| error.emit_to_string(&vulkan))?;
+        .map_err(|error| error.emit_to_string_with_path(&vulkan, REWRITTEN))?;
     Ok(())
 }
 

@@ -50,7 +50,9 @@ fn constant_numbers(file: &str, name: &str) -> Vec<f64> {
     let inner = value.split_once('(').map_or(value, |(_, arguments)| arguments.trim_end_matches(')'));
     inner
         .split(',')
-        .map(|number| number.trim().parse().unwrap_or_else(|_| panic!("{file}: {name} is {value}, not numbers")))
+        .map(|number| {
+            number.trim().parse().unwrap_or_else(|_| panic!("{file}: {name} is {value}, not numbers"))
+        })
         .collect()
 }
 

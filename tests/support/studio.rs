@@ -24,7 +24,8 @@ impl Studio {
     /// Other shaders, or the counting variant.
     pub fn with(library: &ShaderLibrary, counting: Counting) -> Self {
         let context = Headless::new(false).unwrap();
-        let renderer = Renderer::new(context.gl(), library, counting).unwrap_or_else(|error| panic!("{error}"));
+        let renderer =
+            Renderer::new(context.gl(), library, counting).unwrap_or_else(|error| panic!("{error}"));
         Self { renderer, context }
     }
 

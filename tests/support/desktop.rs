@@ -1,0 +1,312 @@
+//! A desktop of the test's own (an X server without a screen, a window manager) and the program in a window on it.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use image::{Rgba, RgbaImage};
+use tempfile::TempDir;
+
+use super::compare::{TIGHT, assert_alike, difference};
+use super::process::{
+    LOOK_PERIOD, Process, WAIT_LIMIT, output_of, private_folder, session_environment, wait_until,
+};
+
+/// The program.
+pub const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
+
+/// Width and height of the screen, in pixels. Small: the pictures are drawn without a graphics card.
+pub const SCREEN: (u32, u32) = (800, 600);
+
+/// Ticks per second in which the system counts the time of processors.
+const TICKS_PER_SECOND: f64 = 100.0;
+
+/// The tests share the processors and measure times: one desktop at a time.
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// An X server with a window manager, and a folder for the session. All end when dropped.
+pub struct Desktop {
+    // In this order: the window manager goes before its server.
+    _manager: Process,
+    _server: Process,
+    display: String,
+    folder: TempDir,
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Desktop {
+    /// Starts on a display that is free.
+    pub fn start() -> Self {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let folder = private_folder();
+        let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
+        let mut server = Process::start(
+            Command::new("Xvfb")
+                .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0", &screen])
+                .stdout(Stdio::piped())
+                .stderr(Stdio::null()),
+            "xvfb",
+        );
+        let number = collect(server.stdout());
+        wait_until("the X server's display", || lock(&number).ends_with('\n'));
+        let display = format!(":{}", lock(&number).trim());
+        let manager = Process::start(
+            command_in("openbox", folder.path(), Some(&display)).stdout(Stdio::null()).stderr(Stdio::null()),
+            "openbox",
+        );
+        let desktop = Self { _manager: manager, _server: server, display, folder, _alone: alone };
+        wait_until("the window manager", || {
+            output_of(desktop.command("wmctrl").arg("-m"), "wmctrl")
+                .is_ok_and(|about| String::from_utf8_lossy(&about).contains("Openbox"))
+        });
+        desktop
+    }
+
+    /// The session's folder, for songs too.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// A command that runs on this desktop.
+    pub fn command(&self, name: &str) -> Command {
+        command_in(name, self.folder(), Some(&self.display))
+    }
+
+    /// The program with `song`, when its window shows.
+    pub fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
+        let mut command = self.command(PROGRAM);
+        command.arg(song).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut process = Process::start(&mut command, "mariana");
+        let printed = collect(process.stdout());
+        let told = collect(process.child().stderr.take().unwrap());
+        let mut app = App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
+        app.wait("its window", |app| {
+            let mut search = app.desktop.command("xdotool");
+            search.args(["search", "--onlyvisible", "--name", " - Mariana"]);
+            let found = output_of(&mut search, "xdotool").ok()?;
+            let found = String::from_utf8_lossy(&found);
+            app.window = found.lines().next()?.to_owned();
+            Some(())
+        });
+        app.wait("the keyboard's focus", |app| {
+            let active = output_of(app.desktop.command("xdotool").arg("getactivewindow"), "xdotool").ok()?;
+            (String::from_utf8_lossy(&active).trim() == app.window).then_some(())
+        });
+        app
+    }
+}
+
+/// A command for the session in `folder`, with a display or without.
+pub fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
+    let mut command = Command::new(name);
+    command.stdin(Stdio::null()).envs(session_environment(folder));
+    for other in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"] {
+        command.env_remove(other);
+    }
+    if let Some(display) = display {
+        command.env("DISPLAY", display);
+    }
+    command
+}
+
+/// Width and height of the picture in a window, or of the window, in pixels.
+pub type Size = (u32, u32);
+
+/// The program with a window on a [`Desktop`]. It ends when dropped.
+pub struct App<'d> {
+    desktop: &'d Desktop,
+    process: Process,
+    song: PathBuf,
+    printed: Text,
+    told: Text,
+    window: String,
+}
+
+impl App<'_> {
+    /// Presses keys, one after the other, by their X11 names.
+    pub fn press(&self, keys: &[&str]) {
+        self.xdotool(&[&["key"], keys].concat());
+    }
+
+    /// Runs xdotool and gives what it prints.
+    pub fn xdotool(&self, arguments: &[&str]) -> String {
+        let printed = output_of(self.desktop.command("xdotool").args(arguments), "xdotool");
+        String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.told()))).into_owned()
+    }
+
+    /// The window's number for X11's tools.
+    pub fn window(&self) -> &str {
+        &self.window
+    }
+
+    /// The window's title.
+    pub fn title(&self) -> String {
+        self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
+    }
+
+    /// Waits until the title is as wanted.
+    pub fn wait_for_title(&mut self, what: &str, wanted: impl Fn(&str) -> bool) {
+        self.wait(&format!("a title that says {what}"), |app| wanted(&app.title()).then_some(()));
+    }
+
+    /// Size of the window without its frame.
+    pub fn size(&self) -> Size {
+        let text = self.xdotool(&["getwindowgeometry", "--shell", &self.window]);
+        let number = |name: &str| {
+            let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
+            line.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("no {name} in {text}"))
+        };
+        (number("WIDTH"), number("HEIGHT"))
+    }
+
+    /// Waits until the window has the size.
+    pub fn wait_for_size(&mut self, size: Size) {
+        self.wait(&format!("a window of {size:?}"), |app| (app.size() == size).then_some(()));
+    }
+
+    /// What the window shows.
+    pub fn picture(&self) -> RgbaImage {
+        self.try_picture().unwrap_or_else(|error| panic!("{error}; {}", self.told()))
+    }
+
+    fn try_picture(&self) -> Result<RgbaImage, String> {
+        let mut command = self.desktop.command("xwd");
+        decode_window_dump(&output_of(command.args(["-silent", "-id", &self.window]), "x11-apps")?)
+    }
+
+    /// The picture without a window of a moment of the song.
+    pub fn still(&self, at: f64, size: Size) -> RgbaImage {
+        let path = self.desktop.folder().join("still.png");
+        let mut command = command_in(PROGRAM, self.desktop.folder(), None);
+        command.arg("still").arg(&self.song).arg("-o").arg(&path);
+        command.args(["--at", &at.to_string(), "--size", &format!("{}x{}", size.0, size.1)]);
+        output_of(&mut command, "mariana").unwrap_or_else(|error| panic!("{error}"));
+        image::open(&path).unwrap().to_rgba8()
+    }
+
+    /// Waits until the window shows what `mariana still` makes of that moment at the window's size.
+    pub fn wait_for_moment(&mut self, at: f64) -> RgbaImage {
+        let size = self.size();
+        let wanted = self.still(at, size);
+        let start = Instant::now();
+        // A window that is being resized has no picture of the right size, or none at all.
+        let alike = |seen: &RgbaImage| {
+            seen.dimensions() == size && {
+                let found = difference(seen, &wanted, TIGHT.visible);
+                found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
+            }
+        };
+        loop {
+            let seen = self.try_picture();
+            match &seen {
+                Ok(seen) if alike(seen) => return seen.clone(),
+                _ if start.elapsed() < WAIT_LIMIT => std::thread::sleep(LOOK_PERIOD),
+                Ok(seen) => assert_alike(&format!("window-{}x{}-at-{at}", size.0, size.1), seen, &wanted, TIGHT),
+                Err(error) => panic!("{error}; {}", self.told()),
+            }
+        }
+    }
+
+    /// Seconds that processors have worked for the program.
+    pub fn processor_seconds(&self) -> f64 {
+        let text = std::fs::read_to_string(format!("/proc/{}/stat", self.process.id())).unwrap();
+        // The name in brackets may hold anything; user and system time are the 14th and 15th field.
+        let (_, fields) = text.rsplit_once(')').unwrap();
+        let ticks: f64 = fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
+        ticks / TICKS_PER_SECOND
+    }
+
+    /// What it has printed on standard output.
+    pub fn printed(&self) -> String {
+        lock(&self.printed).clone()
+    }
+
+    /// What it has printed on standard error.
+    pub fn told(&self) -> String {
+        lock(&self.told).clone()
+    }
+
+    /// Waits until the program has told something.
+    pub fn wait_until_told(&mut self, what: &str) {
+        self.wait(&format!("'{what}'"), |app| app.told().contains(what).then_some(()));
+    }
+
+    /// Whether it runs.
+    pub fn runs(&mut self) -> bool {
+        self.process.ended().is_none()
+    }
+
+    /// Waits for its end, and fails if that takes longer than `limit`.
+    pub fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.process.ended() {
+                return (status, self.told());
+            }
+            assert!(start.elapsed() < limit, "it has not ended after {limit:?}; {}", self.told());
+            std::thread::sleep(LOOK_PERIOD);
+        }
+    }
+
+    /// Waits until `look` finds something. Fails if that takes too long or the program has ended.
+    fn wait<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
+        let start = Instant::now();
+        loop {
+            if let Some(ended) = self.process.ended() {
+                panic!("the program ended ({ended}) before {what}: {}", self.told());
+            }
+            if let Some(found) = look(self) {
+                return found;
+            }
+            assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come; it told: {}", self.told());
+            std::thread::sleep(LOOK_PERIOD);
+        }
+    }
+}
+
+/// What a program has printed so far.
+type Text = Arc<Mutex<String>>;
+
+/// Reads until the end on a thread of its own.
+fn collect(mut stream: impl Read + Send + 'static) -> Text {
+    let text = Text::default();
+    let collected = text.clone();
+    std::thread::spawn(move || {
+        let mut block = [0_u8; 4096];
+        while let Ok(count @ 1..) = stream.read(&mut block) {
+            lock(&collected).push_str(&String::from_utf8_lossy(&block[..count]));
+        }
+    });
+    text
+}
+
+fn lock(text: &Mutex<String>) -> MutexGuard<'_, String> {
+    text.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Reads the format of xwd (X11/XWDFile.h): big-endian numbers, colour cells, then rows of pixels.
+fn decode_window_dump(bytes: &[u8]) -> Result<RgbaImage, String> {
+    let field = |index: usize| {
+        let bytes = bytes.get(4 * index..)?.first_chunk::<4>()?;
+        Some(u32::from_be_bytes(*bytes))
+    };
+    let numbers: Vec<u32> = (0..20).map_while(field).collect();
+    let [header, _, _, _, width, height, _, order, _, _, _, bits, stride, _, red, green, blue, _, _, cells] =
+        numbers[..]
+    else {
+        return Err("xwd gave no picture".to_owned());
+    };
+    if (order, bits, red, green, blue) != (0, 32, 0xff_0000, 0xff00, 0xff) {
+        return Err("the X server's pixels are not the usual BGRX".to_owned());
+    }
+    let pixels = bytes.get((header + 12 * cells) as usize..).unwrap_or_default();
+    if pixels.len() < (stride * height) as usize {
+        return Err("xwd gave less than the picture".to_owned());
+    }
+    Ok(RgbaImage::from_fn(width, height, |x, y| {
+        let at = (y * stride + 4 * x) as usize;
+        Rgba([pixels[at + 2], pixels[at + 1], pixels[at], 255])
+    }))
+}
