@@ -35,7 +35,9 @@ float lamp_visibility(vec3 p, vec3 normal, float cone) {
 #endif
         if (d < 0.002) return 0.0;
         // Where the unbounded spheres of the last two points meet: so far behind this point, so far off the ray.
-        float behind = clamp((d * d + stride * stride - previous * previous) / (2.0 * stride), 0.0, d);
+        // A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
+        float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
+        behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
         visible = min(visible, SHADOW_SHARPNESS * closest / max(t - behind, 1e-3));
         if (visible < 0.004) return 0.0;

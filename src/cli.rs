@@ -1,9 +1,8 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
-use std::io::{BufWriter, IsTerminal, Write};
+use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::{Args, Parser, Subcommand};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
@@ -12,6 +11,7 @@ use crate::app;
 use crate::audio::devices::list_devices;
 use crate::audio::song::Song;
 use crate::config::PlaySettings;
+use crate::export::ExportError;
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
 use crate::export::still::{StillRequest, write_still};
@@ -63,13 +63,13 @@ struct PlayArguments {
     #[arg(long, value_name = "MS", default_value = "0", value_parser = parse_latency, allow_negative_numbers = true)]
     latency: f64,
     /// Most frames per second [default: the monitor's rate]
-    #[arg(long, value_name = "FPS", value_parser = parse_fps)]
+    #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
     /// Size of the window in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
     /// Print what OpenGL is got, and end
     #[arg(long)]
@@ -104,7 +104,9 @@ enum Command {
                             mariana analyze song.flac --fps 10 --start 30 --duration 5")]
     Analyze(AnalyzeArguments),
     /// Measure frame times and distance evaluations, without a window
-    #[command(after_help = "Examples:\n  mariana bench\n  mariana bench song.flac --at 30 --size 1280x720 --json")]
+    #[command(
+        after_help = "Examples:\n  mariana bench\n  mariana bench song.flac --at 30 --size 1280x720 --json"
+    )]
     Bench(BenchArguments),
     /// List the sound systems, inputs and outputs with what they support
     #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
@@ -121,10 +123,10 @@ struct StillArguments {
     /// The song; without one the built-in demo track
     file: Option<PathBuf>,
     /// The moment, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
     /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
     /// The PNG
     #[arg(short, long, value_name = "FILE")]
@@ -138,16 +140,16 @@ struct VideoArguments {
     /// The song; without one the built-in demo track
     file: Option<PathBuf>,
     /// First moment, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
     /// Length in seconds [default: to the end]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_duration, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Frames per second
-    #[arg(long, default_value = "30", value_parser = parse_fps)]
+    #[arg(long, default_value = "30", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
     /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
     /// The video, or a folder ending in '/' for numbered PNGs
     #[arg(short, long, value_name = "FILE")]
@@ -164,13 +166,13 @@ struct AnalyzeArguments {
     #[arg(long)]
     json: bool,
     /// Lines per second
-    #[arg(long, default_value = "60", value_parser = parse_fps)]
+    #[arg(long, default_value = "60", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
     /// First moment, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
     /// Length in seconds [default: to the end]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_duration, allow_negative_numbers = true)]
     duration: Option<f64>,
 }
 
@@ -179,10 +181,10 @@ struct BenchArguments {
     /// The song that drives the picture; without one the built-in demo track
     file: Option<PathBuf>,
     /// The moment that is drawn, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
     /// Size in pixels
-    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
     /// Frames to time
     #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000))]
@@ -266,8 +268,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
     if on_terminal {
         eprintln!();
     }
-    println!("{} frames in {}", written?, request.output.display());
-    Ok(())
+    print_line(&format!("{} frames in {}", written?, request.output.display()))
 }
 
 fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
@@ -304,7 +305,11 @@ fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 }
 
 fn print_line(text: &str) -> anyhow::Result<()> {
-    writeln!(std::io::stdout(), "{text}").context("the results cannot be printed")
+    match writeln!(std::io::stdout(), "{text}") {
+        // Whoever reads has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => Ok(written.map_err(ExportError::Print)?),
+    }
 }
 
 fn song(file: Option<&Path>) -> Song {
@@ -340,7 +345,11 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let side = |text: &str| {
         let value: u32 = text.trim().parse().map_err(|_| format!("'{text}' is no whole number of pixels"))?;
         let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
-        if (low..=high).contains(&value) { Ok(value) } else { Err(format!("a side has {low} to {high} pixels")) }
+        if (low..=high).contains(&value) {
+            Ok(value)
+        } else {
+            Err(format!("a side has {low} to {high} pixels"))
+        }
     };
     let (width, height) = (side(width)?, side(height)?);
     let pixels = u64::from(width) * u64::from(height);
@@ -357,6 +366,13 @@ fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, Stri
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
     parse_within(text, 0.0, LIMITS.seconds_max, "seconds")
+}
+
+fn parse_duration(text: &str) -> Result<f64, String> {
+    match parse_seconds(text)? {
+        0.0 => Err("it is more than 0 seconds".into()),
+        seconds => Ok(seconds),
+    }
 }
 
 fn parse_fps(text: &str) -> Result<f64, String> {

@@ -5,6 +5,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod support;
+
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,6 +15,7 @@ use std::time::{Duration, Instant};
 
 use mariana::audio::decode::{DecodeError, Decoder};
 use mariana::audio::source::FrameSource;
+use support::wave::write_wav;
 
 type Frame = [f32; 2];
 
@@ -35,23 +38,6 @@ fn signal(t: f64) -> Frame {
 
 fn reference(rate: u32, frames: usize) -> Vec<Frame> {
     (0..frames).map(|n| signal(n as f64 / f64::from(rate))).collect()
-}
-
-/// A WAVE file of 32-bit floats.
-fn write_wav(path: &Path, rate: u32, channels: u16, samples: impl Iterator<Item = f32>) {
-    let data: Vec<u8> = samples.flat_map(f32::to_le_bytes).collect();
-    let mut bytes = b"RIFF".to_vec();
-    bytes.extend((data.len() as u32 + 36).to_le_bytes());
-    bytes.extend(b"WAVEfmt \x10\x00\x00\x00\x03\x00");
-    bytes.extend(channels.to_le_bytes());
-    bytes.extend(rate.to_le_bytes());
-    bytes.extend((rate * u32::from(channels) * 4).to_le_bytes());
-    bytes.extend((channels * 4).to_le_bytes());
-    bytes.extend(32u16.to_le_bytes());
-    bytes.extend(b"data");
-    bytes.extend((data.len() as u32).to_le_bytes());
-    bytes.extend(data);
-    std::fs::write(path, bytes).unwrap();
 }
 
 fn ffmpeg(args: &[&str], output: &Path) {

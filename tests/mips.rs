@@ -61,7 +61,8 @@ fn the_mallard_has_no_halo_at_any_distance() {
         let errors = level.iter().filter(|texel| texel.alpha > 0.0 && texel.alpha < 1.0).map(|texel| {
             let seen = |channel: usize, covered: f64| encoded(WOOD[channel] * (1.0 - texel.alpha) + covered);
             let off = |channel: usize| {
-                (seen(channel, texel.color[channel] * texel.alpha) - seen(channel, texel.covered[channel])).abs()
+                (seen(channel, texel.color[channel] * texel.alpha) - seen(channel, texel.covered[channel]))
+                    .abs()
             };
             off(0).max(off(1)).max(off(2))
         });
@@ -70,7 +71,9 @@ fn the_mallard_has_no_halo_at_any_distance() {
         worst.push((side, errors[errors.len() * 95 / 100], errors.last().copied().unwrap_or(0.0)));
     }
     for (side, most, _) in &worst {
-        assert!(*most <= 10.0, "a halo of {most:.1} steps at {side} texels a side; (side, most, worst): {worst:.1?}");
+        assert!(
+            *most <= 10.0,
+            "a halo of {most:.1} steps at {side} texels a side; (side, most, worst): {worst:.1?}"
+        );
     }
-    println!("{worst:.1?}");
 }

@@ -244,8 +244,7 @@ fn each_band_moves_its_own_bar() {
 fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
     let mut counting = Studio::with(&ShaderLibrary::embedded(), Counting::On);
     let mut plain = Renderer::new(counting.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
-    let size = (320, 180);
-    for time in [0.0, 7.0, 31.0] {
+    for (time, size) in [(0.0, (320, 180)), (7.0, (320, 180)), (31.0, (320, 180)), (12.0, (640, 360))] {
         let picture = counting.picture(time, loud_music(), size);
         let evaluations = counting.renderer.evaluations();
         let each = evaluations.per_pixel(f64::from(size.0 * size.1));

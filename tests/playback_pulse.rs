@@ -3,10 +3,8 @@
 
 #![allow(clippy::expect_used)]
 
-use std::fs::Permissions;
-use std::io::Read;
-use std::os::unix::fs::PermissionsExt;
-use std::process::{Child, Command, Stdio};
+mod support;
+
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -14,66 +12,45 @@ use mariana::audio::devices::list_devices;
 use mariana::audio::source::{FrameSource, SourceError};
 use mariana::audio::{Player, PlayerOptions, PlayerStatus};
 use mariana::dsp::StereoFrame;
+use support::process::{private_folder, session_environment, wait_until};
+use support::sound_server::{Recorder, SINK_RATE as RATE, SoundServer};
 use tempfile::TempDir;
-
-const RATE: u32 = 48_000;
 
 /// The server is found by an environment variable, which belongs to the whole process: one test at a time.
 static ENVIRONMENT: Mutex<()> = Mutex::new(());
 
 /// A folder that stands for the user's session, maybe with a PulseAudio server.
 struct Session {
+    server: Option<SoundServer>,
     folder: TempDir,
-    server: Option<Child>,
     _alone: MutexGuard<'static, ()>,
 }
 
 impl Session {
     fn without_server() -> Self {
         let alone = ENVIRONMENT.lock().unwrap_or_else(PoisonError::into_inner);
-        let folder = tempfile::tempdir().expect("a temporary folder");
-        std::fs::set_permissions(folder.path(), Permissions::from_mode(0o700)).expect("permissions");
-        for name in ["XDG_RUNTIME_DIR", "HOME"] {
-            set_environment(name, folder.path().to_str().expect("a plain path"));
+        let folder = private_folder();
+        for (name, value) in session_environment(folder.path()) {
+            set_environment(name, &value);
         }
-        // An address that is set would win over the folder.
-        set_environment("PULSE_SERVER", &format!("unix:{}/pulse/native", folder.path().display()));
-        Self { folder, server: None, _alone: alone }
+        Self { server: None, folder, _alone: alone }
     }
 
     fn with_server() -> Self {
         let mut session = Self::without_server();
-        let server = Command::new("pulseaudio")
-            .args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--disable-shm=yes"])
-            .args(["-L", "module-native-protocol-unix"])
-            .args(["-L", "module-null-sink sink_name=viz rate=48000 format=float32le norewinds=1"])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("pulseaudio is needed for this test: install it");
-        session.server = Some(server);
-        let socket = session.folder.path().join("pulse/native");
-        wait_until("the server", || socket.exists());
-        wait_until("the sink", || {
+        session.server = Some(SoundServer::start(session.folder.path()));
+        wait_until("the sink in the list", || {
             list_devices().hosts.iter().flat_map(|host| &host.outputs).any(|output| output.id.contains("viz"))
         });
         session
     }
 
     fn kill_server(&mut self) {
-        if let Some(mut server) = self.server.take() {
-            server.kill().expect("it runs");
-            server.wait().expect("it ends");
-        }
+        self.server.take().expect("a server").kill();
     }
-}
 
-impl Drop for Session {
-    fn drop(&mut self) {
-        if let Some(mut server) = self.server.take() {
-            let _ = server.kill();
-            let _ = server.wait();
-        }
+    fn record(&self) -> Recorder {
+        Recorder::start(self.folder.path())
     }
 }
 
@@ -81,14 +58,6 @@ impl Drop for Session {
 fn set_environment(name: &str, value: &str) {
     // SAFETY: every test holds `ENVIRONMENT` while its threads run, and nothing else in this program writes the environment.
     unsafe { std::env::set_var(name, value) }
-}
-
-fn wait_until(what: &str, mut done: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !done() {
-        assert!(start.elapsed() < Duration::from_secs(10), "{what} did not come");
-        std::thread::sleep(Duration::from_millis(5));
-    }
 }
 
 /// A sound without repetition: noise on the left, a rising tone on the right.
@@ -140,48 +109,6 @@ impl FrameSource for Song {
     }
 }
 
-/// Records what the sink plays.
-struct Recorder {
-    process: Child,
-    reader: std::thread::JoinHandle<Vec<StereoFrame>>,
-}
-
-impl Recorder {
-    fn start() -> Self {
-        let mut process = Command::new("parec")
-            .args([
-                "--device=viz.monitor",
-                "--format=float32le",
-                "--rate=48000",
-                "--channels=2",
-                "--latency-msec=20",
-            ])
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("parec is needed for this test: install it");
-        let mut output = process.stdout.take().expect("it is piped");
-        let (first, started) = std::sync::mpsc::channel();
-        let reader = std::thread::spawn(move || {
-            let mut bytes = Vec::new();
-            let mut block = [0_u8; 4096];
-            while let Ok(count @ 1..) = output.read(&mut block) {
-                bytes.extend_from_slice(&block[..count]);
-                let _ = first.send(());
-            }
-            let sample = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-            bytes.chunks_exact(8).map(|frame| [sample(&frame[..4]), sample(&frame[4..])]).collect()
-        });
-        started.recv_timeout(Duration::from_secs(10)).expect("the recording starts");
-        Self { process, reader }
-    }
-
-    fn finish(mut self) -> Vec<StereoFrame> {
-        self.process.kill().expect("it runs");
-        self.process.wait().expect("it ends");
-        self.reader.join().expect("it reads")
-    }
-}
-
 /// Where `wanted` begins in `recorded`: the shift with the least difference to a stretch of the left channel.
 fn align(recorded: &[StereoFrame], wanted: &[StereoFrame], from: usize, length: usize) -> isize {
     let stretch = &wanted[from..from + length];
@@ -229,8 +156,8 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
 
 /// Plays a song to its end and checks that the sink played it, whole and at its level.
 fn played_is_recorded(rate: u32) {
-    let _session = Session::with_server();
-    let recorder = Recorder::start();
+    let session = Session::with_server();
+    let recorder = session.record();
     let mut player = play(Song::new(4.0, rate), false);
     let status = wait_for(&mut player, "the end", |status| status.ended);
     std::thread::sleep(Duration::from_millis(200));

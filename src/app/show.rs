@@ -73,6 +73,8 @@ struct Show {
 /// Everything that lives as long as the window.
 struct Stage {
     player: Player,
+    /// What the user wants; until the first picture the player waits in any case.
+    paused: bool,
     renderer: Renderer,
     pacing: Pacing,
     /// What the last frame showed; a show that stands still is not drawn again.
@@ -103,7 +105,8 @@ impl Show {
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
-        let library = settings.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk);
+        let library =
+            settings.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk);
         let renderer = Renderer::new(window.gl(), &library, Counting::Off)?;
         let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
@@ -119,6 +122,7 @@ impl Show {
         let now = Instant::now();
         self.stage = Some(Stage {
             player,
+            paused: false,
             renderer,
             pacing: Pacing::new(fps, now),
             shown: None,
@@ -151,7 +155,7 @@ impl Show {
         stage.shown = Some((moment, drawn));
         if stage.frames == 0 {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
-            stage.player.set_paused(false);
+            stage.player.set_paused(stage.paused);
         }
         stage.frames += 1;
         Ok(())
@@ -160,7 +164,12 @@ impl Show {
     fn act(&mut self, action: Action, event_loop: &ActiveEventLoop) {
         let Some(stage) = &mut self.stage else { return };
         match action {
-            Action::TogglePause => stage.player.toggle_pause(),
+            Action::TogglePause => {
+                stage.paused = !stage.paused;
+                if stage.frames > 0 {
+                    stage.player.set_paused(stage.paused);
+                }
+            }
             Action::Seek(seconds) => stage.player.seek_by(seconds),
             Action::ChangeVolume(delta) => stage.player.change_volume(delta),
             Action::ToggleMute => stage.player.toggle_mute(),
@@ -180,7 +189,7 @@ impl Show {
             return;
         }
         stage.status_due = now + STATUS_INTERVAL;
-        let status = stage.player.status();
+        let status = PlayerStatus { paused: stage.paused, ..stage.player.status() };
         if status.silent != stage.told_silent {
             match &status.silent {
                 Some(reason) if !self.settings.silent => {

@@ -45,7 +45,8 @@ impl GlWindowContext {
             .with_title(title)
             .with_inner_size(PhysicalSize::new(size.0, size.1))
             .with_visible(visible);
-        let template = ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
+        let template =
+            ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
         let (window, config) = DisplayBuilder::new()
             .with_preference(ApiPreference::PreferEgl)
             .with_window_attributes(Some(attributes))
@@ -64,13 +65,11 @@ impl GlWindowContext {
             .build(Some(handle));
         // SAFETY: the handle is that of the window, which outlives context and surface (see the fields' order).
         let (context, surface) = unsafe {
-            let context =
-                display.create_context(&config, &attributes).map_err(|error| no_context(&error))?;
+            let context = display.create_context(&config, &attributes).map_err(|error| no_context(&error))?;
             let attributes =
                 window.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
-            let surface = display
-                .create_window_surface(&config, &attributes)
-                .map_err(|error| no_context(&error))?;
+            let surface =
+                display.create_window_surface(&config, &attributes).map_err(|error| no_context(&error))?;
             (context, surface)
         };
         let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
@@ -113,10 +112,9 @@ impl GlWindowContext {
     /// A lost surface.
     pub fn swap(&self) -> Result<(), AppError> {
         self.window.pre_present_notify();
-        self.surface.swap_buffers(&self.context).map_err(|error| AppError::Window {
-            doing: "to show a frame",
-            reason: error.to_string(),
-        })
+        self.surface
+            .swap_buffers(&self.context)
+            .map_err(|error| AppError::Window { doing: "to show a frame", reason: error.to_string() })
     }
 
     /// Frames per second of the window's monitor, where it tells.

@@ -47,7 +47,8 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
         let t = request.start + offset;
         let Some(features) = song.at(t)? else { break };
         let line = if request.json {
-            serde_json::to_string(&Line { t, features: &features }).map_err(|error| ExportError::Print(error.into()))?
+            serde_json::to_string(&Line { t, features: &features })
+                .map_err(|error| ExportError::Print(error.into()))?
         } else {
             columns(t, &features)
         };
@@ -65,11 +66,8 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
 /// Time, volumes, and the bands as bars of eight heights.
 fn columns(t: f64, features: &Features) -> String {
     const HEIGHTS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-    let bars: String = features
-        .bands
-        .iter()
-        .map(|band| HEIGHTS[((band * 8.0).round().clamp(0.0, 8.0)) as usize])
-        .collect();
+    let bars: String =
+        features.bands.iter().map(|band| HEIGHTS[((band * 8.0).round().clamp(0.0, 8.0)) as usize]).collect();
     let [left, right] = features.volume;
     format!("{t:9.3} s  left {left:.3}  right {right:.3}  {bars}")
 }

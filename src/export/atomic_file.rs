@@ -15,20 +15,29 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Opens a file beside `path`, with `path`'s extension.
+    /// Opens a file beside `path`, with `path`'s extension. A link is followed: it is what it points to that is
+    /// replaced.
     ///
     /// # Errors
-    /// [`ExportError::Unwritable`] if `path` is a folder or its folder takes no files.
+    /// [`ExportError::Unwritable`] if `path` is a folder, a device or a pipe (renaming would destroy those), or if
+    /// its folder takes no files.
     pub fn create(path: &Path) -> Result<Self, ExportError> {
-        if path.is_dir() {
-            return Err(unwritable(path, "it is a folder"));
+        match path.metadata() {
+            Ok(found) if found.is_dir() => return Err(unwritable(path, "it is a folder")),
+            Ok(found) if !found.is_file() => return Err(unwritable(path, "it is a device or a pipe")),
+            _ => {}
         }
-        let folder = match path.parent() {
+        let place = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        let folder = match place.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
-        let suffix =
-            path.extension().map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy()));
+        if !folder.is_dir() {
+            return Err(unwritable(path, format!("there is no folder {}", folder.display())));
+        }
+        let suffix = path
+            .extension()
+            .map_or_else(String::new, |extension| format!(".{}", extension.to_string_lossy()));
         let mut builder = Builder::new();
         builder.prefix(".mariana-").suffix(&suffix);
         #[cfg(unix)]
@@ -37,8 +46,12 @@ impl AtomicFile {
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
-        let file = builder.tempfile_in(folder).map_err(|error| unwritable(path, error))?;
-        Ok(Self { path: path.to_owned(), file })
+        let file = builder.tempfile_in(folder).map_err(|error| {
+            // The name of the temporary file, which it tells too, means nothing to the user.
+            let text = error.to_string();
+            unwritable(path, text.split(" at path ").next().unwrap_or(&text))
+        })?;
+        Ok(Self { path: place, file })
     }
 
     /// Writes `bytes` and puts the file in its place.
@@ -99,6 +112,21 @@ mod tests {
         AtomicFile::create(&path).unwrap().write(b"new").unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_stay_and_links_are_followed() {
+        let message = AtomicFile::create(Path::new("/dev/zero")).err().unwrap().to_string();
+        assert!(message.contains("/dev/zero"), "{message}");
+
+        let folder = tempfile::tempdir().unwrap();
+        let (link, place) = (folder.path().join("link.png"), folder.path().join("place.png"));
+        std::fs::write(&place, "old").unwrap();
+        std::os::unix::fs::symlink(&place, &link).unwrap();
+        AtomicFile::create(&link).unwrap().write(b"new").unwrap();
+        assert!(link.is_symlink());
+        assert_eq!(std::fs::read_to_string(&place).unwrap(), "new");
     }
 
     #[test]

@@ -32,6 +32,12 @@ pub enum ExportError {
         /// What the system said.
         reason: String,
     },
+    /// The output is the song itself.
+    #[error("{} is the song itself: choose another place with -o", .path.display())]
+    OverTheSong {
+        /// The output.
+        path: PathBuf,
+    },
     /// A picture that the encoder refuses.
     #[error("the picture could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
@@ -41,7 +47,10 @@ pub enum ExportError {
     )]
     NoEncoder(std::io::Error),
     /// ffmpeg gave up.
-    #[error("ffmpeg could not write {}: {message}", .path.display())]
+    #[error(
+        "ffmpeg could not write {} ({message}): give -o a place with room and a name that ends in .mp4, .mkv or .mov"
+        , .path.display()
+    )]
     Encoder {
         /// The output.
         path: PathBuf,
@@ -49,6 +58,6 @@ pub enum ExportError {
         message: String,
     },
     /// Standard output is gone or full.
-    #[error("the results cannot be printed: {0}")]
+    #[error("the results cannot be printed ({0}): send them somewhere else")]
     Print(std::io::Error),
 }

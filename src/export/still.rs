@@ -37,12 +37,27 @@ pub struct StillRequest {
 /// The song, the driver or the output refuse.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     // Opened first: an output that cannot be written should cost no work.
+    refuse_the_song(&request.song, &request.output)?;
     let file = AtomicFile::create(&request.output)?;
     let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
     let context = Headless::new(request.verbose)?;
     let mut renderer = Renderer::new(context.gl(), &request.shaders, Counting::Off)?;
     renderer.draw(&Frame::new(request.at, features, request.size))?;
     file.write(&png(&renderer.read(), request.size)?)
+}
+
+/// An output that would replace the song it is made of is a slip.
+///
+/// # Errors
+/// [`ExportError::OverTheSong`].
+pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
+    let same = match song {
+        Song::Demo => false,
+        Song::File(path) => {
+            path.canonicalize().is_ok_and(|song| output.canonicalize().is_ok_and(|o| o == song))
+        }
+    };
+    if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
 }
 
 /// Encodes an opaque RGBA picture, the top row first, as a PNG without alpha.

@@ -1,5 +1,6 @@
 //! A stretch of a song as a video (by ffmpeg) or as numbered stills.
 
+use std::ffi::OsString;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -7,7 +8,7 @@ use std::process::{Child, Command, Stdio};
 use super::atomic_file::{AtomicFile, Pending};
 use super::error::ExportError;
 use super::song_features::SongFeatures;
-use super::still::write_png;
+use super::still::{refuse_the_song, write_png};
 use crate::audio::song::Song;
 use crate::frame::Frame;
 use crate::gpu::headless::Headless;
@@ -44,6 +45,7 @@ pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<u64, ExportError> {
+    refuse_the_song(&request.song, &request.output)?;
     let mut song = SongFeatures::open(&request.song, request.start)?;
     song.require(request.start)?;
     let length = match (request.duration, song.duration()) {
@@ -138,11 +140,11 @@ impl Encoder {
         command.args(["-v", "error", "-nostdin", "-y"]);
         command.args(["-f", "rawvideo", "-pix_fmt", "rgba", "-s", &format!("{width}x{height}")]);
         command.args(["-r", &request.fps.to_string(), "-i", "pipe:0"]);
-        command.args(["-ss", &request.start.to_string(), "-i"]).arg(&sound_path);
+        command.args(["-ss", &request.start.to_string(), "-i"]).arg(file_url(&sound_path));
         command.args(["-map", "0:v", "-map", "1:a:0", "-shortest"]);
         // Most players take 4:2:0 only, which needs even sides.
         command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-crf", "18"]);
-        command.arg(pending.temporary());
+        command.arg(file_url(pending.temporary()));
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
         let child = command.spawn().map_err(ExportError::NoEncoder)?;
         Ok(Self { child, pending: Some(pending), path: request.output.clone(), _sound: sound })
@@ -169,9 +171,22 @@ impl Encoder {
             // Whatever can be read is the best that is known.
             let _ = pipe.read_to_string(&mut message);
         }
-        let message = message.lines().last().unwrap_or("it ended without a word").to_owned();
+        let message = message.lines().last().unwrap_or("it ended without a word");
+        // It complains of the file that it writes for now.
+        let temporary = self.pending.as_ref().map(|pending| file_url(pending.temporary()));
+        let message = match temporary.as_ref().and_then(|url| url.to_str()) {
+            Some(url) => message.replace(&format!("{url}: "), ""),
+            None => message.to_owned(),
+        };
         ExportError::Encoder { path: self.path.clone(), message }
     }
+}
+
+/// A path as ffmpeg wants it if a colon or a hyphen in it shall mean nothing.
+fn file_url(path: &Path) -> OsString {
+    let mut url = OsString::from("file:");
+    url.push(path);
+    url
 }
 
 impl Drop for Encoder {

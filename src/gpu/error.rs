@@ -43,7 +43,9 @@ pub enum GpuError {
         reason: String,
     },
     /// A picture beyond what the driver can hold.
-    #[error("a picture of {width}x{height} pixels is more than this driver takes ({limit} a side): ask for a smaller one")]
+    #[error(
+        "a picture of {width}x{height} pixels is more than this driver takes ({limit} a side): ask for a smaller one"
+    )]
     TooLarge {
         /// Asked width in pixels.
         width: u32,

@@ -60,10 +60,7 @@ impl Gl {
     ///
     /// # Errors
     /// [`GpuError::TooOld`] for anything older than 3.3, OpenGL ES included.
-    pub fn load(
-        loader: impl FnMut(&CStr) -> *const c_void,
-        log_debug: bool,
-    ) -> Result<Self, GpuError> {
+    pub fn load(loader: impl FnMut(&CStr) -> *const c_void, log_debug: bool) -> Result<Self, GpuError> {
         // SAFETY: the caller has made a context current on this thread, and the loader is that context's.
         let mut functions = unsafe { glow::Context::from_loader_function_cstr(loader) };
         let version = functions.version();
@@ -146,9 +143,14 @@ fn read_info(gl: &glow::Context) -> GlInfo {
             version: gl.get_parameter_string(glow::VERSION),
             shading_language: gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
             texture_side_max: gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE).max(0).cast_unsigned(),
-            texture_buffer_texels_max: gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE).max(0).cast_unsigned(),
+            texture_buffer_texels_max: gl
+                .get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE)
+                .max(0)
+                .cast_unsigned(),
             anisotropy_max: if anisotropic { gl.get_parameter_f32(MAX_ANISOTROPY).max(1.0) } else { 1.0 },
-            software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"].iter().any(|s| lower.contains(s)),
+            software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"]
+                .iter()
+                .any(|s| lower.contains(s)),
             renderer,
         }
     }

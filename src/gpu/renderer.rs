@@ -113,7 +113,8 @@ impl Renderer {
         let edges = Program::link(gl, library, "edges.frag", &[])?;
         let present = Program::link(gl, library, "present.frag", &[])?;
         let wood = texture::decode_png("wood.png", include_bytes!("../../assets/textures/wood.png"))?;
-        let mallard = texture::decode_png("mallard.png", include_bytes!("../../assets/textures/mallard.png"))?;
+        let mallard =
+            texture::decode_png("mallard.png", include_bytes!("../../assets/textures/mallard.png"))?;
         let renderer = Self {
             gl: gl.clone(),
             scene,
@@ -230,7 +231,8 @@ impl Renderer {
     }
 
     fn bind_inputs(&self, block: &FrameBlock) {
-        let binding_of = |name: &str| UNIFORM_BLOCKS.iter().find(|(block, _)| *block == name).map_or(0, |(_, b)| *b);
+        let binding_of =
+            |name: &str| UNIFORM_BLOCKS.iter().find(|(block, _)| *block == name).map_or(0, |(_, b)| *b);
         let mut bytes = Vec::with_capacity(FRAME_BLOCK_VECTORS * 16);
         bytes.extend(block.as_flattened().iter().flat_map(|value| value.to_ne_bytes()));
         // SAFETY: buffers and textures are ours; the bytes are those of the block.
@@ -244,7 +246,11 @@ impl Renderer {
                 binding_of("FrameBlock"),
                 Some(self.frame_buffer.native()),
             );
-            gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of("PassBlock"), Some(self.pass_buffer.native()));
+            gl.bind_buffer_base(
+                glow::UNIFORM_BUFFER,
+                binding_of("PassBlock"),
+                Some(self.pass_buffer.native()),
+            );
             for (name, texture) in [("wood", &self.wood), ("mallard", &self.mallard)] {
                 gl.active_texture(glow::TEXTURE0 + unit_of(name));
                 gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));

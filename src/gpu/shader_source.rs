@@ -30,7 +30,9 @@ pub enum ShaderSourceError {
         source: std::io::Error,
     },
     /// No embedded file has that name.
-    #[error("there is no shader file '{name}' (asked for by {asked_by}): correct the name in the #include line")]
+    #[error(
+        "there is no shader file '{name}' (asked for by {asked_by}): correct the name in the #include line"
+    )]
     Unknown {
         /// The name as it was written.
         name: String,
@@ -115,13 +117,14 @@ impl ShaderLibrary {
         match &self.folder {
             Some(folder) => {
                 let path = folder.join(name);
-                std::fs::read_to_string(&path).map_err(|source| ShaderSourceError::Unreadable { path, source })
+                std::fs::read_to_string(&path)
+                    .map_err(|source| ShaderSourceError::Unreadable { path, source })
             }
-            None => EMBEDDED
-                .get_file(name)
-                .and_then(|file| file.contents_utf8())
-                .map(str::to_owned)
-                .ok_or_else(|| ShaderSourceError::Unknown { name: name.into(), asked_by: asked_by.into() }),
+            None => {
+                EMBEDDED.get_file(name).and_then(|file| file.contents_utf8()).map(str::to_owned).ok_or_else(
+                    || ShaderSourceError::Unknown { name: name.into(), asked_by: asked_by.into() },
+                )
+            }
         }
     }
 }
@@ -185,7 +188,8 @@ mod tests {
         let (_folder, library) =
             library(&[("a", "one\n#include \"b\"\n#include \"b\"\nfour"), ("b", "in b\n#include \"a\"")]);
         let text = library.assemble("a", "#version 330 core\n", &["X 1"]).unwrap();
-        let expected = "#version 330 core\n#define X 1\n#line 1\none\n#line 1\nin b\n#line 3\n#line 3\n#line 4\nfour\n";
+        let expected =
+            "#version 330 core\n#define X 1\n#line 1\none\n#line 1\nin b\n#line 3\n#line 3\n#line 4\nfour\n";
         assert_eq!(text, expected);
     }
 

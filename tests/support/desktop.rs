@@ -81,7 +81,8 @@ impl Desktop {
         let mut process = Process::start(&mut command, "mariana");
         let printed = collect(process.stdout());
         let told = collect(process.child().stderr.take().unwrap());
-        let mut app = App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
+        let mut app =
+            App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
         app.wait("its window", |app| {
             let mut search = app.desktop.command("xdotool");
             search.args(["search", "--onlyvisible", "--name", " - Mariana"]);
@@ -133,7 +134,8 @@ impl App<'_> {
     /// Runs xdotool and gives what it prints.
     pub fn xdotool(&self, arguments: &[&str]) -> String {
         let printed = output_of(self.desktop.command("xdotool").args(arguments), "xdotool");
-        String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.told()))).into_owned()
+        String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.told())))
+            .into_owned()
     }
 
     /// The window's number for X11's tools.
@@ -203,7 +205,9 @@ impl App<'_> {
             match &seen {
                 Ok(seen) if alike(seen) => return seen.clone(),
                 _ if start.elapsed() < WAIT_LIMIT => std::thread::sleep(LOOK_PERIOD),
-                Ok(seen) => assert_alike(&format!("window-{}x{}-at-{at}", size.0, size.1), seen, &wanted, TIGHT),
+                Ok(seen) => {
+                    assert_alike(&format!("window-{}x{}-at-{at}", size.0, size.1), seen, &wanted, TIGHT)
+                }
                 Err(error) => panic!("{error}; {}", self.told()),
             }
         }
@@ -214,7 +218,8 @@ impl App<'_> {
         let text = std::fs::read_to_string(format!("/proc/{}/stat", self.process.id())).unwrap();
         // The name in brackets may hold anything; user and system time are the 14th and 15th field.
         let (_, fields) = text.rsplit_once(')').unwrap();
-        let ticks: f64 = fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
+        let ticks: f64 =
+            fields.split_whitespace().skip(11).take(2).map(|field| field.parse::<f64>().unwrap()).sum();
         ticks / TICKS_PER_SECOND
     }
 

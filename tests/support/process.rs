@@ -67,7 +67,9 @@ pub fn output_of(command: &mut Command, package: &str) -> Result<Vec<u8>, String
 
 fn missing(command: &Command, package: &str, error: &std::io::Error) -> ! {
     let name = command.get_program().to_string_lossy();
-    panic!("{name} cannot be run ({error}): these tests need it, install the package that is '{package}' in Debian");
+    panic!(
+        "{name} cannot be run ({error}): these tests need it, install the package that is '{package}' in Debian"
+    );
 }
 
 /// Waits until `done`, and fails if that takes too long.

@@ -22,7 +22,10 @@ impl SoundServer {
         command
             .args(["-n", "--daemonize=no", "--exit-idle-time=-1", "--use-pid-file=no", "--disable-shm=yes"])
             .args(["-L", "module-native-protocol-unix"])
-            .args(["-L", &format!("module-null-sink sink_name=viz rate={SINK_RATE} format=float32le norewinds=1")])
+            .args([
+                "-L",
+                &format!("module-null-sink sink_name=viz rate={SINK_RATE} format=float32le norewinds=1"),
+            ])
             .envs(session_environment(folder))
             .stdout(Stdio::null())
             .stderr(Stdio::null());
@@ -69,8 +72,12 @@ impl Recorder {
                 bytes.extend_from_slice(&block[..count]);
                 let whole = bytes.len() / 8 * 8;
                 let sample = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-                let heard =
-                    bytes.drain(..whole).as_slice().chunks_exact(8).map(|frame| [sample(&frame[..4]), sample(&frame[4..])]).collect::<Vec<_>>();
+                let heard = bytes
+                    .drain(..whole)
+                    .as_slice()
+                    .chunks_exact(8)
+                    .map(|frame| [sample(&frame[..4]), sample(&frame[4..])])
+                    .collect::<Vec<_>>();
                 lock(&recorded).extend(heard);
             }
         });
