@@ -36,7 +36,7 @@ fn ffmpeg(args: &[&str], output: &Path) {
     assert!(run.is_ok_and(|status| status.success()), "ffmpeg {args:?}: install ffmpeg with this encoder");
 }
 
-fn decode(path: &PathBuf) -> usize {
+fn decode(path: &Path) -> usize {
     let mut decoder = Decoder::open(path).unwrap_or_else(|e| panic!("{e}"));
     let mut block = Vec::new();
     let mut frames = 0;

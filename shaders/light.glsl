@@ -27,7 +27,7 @@ float lamp_visibility(vec3 p, vec3 normal, float cone) {
     float stride = 1e4;
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         if (t >= end) break;
-        Nearest nearest = scene_nearest(origin + t * direction);
+        Nearest nearest = scene_nearest(origin + t * direction, t / SHADOW_SHARPNESS);
         float d = nearest.estimate;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS
@@ -68,7 +68,7 @@ float ambient_occlusion(vec3 p, vec3 normal) {
         vec3 probe = p + normal * height;
         float d = probe.y - FLOOR_HEIGHT;
         if (scene_near) {
-            d = min(d, scene_nearest(probe).estimate);
+            d = min(d, scene_nearest(probe, 0.0).estimate);
             COUNT(occlusion);
         }
         sum += weight * clamp((height - d) / height, 0.0, 1.0);

@@ -80,9 +80,11 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 normal = vec3(0.0, 1.0, 0.0);
         if (hit.object == FLOOR) {
             p.y = FLOOR_HEIGHT;
-            // The floor fades into the horizon.
-            vec2 away = p.xz - vec2(0.0, 10.0);
-            float haze = 1.0 - exp(-dot(away, away) / (HORIZON_DISTANCE * HORIZON_DISTANCE));
+            // The floor fades into the horizon, far from the speakers and from the eye.
+            vec2 from_speakers = p.xz - vec2(0.0, SPEAKER_CENTRE.z);
+            vec2 from_eye = p.xz - camera_position.xz;
+            float away = min(dot(from_speakers, from_speakers), dot(from_eye, from_eye));
+            float haze = 1.0 - exp(-away / (HORIZON_DISTANCE * HORIZON_DISTANCE));
             color += throughput * haze * sky_color(vec3(direction.x, 0.0, direction.z));
             throughput *= 1.0 - haze;
             if (throughput < 0.004) return color;

@@ -83,7 +83,12 @@ struct Nearest {
     int object;         // what that surface belongs to
 };
 
-Nearest scene_nearest(vec3 p) {
+// Another bar than the two measured ones is at least so far away.
+const float BAR_REACH = 1.5 * BAR_SPACING - BAR_HALF_WIDTH;
+
+// `penumbra` is the distance from which on a surface casts no shadow here, else 0. Beyond their reach the bars'
+// distance is that of the wrong bar half of the time, so their penumbra ends there: else their shadows are serrated.
+Nearest scene_nearest(vec3 p, float penumbra) {
     float speakers = speakers_distance(p);
     // Of the 32 bars the two nearest in x are measured. Another one can be no nearer than the box around all,
     // nor than two places away.
@@ -93,7 +98,8 @@ Nearest scene_nearest(vec3 p) {
     float bars = min(bar_distance(p, first), bar_distance(p, second));
     float around = box(p - vec3(0.0, 0.5 * (BAR_HEIGHT + 0.04), BAR_Z),
                        vec3(16.0 * BAR_SPACING, 0.5 * (BAR_HEIGHT + 0.04), BAR_HALF_DEPTH));
-    float others = max(around, 1.5 * BAR_SPACING - BAR_HALF_WIDTH);
+    float others = max(around, BAR_REACH);
     int object = bars < speakers ? BAR : SPEAKER;
-    return Nearest(min(speakers, min(bars, others)), min(speakers, bars), object);
+    float estimate = min(speakers, bars * max(1.0, penumbra / BAR_REACH));
+    return Nearest(min(speakers, min(bars, others)), estimate, object);
 }

@@ -40,7 +40,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     if (t >= end) return miss;
     int object = SKY;
     for (int i = 0; i < STEPS_MAX; i++) {
-        Nearest nearest = scene_nearest(origin + t * direction);
+        Nearest nearest = scene_nearest(origin + t * direction, 0.0);
         float d = nearest.bound;
         object = nearest.object;
 #ifdef COUNT_EVALUATIONS
@@ -61,7 +61,7 @@ vec3 surface_normal(vec3 p, float cone) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < 4; i++) {
         vec3 e = 2.0 * vec3(float(((i + 3) >> 1) & 1), float((i >> 1) & 1), float(i & 1)) - 1.0;
-        sum += e * scene_nearest(p + h * e).estimate;
+        sum += e * scene_nearest(p + h * e, 0.0).estimate;
     }
     COUNT_N(normal, 4);
     float size = length(sum);

@@ -1,6 +1,6 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
-use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
+use std::io::{BufWriter, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
@@ -8,12 +8,13 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
 
 use crate::app;
+use crate::audio::decode::quiet_contained_panics;
 use crate::audio::devices::list_devices;
 use crate::audio::song::Song;
 use crate::config::PlaySettings;
-use crate::export::ExportError;
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
+use crate::export::print::print_line;
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
@@ -57,7 +58,7 @@ struct PlayArguments {
     #[arg(long)]
     once: bool,
     /// Volume at the start, in percent
-    #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = clap::value_parser!(u8).range(0..=100))]
+    #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = clap::value_parser!(u8).range(0..=100), allow_negative_numbers = true)]
     volume: u8,
     /// The sound is heard so much later than the device says; negative for earlier
     #[arg(long, value_name = "MS", default_value = "0", value_parser = parse_latency, allow_negative_numbers = true)]
@@ -187,7 +188,7 @@ struct BenchArguments {
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
     /// Frames to time
-    #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true)]
     frames: u16,
     /// JSON instead of text
     #[arg(long)]
@@ -201,6 +202,7 @@ struct BenchArguments {
 /// # Errors
 /// What the job could not do; usage errors end the program with code 2 before.
 pub fn run() -> anyhow::Result<()> {
+    quiet_contained_panics();
     let Arguments { command, play } = Arguments::parse();
     match command {
         None => run_play(play),
@@ -268,7 +270,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
     if on_terminal {
         eprintln!();
     }
-    print_line(&format!("{} frames in {}", written?, request.output.display()))
+    Ok(print_line(&format!("{} frames in {}", written?, request.output.display()))?)
 }
 
 fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
@@ -292,24 +294,16 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         frames: arguments.frames.into(),
         shaders: common.library(),
     })?;
-    if arguments.json { print_json(&report) } else { print_line(&report.to_string()) }
+    if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
 
 fn run_devices(json: bool) -> anyhow::Result<()> {
     let report = list_devices();
-    if json { print_json(&report) } else { print_line(report.to_string().trim_end()) }
+    if json { print_json(&report) } else { Ok(print_line(report.to_string().trim_end())?) }
 }
 
 fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
-    print_line(&serde_json::to_string_pretty(value)?)
-}
-
-fn print_line(text: &str) -> anyhow::Result<()> {
-    match writeln!(std::io::stdout(), "{text}") {
-        // Whoever reads has read enough.
-        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        written => Ok(written.map_err(ExportError::Print)?),
-    }
+    Ok(print_line(&serde_json::to_string_pretty(value)?)?)
 }
 
 fn song(file: Option<&Path>) -> Song {

@@ -38,6 +38,14 @@ pub struct Limits {
     pub include_depth_max: usize,
     /// Largest shader source after its includes were resolved, in bytes.
     pub shader_bytes_max: usize,
+    /// Most distinct nodes of an expression graph (32 bytes each).
+    pub graph_nodes_max: usize,
+    /// Most clauses of a tape (four bytes each, and 40 while it is built).
+    pub tape_clauses_max: usize,
+    /// Most outputs of a tape; each keeps a slot to the end.
+    pub tape_outputs_max: usize,
+    /// Most memory slots that the values of one tape are spilled to.
+    pub tape_memory_max: usize,
 }
 
 /// The limits that the program runs with.
@@ -58,6 +66,10 @@ pub const LIMITS: Limits = Limits {
     latency_ms_max: 5_000.0,
     include_depth_max: 16,
     shader_bytes_max: 1 << 20,
+    graph_nodes_max: 1 << 21,
+    tape_clauses_max: 1 << 21,
+    tape_outputs_max: 16,
+    tape_memory_max: 1 << 16,
 };
 
 impl Default for Limits {

@@ -26,6 +26,9 @@ pub enum AppError {
          LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
     NoContext(String),
+    /// Standard output is closed or full.
+    #[error("the text cannot be printed: {0}")]
+    Print(std::io::Error),
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),

@@ -1,5 +1,6 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
@@ -40,7 +41,8 @@ pub fn run(song: &Song, settings: PlaySettings) -> anyhow::Result<()> {
     let event_loop = match EventLoop::new() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
-            println!("context              EGL without a window\n{}", Headless::new(false)?.gl().info());
+            let context = Headless::new(false)?;
+            print(&format!("context              EGL without a window\n{}", context.gl().info()))?;
             return Ok(());
         }
         Err(error) => return Err(AppError::NoDisplay(error.to_string()).into()),
@@ -94,13 +96,12 @@ struct Stage {
 impl Show {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let settings = &self.settings;
-        let title = title(&self.name, None);
+        let title = title(&self.name, None, settings.silent);
         let window =
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, settings.verbose)?;
         if settings.gl_info {
-            println!("{}", window.gl().info());
             event_loop.exit();
-            return Ok(());
+            return print(&window.gl().info().to_string());
         }
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -175,7 +176,11 @@ impl Show {
             Action::ToggleMute => stage.player.toggle_mute(),
             Action::ToggleFullscreen => stage.window.set_fullscreen(!stage.window.is_fullscreen()),
             Action::LeaveFullscreen => stage.window.set_fullscreen(false),
-            Action::PrintHelp => println!("{}", keys::help()),
+            Action::PrintHelp => {
+                if let Err(error) = print(&keys::help()) {
+                    tell(&error.to_string());
+                }
+            }
             Action::Quit => event_loop.exit(),
         }
         stage.status_due = Instant::now();
@@ -193,20 +198,20 @@ impl Show {
         if status.silent != stage.told_silent {
             match &status.silent {
                 Some(reason) if !self.settings.silent => {
-                    eprintln!("mariana: the song runs without sound: {reason}");
+                    tell(&format!("the song runs without sound: {reason}"));
                 }
                 Some(_) => {}
-                None => eprintln!("mariana: the sound is back: {}", status.output),
+                None => tell(&format!("the sound is back: {}", status.output)),
             }
             stage.told_silent.clone_from(&status.silent);
         }
         if status.source_error != stage.told_source {
             if let Some(error) = &status.source_error {
-                eprintln!("mariana: {error}");
+                tell(error);
             }
             stage.told_source.clone_from(&status.source_error);
         }
-        let title = title(&self.name, Some(&status));
+        let title = title(&self.name, Some(&status), self.settings.silent);
         if title != stage.title {
             stage.window.window().set_title(&title);
             stage.title = title;
@@ -235,8 +240,18 @@ impl Show {
     }
 }
 
-/// The window's title: the song, the program, and what is not as usual.
-fn title(name: &str, status: Option<&PlayerStatus>) -> String {
+/// Prints what was asked for.
+fn print(text: &str) -> Result<(), AppError> {
+    writeln!(std::io::stdout(), "{text}").map_err(AppError::Print)
+}
+
+/// Says a sentence on standard error, if anybody listens there.
+fn tell(sentence: &str) {
+    let _ = writeln!(std::io::stderr(), "mariana: {sentence}");
+}
+
+/// The window's title: the song, the program, and what is not as usual; silence is, if it was asked for.
+fn title(name: &str, status: Option<&PlayerStatus>, silence_asked: bool) -> String {
     let mut title = format!("{name} - Mariana");
     let Some(status) = status else { return title };
     let mut notes = Vec::new();
@@ -248,7 +263,7 @@ fn title(name: &str, status: Option<&PlayerStatus>) -> String {
     } else if status.volume < 0.995 {
         notes.push(format!("volume {:.0} %", status.volume * 100.0));
     }
-    if status.silent.is_some() {
+    if status.silent.is_some() && !silence_asked {
         notes.push("no sound device".to_owned());
     }
     if !notes.is_empty() {
@@ -270,7 +285,8 @@ impl ApplicationHandler for Show {
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
         let Some(stage) = &mut self.stage else { return };
         match event {
-            WindowEvent::CloseRequested => event_loop.exit(),
+            // Destroyed: closed by others without asking.
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
             WindowEvent::Resized(_) => {
                 stage.window.resize();
                 stage.window.window().request_redraw();
@@ -304,7 +320,9 @@ impl ApplicationHandler for Show {
         let Some(stage) = &mut self.stage else { return };
         let now = Instant::now();
         let moving = stage.shown.is_none_or(|(shown, _)| stage.player.now(latency) != shown);
-        if !moving || stage.occluded {
+        // The first picture starts the song, seen or not.
+        let seen = !stage.occluded || stage.frames == 0;
+        if !moving || !seen {
             // Paused, ended or covered: nothing to draw until something happens.
             event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));
         } else if now >= stage.pacing.due() {

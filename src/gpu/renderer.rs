@@ -137,10 +137,11 @@ impl Renderer {
     /// # Errors
     /// A size beyond the driver's, or an error that the driver reports.
     pub fn draw(&mut self, frame: &Frame) -> Result<(), GpuError> {
-        let targets = match self.targets.take() {
-            Some(targets) if targets.first.size() == frame.size => targets,
-            _ => Targets::new(&self.gl, frame.size, self.counting)?,
-        };
+        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != frame.size) {
+            // A size that is refused leaves the last picture.
+            self.targets = Some(Targets::new(&self.gl, frame.size, self.counting)?);
+        }
+        let Some(targets) = &self.targets else { return Ok(()) };
         self.bind_inputs(&frame.block());
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
@@ -185,7 +186,6 @@ impl Renderer {
             self.present.bind();
             gl.draw_arrays(glow::TRIANGLES, 0, 3);
         }
-        self.targets = Some(targets);
         self.gl.check("drawing a frame")
     }
 
@@ -275,10 +275,10 @@ impl Targets {
     fn new(gl: &Gl, size: (u32, u32), counting: Counting) -> Result<Self, GpuError> {
         let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F];
         let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
-        let stencil = Stencil::new(gl, size)?;
         Ok(Self {
+            // The first to be made checks the size against the driver.
             first: Target::new(gl, size, texels, None)?,
-            extra: Target::new(gl, size, texels, Some(stencil))?,
+            extra: Target::new(gl, size, texels, Some(Stencil::new(gl, size)?))?,
             finished: Target::new(gl, size, &[Texel::Rgba8], None)?,
         })
     }

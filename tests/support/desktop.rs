@@ -76,10 +76,15 @@ impl Desktop {
 
     /// The program with `song`, when its window shows.
     pub fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
+        self.open_printing_to(Stdio::piped(), song, options)
+    }
+
+    /// The same with another standard output.
+    pub fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
-        command.arg(song).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.arg(song).args(options).stdout(stdout).stderr(Stdio::piped());
         let mut process = Process::start(&mut command, "mariana");
-        let printed = collect(process.stdout());
+        let printed = process.child().stdout.take().map(collect).unwrap_or_default();
         let told = collect(process.child().stderr.take().unwrap());
         let mut app =
             App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
@@ -168,14 +173,26 @@ impl App<'_> {
         self.wait(&format!("a window of {size:?}"), |app| (app.size() == size).then_some(()));
     }
 
-    /// What the window shows.
+    /// What the window shows, as soon as it does.
     pub fn picture(&self) -> RgbaImage {
-        self.try_picture().unwrap_or_else(|error| panic!("{error}; {}", self.told()))
+        let mut picture = None;
+        wait_until("a picture in the window", || {
+            picture = self.try_picture().ok();
+            picture.is_some()
+        });
+        picture.unwrap()
     }
 
     fn try_picture(&self) -> Result<RgbaImage, String> {
         let mut command = self.desktop.command("xwd");
-        decode_window_dump(&output_of(command.args(["-silent", "-id", &self.window]), "x11-apps")?)
+        let dump = output_of(command.args(["-silent", "-id", &self.window]), "x11-apps")?;
+        // While a window comes or goes only a part of it shows.
+        let picture = decode_window_dump(&dump)?;
+        if picture.dimensions() == self.size() {
+            Ok(picture)
+        } else {
+            Err("only a part of the window shows".into())
+        }
     }
 
     /// The picture without a window of a moment of the song.
@@ -193,17 +210,15 @@ impl App<'_> {
         let size = self.size();
         let wanted = self.still(at, size);
         let start = Instant::now();
-        // A window that is being resized has no picture of the right size, or none at all.
+        // While it is being resized or redrawn, the window may show something else.
         let alike = |seen: &RgbaImage| {
-            seen.dimensions() == size && {
-                let found = difference(seen, &wanted, TIGHT.visible);
-                found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
-            }
+            let found = difference(seen, &wanted, TIGHT.visible);
+            found.mean <= TIGHT.mean_max && found.share <= TIGHT.share_max
         };
         loop {
             let seen = self.try_picture();
             match &seen {
-                Ok(seen) if alike(seen) => return seen.clone(),
+                Ok(seen) if seen.dimensions() == size && alike(seen) => return seen.clone(),
                 _ if start.elapsed() < WAIT_LIMIT => std::thread::sleep(LOOK_PERIOD),
                 Ok(seen) => {
                     assert_alike(&format!("window-{}x{}-at-{at}", size.0, size.1), seen, &wanted, TIGHT)
@@ -213,8 +228,15 @@ impl App<'_> {
         }
     }
 
+    /// How much of a processor the program takes, watched for `time`.
+    pub fn load(&self, time: Duration) -> f64 {
+        let (worked, since) = (self.processor_seconds(), Instant::now());
+        std::thread::sleep(time);
+        (self.processor_seconds() - worked) / since.elapsed().as_secs_f64()
+    }
+
     /// Seconds that processors have worked for the program.
-    pub fn processor_seconds(&self) -> f64 {
+    fn processor_seconds(&self) -> f64 {
         let text = std::fs::read_to_string(format!("/proc/{}/stat", self.process.id())).unwrap();
         // The name in brackets may hold anything; user and system time are the 14th and 15th field.
         let (_, fields) = text.rsplit_once(')').unwrap();

@@ -2,6 +2,7 @@
 //! comparison of pictures, a desktop and a sound server of the test's own.
 
 #![allow(dead_code, reason = "every test program uses its own part of this")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
 pub mod compare;
 #[cfg(target_os = "linux")]
@@ -9,6 +10,8 @@ pub mod desktop;
 pub mod glsl;
 #[cfg(unix)]
 pub mod process;
+#[cfg(target_os = "linux")]
+pub mod program;
 pub mod shader_folder;
 #[cfg(unix)]
 pub mod sound_server;

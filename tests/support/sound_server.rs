@@ -60,7 +60,8 @@ impl Recorder {
             .args(["--device=viz.monitor", "--format=float32le", "--channels=2", "--latency-msec=20"])
             .arg(format!("--rate={SINK_RATE}"))
             .envs(session_environment(folder))
-            .stdout(Stdio::piped());
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
         let mut process = Process::start(&mut command, "pulseaudio-utils");
         let mut output = process.stdout();
         let frames = Arc::new(Mutex::new(Vec::new()));

@@ -21,13 +21,13 @@
 mod clock;
 mod codecs;
 mod downmix;
+mod containment;
 mod error;
 mod gapless;
 mod input;
 mod packets;
 mod sniff;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use crate::audio::resample::Resampler;
@@ -35,6 +35,8 @@ use crate::audio::source::{FrameSource, SourceError};
 use crate::dsp::StereoFrame;
 use crate::limits::LIMITS;
 
+use containment::contained;
+pub use containment::quiet_contained_panics;
 pub use error::DecodeError;
 use input::Input;
 use packets::{Block, PacketReader};
@@ -402,16 +404,4 @@ impl FrameSource for Decoder {
     fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
         Ok(Self::seek(self, seconds)?)
     }
-}
-
-/// Runs a part of the codec library and turns a panic in it into an error.
-fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, DecodeError> {
-    catch_unwind(AssertUnwindSafe(run)).map_err(|payload| {
-        let what = payload
-            .downcast_ref::<&str>()
-            .map(ToString::to_string)
-            .or_else(|| payload.downcast_ref::<String>().cloned())
-            .unwrap_or_else(|| "without a message".into());
-        DecodeError::CodecFailure { name: name.into(), what }
-    })
 }

@@ -243,7 +243,7 @@ impl Watch {
 
     /// Puts the silent clock in the place of the present output.
     fn go_silent(&mut self, reason: String) {
-        tracing::warn!("no sound: {reason}");
+        tracing::info!("no sound: {reason}");
         // What the device said until now or says later is void.
         self.attempt += 1;
         let rate = self.request.silent_rate;

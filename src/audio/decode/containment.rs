@@ -1,0 +1,47 @@
+//! Codec libraries are run so that a panic in one is an error of the file, not the end of the program.
+
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+
+use super::DecodeError;
+
+thread_local! {
+    static INSIDE: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Runs a part of the codec library and turns a panic in it into an error.
+pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, DecodeError> {
+    let outer = INSIDE.replace(true);
+    let result = catch_unwind(AssertUnwindSafe(run));
+    INSIDE.set(outer);
+    result.map_err(|payload| {
+        let what = payload
+            .downcast_ref::<&str>()
+            .map(ToString::to_string)
+            .or_else(|| payload.downcast_ref::<String>().cloned())
+            .unwrap_or_else(|| "without a message".into());
+        DecodeError::CodecFailure { name: name.into(), what }
+    })
+}
+
+/// Keeps panics that become errors from being printed as panics; all others are printed as ever. To be called once
+/// by the program.
+pub fn quiet_contained_panics() {
+    let print = take_hook();
+    set_hook(Box::new(move |panic| {
+        if INSIDE.get() { tracing::debug!("contained: {panic}") } else { print(panic) }
+    }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_an_error_with_its_words_and_leaves_no_mark() {
+        let error = contained("song.flac", || panic!("overflow at {}", 7)).unwrap_err().to_string();
+        assert!(error.contains("song.flac") && error.contains("overflow at 7"), "{error}");
+        assert!(!INSIDE.get());
+        assert_eq!(contained("song.flac", || 5).unwrap(), 5);
+    }
+}
