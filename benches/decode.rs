@@ -2,7 +2,7 @@
 //!
 //! Elements are frames, so elements per second over the sample rate is "times real time".
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};

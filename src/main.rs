@@ -6,7 +6,7 @@ fn main() -> ExitCode {
     match mariana::cli::run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("mariana: {error:#}");
+            mariana::export::print::tell(&format!("{error:#}"));
             ExitCode::FAILURE
         }
     }

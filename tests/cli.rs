@@ -1,6 +1,7 @@
 //! The program's jobs as users ask for them: what it prints and what it writes. `cli_bad_input` has what it refuses.
 
 #![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod support;
 
@@ -210,8 +211,9 @@ fn help_is_complete_and_its_examples_use_flags_that_exist() {
             let words: Vec<&str> = example.split_whitespace().collect();
             let subcommand = words.first().filter(|word| subcommands.contains(word)).copied().unwrap_or("");
             let help = help_of(subcommand);
+            let options = help.split("Examples:").next().unwrap();
             for flag in words.iter().filter(|word| word.starts_with('-')) {
-                assert!(help.contains(flag), "mariana{example}: there is no {flag}");
+                assert!(options.contains(flag), "mariana{example}: there is no {flag}");
             }
         }
     }

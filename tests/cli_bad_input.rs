@@ -2,6 +2,7 @@
 //! panic, and no file harmed.
 
 #![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod support;
 

@@ -1,6 +1,7 @@
 //! What keeps the window from showing. Each message says what, where and what to do.
 
 use crate::audio::PlayerError;
+use crate::export::ExportError;
 use crate::gpu::error::GpuError;
 
 /// An error of the window.
@@ -26,9 +27,9 @@ pub enum AppError {
          LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
     NoContext(String),
-    /// Standard output is closed or full.
-    #[error("the text cannot be printed: {0}")]
-    Print(std::io::Error),
+    /// Standard output is full.
+    #[error(transparent)]
+    Print(#[from] ExportError),
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),

@@ -1,6 +1,5 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
-use std::io::Write;
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
@@ -17,6 +16,7 @@ use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
 use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
+use crate::export::print::{print_line, tell};
 use crate::frame::Frame;
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
@@ -42,10 +42,10 @@ pub fn run(song: &Song, settings: PlaySettings) -> anyhow::Result<()> {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
             let context = Headless::new(false)?;
-            print(&format!("context              EGL without a window\n{}", context.gl().info()))?;
+            print_line(&format!("context              EGL without a window\n{}", context.gl().info()))?;
             return Ok(());
         }
-        Err(error) => return Err(AppError::NoDisplay(error.to_string()).into()),
+        Err(error) => return Err(AppError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
     };
     let mut show = Show {
         name: display_name(&decoder),
@@ -59,6 +59,12 @@ pub fn run(song: &Song, settings: PlaySettings) -> anyhow::Result<()> {
         .run_app(&mut show)
         .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
     show.error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// What winit says, without the place in its source that it begins with.
+fn reason(text: &str) -> &str {
+    let reason = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
+    reason.map_or(text, |(_, reason)| reason).trim_end_matches('.')
 }
 
 /// Everything that lives as long as the event loop.
@@ -101,7 +107,7 @@ impl Show {
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, settings.verbose)?;
         if settings.gl_info {
             event_loop.exit();
-            return print(&window.gl().info().to_string());
+            return Ok(print_line(&window.gl().info().to_string())?);
         }
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -177,7 +183,7 @@ impl Show {
             Action::ToggleFullscreen => stage.window.set_fullscreen(!stage.window.is_fullscreen()),
             Action::LeaveFullscreen => stage.window.set_fullscreen(false),
             Action::PrintHelp => {
-                if let Err(error) = print(&keys::help()) {
+                if let Err(error) = print_line(&keys::help()) {
                     tell(&error.to_string());
                 }
             }
@@ -238,16 +244,6 @@ impl Show {
         self.error.get_or_insert(error);
         event_loop.exit();
     }
-}
-
-/// Prints what was asked for.
-fn print(text: &str) -> Result<(), AppError> {
-    writeln!(std::io::stdout(), "{text}").map_err(AppError::Print)
-}
-
-/// Says a sentence on standard error, if anybody listens there.
-fn tell(sentence: &str) {
-    let _ = writeln!(std::io::stderr(), "mariana: {sentence}");
 }
 
 /// The window's title: the song, the program, and what is not as usual; silence is, if it was asked for.

@@ -59,13 +59,21 @@ impl GlWindowContext {
         let window = window.ok_or_else(|| AppError::NoContext("no window came with it".into()))?;
         let handle = window.window_handle().map_err(|error| no_context(&error))?.as_raw();
         let display = config.display();
-        let attributes = ContextAttributesBuilder::new()
+        let wanted = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(Some(handle));
+        // An older driver refuses that with nothing but a number; a context of any version tells its own.
+        let any = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Compatibility)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
+            .build(Some(handle));
         // SAFETY: the handle is that of the window, which outlives context and surface (see the fields' order).
         let (context, surface) = unsafe {
-            let context = display.create_context(&config, &attributes).map_err(|error| no_context(&error))?;
+            let context = display
+                .create_context(&config, &wanted)
+                .or_else(|error| display.create_context(&config, &any).map_err(|_| error))
+                .map_err(|error| no_context(&error))?;
             let attributes =
                 window.build_surface_attributes(Default::default()).map_err(|error| no_context(&error))?;
             let surface =

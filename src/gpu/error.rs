@@ -27,11 +27,11 @@ pub enum GpuError {
     #[error(transparent)]
     Source(#[from] ShaderSourceError),
     /// The driver refused a shader.
-    #[error("the driver refuses {name}:\n{log}")]
+    #[error("the driver refuses {name}: correct the lines that it names\n{log}")]
     Compile {
         /// The shader file, or the program.
         name: String,
-        /// The driver's log.
+        /// The driver's log, with the files' names.
         log: String,
     },
     /// The driver could not make an object.

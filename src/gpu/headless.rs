@@ -78,11 +78,19 @@ fn context_on(
             .find_configs(template)?
             .next()
             .ok_or_else(|| glutin::error::Error::from(glutin::error::ErrorKind::BadConfig))?;
-        let attributes = ContextAttributesBuilder::new()
+        let wanted = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        let context = display.create_context(&config, &attributes)?.make_current_surfaceless()?;
+        // An older driver refuses that with nothing but a number; a context of any version tells its own.
+        let any = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Compatibility)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
+            .build(None);
+        let context = display
+            .create_context(&config, &wanted)
+            .or_else(|error| display.create_context(&config, &any).map_err(|_| error))?
+            .make_current_surfaceless()?;
         Ok((display, context))
     }
 }

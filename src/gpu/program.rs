@@ -7,7 +7,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::ProgramObject;
-use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary};
+use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, name_places};
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
 pub const UNIFORM_BLOCKS: [(&str, u32); 2] = [("FrameBlock", 0), ("PassBlock", 1)];
@@ -49,7 +49,11 @@ impl Program {
                 gl.shader_source(shader, &source);
                 gl.compile_shader(shader);
                 let compiled = gl.get_shader_compile_status(shader);
-                let log = if compiled { String::new() } else { gl.get_shader_info_log(shader) };
+                let log = if compiled {
+                    String::new()
+                } else {
+                    name_places(&gl.get_shader_info_log(shader), &source)
+                };
                 if compiled {
                     gl.attach_shader(program, shader);
                 }

@@ -84,7 +84,8 @@ impl ShaderLibrary {
 
     /// The text of `name` after `preamble`, a `#define` line for each of `defines`, and all includes.
     ///
-    /// `#line` directives number the file's own lines, so that a driver's message points into the file.
+    /// Comments mark where each file begins and goes on, so that [`name_places`] can turn a driver's line numbers
+    /// into those of the files. (`#line` would do, but Mesa forgets the file at the next `#ifdef`.)
     ///
     /// # Errors
     /// A file that is missing or unreadable, an include line that is no bare name, and text over the limits
@@ -144,13 +145,13 @@ impl Assembly<'_> {
             return Ok(());
         }
         let source = self.library.read(name, asked_by)?;
-        self.text.push_str("#line 1\n");
+        self.mark(name, 1);
         for (index, line) in source.lines().enumerate() {
             if let Some(rest) = line.trim_start().strip_prefix("#include") {
                 let bare = bare_name(rest)
                     .ok_or_else(|| ShaderSourceError::BadInclude { file: name.into(), line: index + 1 })?;
                 self.append(bare, &format!("{name}:{}", index + 1), depth + 1)?;
-                self.text.push_str(&format!("#line {}\n", index + 2));
+                self.mark(name, index + 2);
             } else {
                 self.text.push_str(line);
                 self.text.push('\n');
@@ -161,6 +162,35 @@ impl Assembly<'_> {
         }
         Ok(())
     }
+
+    /// The next line of the text is `line` of `file`.
+    fn mark(&mut self, file: &str, line: usize) {
+        self.text.push_str(&format!("{PLACE_MARK}{file}:{line}\n"));
+    }
+}
+
+/// Begins a comment that tells the file and the line of what follows.
+const PLACE_MARK: &str = "//@ ";
+
+/// The file and its line that stand at `line` (from 1) of an assembled text, as `name:line`.
+fn place_at(text: &str, line: usize) -> Option<String> {
+    let before: Vec<&str> = text.lines().take(line.checked_sub(1)?).collect();
+    let mark = before.iter().rposition(|line| line.starts_with(PLACE_MARK))?;
+    let (file, first) = before.get(mark)?.strip_prefix(PLACE_MARK)?.rsplit_once(':')?;
+    Some(format!("{file}:{}", first.parse::<usize>().ok()? + before.len() - mark - 1))
+}
+
+/// A driver's `log` about the assembled `text`, with the places in files instead of those in the text. Drivers write
+/// `0:12(3): ...`, `0(12) : ...` or `ERROR: 0:12: ...`.
+pub fn name_places(log: &str, text: &str) -> String {
+    let named = |line: &str| {
+        let (_, rest) = line.strip_prefix("ERROR: ").unwrap_or(line).split_once([':', '('])?;
+        let (number, rest) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit())?);
+        let place = place_at(text, number.parse().ok()?)?;
+        Some(format!("{place}{}", rest.trim_start_matches(')')))
+    };
+    let lines = log.trim().lines().map(|line| named(line).unwrap_or_else(|| line.to_owned()));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// The name between the quotes, if it is a bare file name.
@@ -189,8 +219,20 @@ mod tests {
             library(&[("a", "one\n#include \"b\"\n#include \"b\"\nfour"), ("b", "in b\n#include \"a\"")]);
         let text = library.assemble("a", "#version 330 core\n", &["X 1"]).unwrap();
         let expected =
-            "#version 330 core\n#define X 1\n#line 1\none\n#line 1\nin b\n#line 3\n#line 3\n#line 4\nfour\n";
+            "#version 330 core\n#define X 1\n//@ a:1\none\n//@ b:1\nin b\n//@ b:3\n//@ a:3\n//@ a:4\nfour\n";
         assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn drivers_messages_get_the_places_in_the_files() {
+        let (_folder, library) = library(&[("a", "one\n#include \"b\"\nthree"), ("b", "in b\nb two")]);
+        let text = library.assemble("a", "#version 330 core\n", &[]).unwrap();
+        let line = |wanted: &str| text.lines().position(|line| line == wanted).unwrap() + 1;
+        let (two, three) = (line("b two"), line("three"));
+        let log =
+            format!("0:{two}(3): error: x\n0({three}) : error y\nERROR: 0:{two}: z\nnot a place: w\n\n");
+        let expected = "b:2(3): error: x\na:3 : error y\nb:2: z\nnot a place: w";
+        assert_eq!(name_places(&log, &text), expected);
     }
 
     #[test]

@@ -64,37 +64,19 @@ pub fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String> {
     run_glslang(stage, text, &[]).map(drop)
 }
 
-/// glslang's complaints, each `ERROR: 0:LINE: ...` followed by the lines of the text that bear this number: one
-/// for each included file that is long enough.
+/// glslang's complaints, each `ERROR: FILE:LINE: ...` followed by that line of the text.
 fn with_quoted_lines(text: &str, complaints: &str) -> String {
     let mut quoted = String::new();
     for complaint in complaints.lines() {
         quoted.push_str(complaint);
         quoted.push('\n');
-        let number = complaint.strip_prefix("ERROR: 0:").and_then(|rest| rest.split(':').next());
-        let Some(number) = number.and_then(|number| number.parse().ok()) else { continue };
-        for line in lines_numbered(text, number) {
-            quoted.push_str(&format!("    {number} | {line}\n"));
+        let number = complaint.strip_prefix("ERROR: ").and_then(|rest| rest.split(':').nth(1)?.parse().ok());
+        let line = number.and_then(|number: usize| text.lines().nth(number.checked_sub(1)?));
+        if let Some(line) = line {
+            quoted.push_str(&format!("    | {line}\n"));
         }
     }
     quoted
-}
-
-/// The lines with text that bear `wanted` by the `#line` directives of the text.
-fn lines_numbered(text: &str, wanted: usize) -> Vec<&str> {
-    let mut number = 1;
-    let mut found = Vec::new();
-    for line in text.lines() {
-        if let Some(next) = line.strip_prefix("#line ").and_then(|next| next.trim().parse().ok()) {
-            number = next;
-            continue;
-        }
-        if number == wanted && !line.trim().is_empty() {
-            found.push(line);
-        }
-        number += 1;
-    }
-    found
 }
 
 /// What naga's complaints call the text: its line numbers are those of the whole text, includes in it.
@@ -127,8 +109,6 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
     for line in text.lines() {
         if line.starts_with("#version") {
             vulkan.push_str("#version 450");
-        } else if line.starts_with("#line") {
-            // An empty line keeps the count; naga numbers lines from the first.
         } else if let Some(name) = declared_sampler(line) {
             let unit = place_of(&TEXTURE_UNITS, name)?;
             vulkan.push_str(&format!(

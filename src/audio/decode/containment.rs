@@ -28,9 +28,11 @@ pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, Dec
 /// by the program.
 pub fn quiet_contained_panics() {
     let print = take_hook();
-    set_hook(Box::new(move |panic| {
-        if INSIDE.get() { tracing::debug!("contained: {panic}") } else { print(panic) }
-    }));
+    set_hook(Box::new(
+        move |panic| {
+            if INSIDE.get() { tracing::debug!("contained: {panic}") } else { print(panic) }
+        },
+    ));
 }
 
 #[cfg(test)]

@@ -20,8 +20,8 @@
 
 mod clock;
 mod codecs;
-mod downmix;
 mod containment;
+mod downmix;
 mod error;
 mod gapless;
 mod input;
