@@ -154,19 +154,9 @@ impl Player {
         })
     }
 
-    /// Pauses or goes on.
-    pub fn toggle_pause(&self) {
-        self.set_paused(!self.is_paused());
-    }
-
     /// Pauses (true) or goes on (false).
     pub fn set_paused(&self, paused: bool) {
         self.controls.set_paused(paused);
-    }
-
-    /// Whether it is paused.
-    pub fn is_paused(&self) -> bool {
-        self.controls.paused()
     }
 
     /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet; not beyond the

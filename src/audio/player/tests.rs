@@ -292,7 +292,7 @@ fn the_silent_clock_runs_in_real_time_and_says_so() {
 fn a_pause_stands_still_and_a_seek_in_it_moves() {
     let mut player = start(9_000_000, silent(true));
     wait_for(&mut player, "it moves", |player| player.now(0.0).song_time > 0.05);
-    player.toggle_pause();
+    player.set_paused(true);
     std::thread::sleep(Duration::from_millis(60));
     let stands = player.now(0.0);
     std::thread::sleep(Duration::from_millis(60));
@@ -304,7 +304,7 @@ fn a_pause_stands_still_and_a_seek_in_it_moves() {
     wait_for(&mut player, "the features", |player| player.now(0.0).features.volume[0] > 0.0);
     player.seek_by(-30.0);
     wait_for(&mut player, "the step back", |player| player.status().position == 70.0);
-    player.toggle_pause();
+    player.set_paused(false);
     wait_for(&mut player, "it goes on", |player| player.status().position > 70.02);
 }
 
