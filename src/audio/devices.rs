@@ -62,8 +62,11 @@ pub struct FormatReport {
     pub buffer_frames: Option<(u32, u32)>,
 }
 
-/// Asks all hosts at once, each within a limit of 3 s. Without devices or servers the lists are empty.
+/// Asks all hosts at once, each within a limit of 3 s. Without devices or servers the lists are empty. Standard error
+/// is silent meanwhile: the sound libraries of the system print what does not answer.
 pub fn list_devices() -> DeviceReport {
+    #[cfg(target_os = "linux")]
+    let _quiet = super::quiet_stderr::QuietStderr::new();
     let asked: Vec<_> = hosts_by_preference()
         .into_iter()
         .map(|host| {

@@ -25,6 +25,8 @@ pub mod devices;
 mod error;
 pub mod output;
 pub mod player;
+#[cfg(target_os = "linux")]
+mod quiet_stderr;
 pub mod resample;
 pub mod song;
 pub mod source;
