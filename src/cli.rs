@@ -1,5 +1,7 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
+mod scene;
+
 use std::io::{BufWriter, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -109,6 +111,18 @@ enum Command {
         after_help = "Examples:\n  mariana bench\n  mariana bench song.flac --at 30 --size 1280x720 --json"
     )]
     Bench(BenchArguments),
+    /// Check scenes: print every mistake with its place, or what the scene costs
+    #[command(after_help = "Examples:\n  mariana check speakers\n  mariana check my/*.scene")]
+    Check(scene::CheckArguments),
+    /// Print the tape of a scene's distance: the clauses that an interpreter runs
+    #[command(after_help = "Examples:\n  mariana tape \"max(sqrt(x*x+y*y)-1, 0.5-sqrt(x*x+y*y))\"\n  \
+                            mariana tape speakers --glsl\n  \
+                            mariana tape \"min(y, length(p) - 1)\" --dot | dot -Tsvg > graph.svg")]
+    Tape(scene::TapeArguments),
+    /// Evaluate a scene's distance at points, one number per line
+    #[command(after_help = "Examples:\n  mariana eval \"length(p) - 1\" --at 0,2,0\n  \
+                            mariana eval speakers --points points.csv --set \"band(3)=0.5\" --set volume.x=0.2")]
+    Eval(scene::EvalArguments),
     /// List the sound systems, inputs and outputs with what they support
     #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
                             mariana song.flac --device \"USB\"       play on the first one with USB in its name")]
@@ -210,6 +224,9 @@ pub fn run() -> anyhow::Result<()> {
         Some(Command::Video(arguments)) => run_video(arguments),
         Some(Command::Analyze(arguments)) => run_analyze(arguments),
         Some(Command::Bench(arguments)) => run_bench(arguments),
+        Some(Command::Check(arguments)) => scene::run_check(&arguments),
+        Some(Command::Tape(arguments)) => scene::run_tape(&arguments),
+        Some(Command::Eval(arguments)) => scene::run_eval(&arguments),
         Some(Command::Devices { json }) => run_devices(json),
     }
 }

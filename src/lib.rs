@@ -12,4 +12,8 @@ pub mod dsp;
 pub mod export;
 pub mod frame;
 pub mod gpu;
+pub mod graph;
+pub mod lang;
 pub mod limits;
+pub mod scenes;
+pub mod tape;

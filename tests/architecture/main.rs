@@ -37,6 +37,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     ("export", &["frame", "gpu", "audio", "dsp", "limits"]),
     ("config", &["limits"]),
+    ("scenes", &["lang", "limits"]),
 ];
 
 /// Crates that only some rooms may use. `egui` stands for `egui_winit` and its like too.

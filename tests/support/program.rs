@@ -17,7 +17,7 @@ pub const RUN_LIMIT: Duration = Duration::from_secs(60);
 
 /// Words that tell the user what to do; every refusal has at least one.
 const ADVICE: &[&str] = &[
-    "ask for", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give",
+    "ask for", "split", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give",
     "install", "name", "save", "send", "set", "start", "update", "write",
 ];
 

@@ -1,0 +1,62 @@
+//! The graph's own evaluator: plain and slow, what the others are held against.
+
+use super::frame_inputs::FrameInputs;
+use super::node::{Input, Node, NodeId};
+use super::{Graph, GraphError};
+
+/// Where an expression is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Point {
+    /// Position in world space.
+    pub position: [f32; 3],
+    /// Surface normal; in materials.
+    pub normal: [f32; 3],
+}
+
+impl Point {
+    /// A position without a normal.
+    pub const fn at(x: f32, y: f32, z: f32) -> Self {
+        Self { position: [x, y, z], normal: [0.0; 3] }
+    }
+
+    /// The six inputs in the order of [`Input::OF_POINT`].
+    pub const fn inputs(&self) -> [f32; 6] {
+        let ([x, y, z], [nx, ny, nz]) = (self.position, self.normal);
+        [x, y, z, nx, ny, nz]
+    }
+}
+
+impl Graph {
+    /// The values of the roots at a point.
+    ///
+    /// # Errors
+    /// What [`Graph::check`] says.
+    pub fn evaluate(
+        &self,
+        roots: &[NodeId],
+        point: &Point,
+        frame: &FrameInputs,
+    ) -> Result<Vec<f32>, GraphError> {
+        let order = self.order(roots)?;
+        let mut values = vec![0.0; roots.iter().max().map_or(0, |last| last.index() + 1)];
+        for id in order.nodes {
+            values[id.index()] = match self.node(id) {
+                Node::Constant(value) => value,
+                Node::Input(input) => input_value(input, point, frame),
+                Node::Unary(op, a) => op.value(values[a.index()], 0.0, frame),
+                Node::Binary(op, a, b) => op.value(values[a.index()], values[b.index()], frame),
+                Node::Texture { texture, channel, u, v } => {
+                    frame.texture(texture, channel, values[u.index()], values[v.index()])
+                }
+            };
+        }
+        Ok(roots.iter().map(|root| values[root.index()] + 0.0).collect())
+    }
+}
+
+fn input_value(input: Input, point: &Point, frame: &FrameInputs) -> f32 {
+    match input.of_point() {
+        Some(place) => point.inputs()[place],
+        None => frame.value(input),
+    }
+}

@@ -1,0 +1,207 @@
+//! What one frame gives to every point: the sound's features, the scene's parameters and the tables.
+
+use std::sync::Arc;
+
+use super::interval::Interval;
+use super::node::Input;
+
+/// Reads the scene's textures on the CPU.
+pub trait TextureReader: std::fmt::Debug + Send + Sync {
+    /// The channel (0 red .. 3 alpha) of a texture at (u, v), in 0..1.
+    fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32;
+}
+
+/// `value` clamped to 0..1; 0 for a NaN.
+fn unit(value: f32) -> f32 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
+/// A table that is read with coordinates in 0..1 and interpolates linearly; the first entry stands at 0, the
+/// last at 1. Without entries it is 0 everywhere.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TableData {
+    columns: usize,
+    rows: usize,
+    values: Vec<f32>,
+}
+
+impl TableData {
+    /// No entries: 0 everywhere.
+    pub const EMPTY: Self = Self { columns: 0, rows: 0, values: Vec::new() };
+
+    /// A table of one row.
+    pub fn row(values: Vec<f32>) -> Self {
+        let columns = values.len();
+        Self::rows(values, columns)
+    }
+
+    /// A table of rows with `columns` entries each; entries that fill no row are cut off.
+    pub fn rows(mut values: Vec<f32>, columns: usize) -> Self {
+        let rows = values.len().checked_div(columns).unwrap_or(0);
+        values.truncate(rows * columns);
+        Self { columns, rows, values }
+    }
+
+    /// The two entries beside a coordinate and the way from the first to the second.
+    #[inline]
+    fn place(coordinate: f32, count: usize) -> (usize, usize, f32) {
+        let along = unit(coordinate) * (count - 1) as f32;
+        let first = (along as usize).min(count - 1);
+        (first, (first + 1).min(count - 1), along - first as f32)
+    }
+
+    /// The value at column coordinate u and row coordinate v, both clamped to 0..1.
+    pub fn at(&self, u: f32, v: f32) -> f32 {
+        if self.values.is_empty() {
+            return 0.0;
+        }
+        let (left, right, x) = Self::place(u, self.columns);
+        let (upper, lower, y) = Self::place(v, self.rows);
+        let row = |row: usize| {
+            let row = &self.values[row * self.columns..];
+            row[left] * (1.0 - x) + row[right] * x
+        };
+        if upper == lower { row(upper) } else { row(upper) * (1.0 - y) + row(lower) * y }
+    }
+
+    /// The slopes by u and by v; 0 beyond the ends.
+    pub fn slopes(&self, u: f32, v: f32) -> (f32, f32) {
+        if self.values.is_empty() {
+            return (0.0, 0.0);
+        }
+        let slope = |coordinate: f32, count: usize, at: &dyn Fn(f32) -> f32| {
+            if count < 2 || !(0.0..=1.0).contains(&coordinate) {
+                return 0.0;
+            }
+            let (first, second, _) = Self::place(coordinate, count);
+            let scale = (count - 1) as f32;
+            (at(second as f32 / scale) - at(first as f32 / scale)) * scale
+        };
+        (slope(u, self.columns, &|u| self.at(u, v)), slope(v, self.rows, &|v| self.at(u, v)))
+    }
+
+    /// Bounds of the value over intervals of the coordinates: the extremes of the entries that can be
+    /// touched.
+    pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
+        if self.values.is_empty() {
+            return Interval::point(0.0);
+        }
+        let touched = |coordinate: Interval, count: usize| {
+            if coordinate.is_any() {
+                return (0, count - 1);
+            }
+            (Self::place(coordinate.lo, count).0, Self::place(coordinate.hi, count).1)
+        };
+        let (left, right) = touched(u, self.columns);
+        let (upper, lower) = touched(v, self.rows);
+        let mut bounds = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
+        for row in upper..=lower {
+            for &value in &self.values[row * self.columns..][left..=right] {
+                if !value.is_finite() {
+                    return Interval::ANY;
+                }
+                bounds = Interval { lo: bounds.lo.min(value), hi: bounds.hi.max(value) };
+            }
+        }
+        // The interpolation rounds, relatively to the larger of both entries.
+        let error = bounds.lo.abs().max(bounds.hi.abs()) * super::interval::LIBRARY_ERROR + f32::MIN_POSITIVE;
+        Interval { lo: bounds.lo - error, hi: bounds.hi + error }
+    }
+}
+
+/// What folding gives to operators that do not read it.
+pub(super) static SILENT: FrameInputs = FrameInputs {
+    time: 0.0,
+    volume: [0.0; 2],
+    bands: [0.0; 32],
+    bass: 0.0,
+    mid: 0.0,
+    treble: 0.0,
+    beat: 0.0,
+    tempo: 0.0,
+    phase: 0.0,
+    params: Vec::new(),
+    spectrum: TableData::EMPTY,
+    waveform: TableData::EMPTY,
+    history: TableData::EMPTY,
+    textures: None,
+};
+
+/// The inputs of a frame. The default is silence at time 0.
+#[derive(Debug, Clone, Default)]
+pub struct FrameInputs {
+    /// Time in seconds.
+    pub time: f32,
+    /// Volume of the left and the right channel.
+    pub volume: [f32; 2],
+    /// The frequency bands, low to high.
+    pub bands: [f32; 32],
+    /// Low frequencies.
+    pub bass: f32,
+    /// Middle frequencies.
+    pub mid: f32,
+    /// High frequencies.
+    pub treble: f32,
+    /// 1 on an onset, then decaying.
+    pub beat: f32,
+    /// Beats per minute.
+    pub tempo: f32,
+    /// Position in the beat, 0..1.
+    pub phase: f32,
+    /// The scene's parameters by number; missing ones are 0.
+    pub params: Vec<f32>,
+    /// The spectrum, low to high.
+    pub spectrum: TableData,
+    /// The waveform, old to new.
+    pub waveform: TableData,
+    /// The history of the spectrum: a row per age, the newest first.
+    pub history: TableData,
+    /// The scene's textures; without a reader every texture is 0.
+    pub textures: Option<Arc<dyn TextureReader>>,
+}
+
+impl FrameInputs {
+    /// An input that is the same all over the frame; 0 for those of a point.
+    pub fn value(&self, input: Input) -> f32 {
+        match input {
+            Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => 0.0,
+            Input::T => self.time,
+            Input::VolumeLeft => self.volume[0],
+            Input::VolumeRight => self.volume[1],
+            Input::Band(i) => self.bands.get(usize::from(i)).copied().unwrap_or(0.0),
+            Input::Bass => self.bass,
+            Input::Mid => self.mid,
+            Input::Treble => self.treble,
+            Input::Beat => self.beat,
+            Input::Tempo => self.tempo,
+            Input::Phase => self.phase,
+            Input::Param(i) => self.params.get(usize::from(i)).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The band with the number floor(index), clamped to the bands there are; band 0 for a NaN.
+    pub fn band(&self, index: f32) -> f32 {
+        self.bands[Self::band_number(index)]
+    }
+
+    /// The number of the band that [`FrameInputs::band`] reads.
+    pub fn band_number(index: f32) -> usize {
+        (index.max(0.0) as usize).min(31)
+    }
+
+    /// Bounds of [`FrameInputs::band`].
+    pub fn band_bounds(&self, index: Interval) -> Interval {
+        let (first, last) =
+            if index.is_any() { (0, 31) } else { (Self::band_number(index.lo), Self::band_number(index.hi)) };
+        self.bands[first..=last]
+            .iter()
+            .map(|&band| Interval::point(band))
+            .fold(Interval::point(self.bands[first]), |bounds, band| bounds.hull(band))
+    }
+
+    /// One channel of a texture; 0 without a reader, and always in 0..1.
+    pub fn texture(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
+        let value = self.textures.as_ref().map_or(0.0, |reader| reader.read(texture, channel, u, v));
+        unit(value)
+    }
+}

@@ -1,0 +1,142 @@
+//! Intervals of f32, and which operand of a minimum or maximum decides.
+
+use super::op::Op;
+use super::rules;
+
+/// Either all f32 from `lo` to `hi`, infinities included and no NaN, or [`Interval::ANY`].
+///
+/// An interval bounds what the CPU evaluates, rounding to nearest included: the endpoints of plain arithmetic
+/// are rounded as the values are, and those of library functions are widened by [`LIBRARY_ERROR`].
+#[derive(Debug, Clone, Copy)]
+pub struct Interval {
+    /// Lower end.
+    pub lo: f32,
+    /// Upper end.
+    pub hi: f32,
+}
+
+/// Relative widening of what a library function gives: 4 units in the last place.
+pub const LIBRARY_ERROR: f32 = 4.768_371_6e-7;
+
+impl Interval {
+    /// Any value, also a NaN. Both ends are NaN, so that every comparison with them is false.
+    pub const ANY: Self = Self { lo: f32::NAN, hi: f32::NAN };
+    /// Any value but a NaN.
+    pub const ALL: Self = Self { lo: f32::NEG_INFINITY, hi: f32::INFINITY };
+    /// 0 and 1 and what lies between.
+    pub const UNIT: Self = Self { lo: 0.0, hi: 1.0 };
+
+    /// From `lo` to `hi`; [`Interval::ANY`] if they are no ends of an interval.
+    #[inline(always)]
+    pub fn new(lo: f32, hi: f32) -> Self {
+        if lo <= hi { Self { lo, hi } } else { Self::ANY }
+    }
+
+    /// One value; [`Interval::ANY`] for a NaN.
+    #[inline(always)]
+    pub fn point(value: f32) -> Self {
+        Self { lo: value, hi: value }
+    }
+
+    /// Whether this is [`Interval::ANY`].
+    #[inline(always)]
+    pub fn is_any(self) -> bool {
+        self.lo.is_nan()
+    }
+
+    /// Whether a value can be what this interval bounds.
+    #[inline(always)]
+    pub fn contains(self, value: f32) -> bool {
+        self.is_any() || (self.lo <= value && value <= self.hi)
+    }
+
+    /// Whether an end is infinite.
+    #[inline(always)]
+    pub fn is_unbounded(self) -> bool {
+        !(self.lo > f32::NEG_INFINITY && self.hi < f32::INFINITY)
+    }
+
+    /// Whether 0 is in it.
+    #[inline(always)]
+    pub fn has_zero(self) -> bool {
+        self.contains(0.0)
+    }
+
+    /// The smallest interval that holds both.
+    #[inline(always)]
+    pub fn hull(self, other: Self) -> Self {
+        if self.is_any() || other.is_any() {
+            return Self::ANY;
+        }
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+    }
+
+    /// The bounds of a function that never falls and is rounded correctly.
+    #[inline(always)]
+    pub fn map_rising(self, f: impl Fn(f32) -> f32) -> Self {
+        Self { lo: f(self.lo), hi: f(self.hi) }
+    }
+
+    /// Wider by [`LIBRARY_ERROR`] on both sides.
+    #[inline(always)]
+    pub(super) fn widened(self) -> Self {
+        if self.is_any() {
+            return self;
+        }
+        // An overflow is no further off than the largest number.
+        let (lo, hi) = (self.lo.min(f32::MAX), self.hi.max(f32::MIN));
+        let below = lo - (lo.abs() * LIBRARY_ERROR + f32::MIN_POSITIVE);
+        let above = hi + (hi.abs() * LIBRARY_ERROR + f32::MIN_POSITIVE);
+        Self::new(below, above)
+    }
+
+    /// Cut to the range of a function.
+    #[inline(always)]
+    pub(super) fn clamped(self, low: f32, high: f32) -> Self {
+        if self.is_any() { self } else { Self { lo: self.lo.clamp(low, high), hi: self.hi.clamp(low, high) } }
+    }
+}
+
+impl PartialEq for Interval {
+    /// Equal ends; [`Interval::ANY`] equals itself.
+    fn eq(&self, other: &Self) -> bool {
+        (self.is_any() && other.is_any()) || (self.lo == other.lo && self.hi == other.hi)
+    }
+}
+
+/// Which operand decides an operator all over an interval.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Choice {
+    /// Either may.
+    #[default]
+    Both,
+    /// The value is operand a everywhere; for MASK: 0 everywhere.
+    Left,
+    /// The value is operand b everywhere.
+    Right,
+}
+
+impl Op {
+    /// Whether [`Op::choice`] can say anything but [`Choice::Both`].
+    pub const fn chooses(self) -> bool {
+        matches!(self, Op::Min | Op::Max | Op::Mask)
+    }
+
+    /// Which operand decides for every a and b of the given intervals. An operand that may be a NaN never
+    /// loses to a comparison, so that the choice holds for NaNs, too.
+    #[inline]
+    pub fn choice(self, a: Interval, b: Interval) -> Choice {
+        let (left, right) = match self {
+            Op::Min => (a.hi <= b.lo, b.hi <= a.lo),
+            Op::Max => (a.lo >= b.hi, b.lo >= a.hi),
+            Op::Mask => (rules::is_zero(a), !a.has_zero()),
+            _ => (false, false),
+        };
+        match (left, right) {
+            (true, _) => Choice::Left,
+            (_, true) => Choice::Right,
+            _ => Choice::Both,
+        }
+    }
+}

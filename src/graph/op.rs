@@ -1,0 +1,468 @@
+//! The operators: one table defines each of them once.
+//!
+//! A row gives the number, the printed name, the properties, the meaning on the CPU, the interval rule
+//! (`rules.rs`), the partial derivatives and the GLSL expression. The CPU evaluators, the interpreter's
+//! switch and the compiled source are all derived from it, so that they cannot drift apart.
+//!
+//! **Numbers.** One-operand operators stand at 16..64, two-operand operators at 64..128; the tape adds the
+//! form of the operands on top (see `tape`). Words that were written keep their meaning only as long as a
+//! number does.
+//!
+//! **Total.** No operator has an undefined result for any operands that GLSL leaves undefined: square roots
+//! of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], arcs are clamped, x / 0 is 0,
+//! mod(x, 0) is x, pow of a negative base is 0. For finite operands an operator never gives NaN; an overflow
+//! gives an infinity, and infinities may meet in a NaN as in IEEE 754. MIN and MAX of a NaN and a number are
+//! the number.
+//!
+//! **One zero.** No operator tells -0 from +0, so that the sign of a zero is not part of a value. That makes
+//! `x + 0 = x` exact. Evaluators add +0 to what they return: the bits that are seen are exact, too.
+//!
+//! **Agreement.** Plain arithmetic, rounding, comparisons and HASH are correctly rounded on the CPU and on
+//! GPUs that follow IEEE 754; division, roots and transcendental functions agree to a few units in the last
+//! place, and GPUs may fuse a product and a sum.
+
+use super::frame_inputs::FrameInputs;
+use super::interval::Interval;
+use super::rules;
+
+/// The smallest operand of a logarithm and of a power's base, the smallest normal f32. GPUs flush what is
+/// below it.
+pub const SMALLEST: f32 = f32::MIN_POSITIVE;
+/// Operands of TANH are clamped to this magnitude, where it is 1 in f32; drivers overflow far beyond it.
+pub const TANH_MAX: f32 = 10.0;
+/// Largest f32 below 2^31: what cell numbers are clamped to before they become integers.
+pub const CELL_MAX: f32 = 2_147_483_520.0;
+
+/// What holds for an operator besides its row's functions: a set of the constants below.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Properties(u8);
+
+impl Properties {
+    /// Nothing in particular.
+    pub const NONE: Self = Self(0);
+    /// Both orders of the operands give the same value.
+    pub const COMMUTATIVE: Self = Self(1);
+    /// The result is a NaN or at least 0.
+    pub const NEVER_NEGATIVE: Self = Self(2);
+    /// The result is a whole number, an infinity or a NaN.
+    pub const WHOLE: Self = Self(4);
+    /// The result depends on the frame's tables; it cannot be folded.
+    pub const READS_FRAME: Self = Self(8);
+    /// The result is 0 or 1.
+    pub const TRUTH: Self = Self(16 | 2 | 4);
+
+    const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether every property of `other` holds.
+    pub const fn has(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+/// A computation that is instantiated for each operator's meaning, so that a loop over points inlines it.
+pub trait Kernel {
+    /// Runs with the operator's meaning: operands a and b (b is ignored by one-operand operators) and the
+    /// frame.
+    fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
+}
+
+macro_rules! operators {
+    ($(
+        $(#[doc = $doc:literal])+
+        $id:ident = $number:literal $name:literal $properties:expr,
+            value $value:expr, bounds $bounds:expr, slopes $slopes:expr, glsl $glsl:literal;
+    )+) => {
+        /// An operator of the expression graph; see the module for what holds for all of them.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Op { $( $(#[doc = $doc])+ $id = $number, )+ }
+
+        impl Op {
+            /// Every operator, in the order of their numbers.
+            pub const ALL: &'static [Op] = &[$( Op::$id, )+];
+
+            /// The name as printed in a tape, such as `SQRT`.
+            pub const fn name(self) -> &'static str {
+                match self { $( Op::$id => $name, )+ }
+            }
+
+            /// What holds for the operator.
+            pub const fn properties(self) -> Properties {
+                match self { $( Op::$id => $properties, )+ }
+            }
+
+            /// GLSL expression of the operator with `$a` and `$b` for its operands, which must be simple
+            /// (names or literals), as they may stand more than once.
+            pub const fn glsl(self) -> &'static str {
+                match self { $( Op::$id => $glsl, )+ }
+            }
+
+            /// The operator with this number.
+            pub const fn from_number(number: u8) -> Option<Op> {
+                match number { $( $number => Some(Op::$id), )+ _ => None }
+            }
+
+            /// The value for the operands a and b; b is ignored by one-operand operators.
+            #[inline(always)]
+            pub fn value(self, a: f32, b: f32, frame: &FrameInputs) -> f32 {
+                #[inline(always)]
+                fn call(f: impl Fn(f32, f32, &FrameInputs) -> f32, a: f32, b: f32, frame: &FrameInputs) -> f32 {
+                    f(a, b, frame)
+                }
+                match self { $( Op::$id => call($value, a, b, frame), )+ }
+            }
+
+            /// Runs a kernel with the operator's meaning.
+            #[inline(always)]
+            pub fn with_value(self, kernel: &mut impl Kernel) {
+                match self { $( Op::$id => kernel.run($value), )+ }
+            }
+
+            /// An interval that holds the value for every a and b of the given intervals.
+            #[inline(always)]
+            pub fn bounds(self, a: Interval, b: Interval, frame: &FrameInputs) -> Interval {
+                #[inline(always)]
+                fn call(
+                    f: impl Fn(Interval, Interval, &FrameInputs) -> Interval,
+                    a: Interval, b: Interval, frame: &FrameInputs,
+                ) -> Interval {
+                    f(a, b, frame)
+                }
+                match self { $( Op::$id => call($bounds, a, b, frame), )+ }
+            }
+
+            /// The partial derivatives by a and by b, where `r` is the value. Where there is none (a jump, a
+            /// kink) it is that of one side, and 0 where the operator's value was made total.
+            #[inline(always)]
+            pub fn slopes(self, a: f32, b: f32, r: f32, frame: &FrameInputs) -> (f32, f32) {
+                #[inline(always)]
+                fn call(
+                    f: impl Fn(f32, f32, f32, &FrameInputs) -> (f32, f32),
+                    a: f32, b: f32, r: f32, frame: &FrameInputs,
+                ) -> (f32, f32) {
+                    f(a, b, r, frame)
+                }
+                match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
+            }
+        }
+    };
+}
+
+const NONE: Properties = Properties::NONE;
+const COMMUTATIVE: Properties = Properties::COMMUTATIVE;
+const NEVER_NEGATIVE: Properties = Properties::NEVER_NEGATIVE;
+const WHOLE: Properties = Properties::WHOLE;
+const TRUTH: Properties = Properties::TRUTH;
+const READS_FRAME: Properties = Properties::READS_FRAME;
+
+operators! {
+    /// -a.
+    Neg = 16 "NEG" NONE,
+        value |a, _, _| -a, bounds |a, _, _| rules::neg(a), slopes |_, _, _, _| (-1.0, 0.0),
+        glsl "-$a";
+    /// |a|.
+    Abs = 17 "ABS" NEVER_NEGATIVE,
+        value |a, _, _| a.abs(), bounds |a, _, _| rules::abs(a),
+        slopes |a, _, _, _| (if a < 0.0 { -1.0 } else { 1.0 }, 0.0),
+        glsl "abs($a)";
+    /// -1, 0 or 1; 0 for a NaN.
+    Sign = 18 "SIGN" WHOLE,
+        value |a, _, _| truth(a > 0.0) - truth(a < 0.0), bounds |a, _, _| rules::sign(a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        glsl "sign($a)";
+    /// The largest whole number that is not above a.
+    Floor = 19 "FLOOR" WHOLE,
+        value |a, _, _| a.floor(), bounds |a, _, _| a.map_rising(f32::floor), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "floor($a)";
+    /// The smallest whole number that is not below a.
+    Ceil = 20 "CEIL" WHOLE,
+        value |a, _, _| a.ceil(), bounds |a, _, _| a.map_rising(f32::ceil), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "ceil($a)";
+    /// floor(a + 0.5): halves go up. (GLSL leaves the direction of round to the driver.)
+    Round = 21 "ROUND" WHOLE,
+        value |a, _, _| round(a), bounds |a, _, _| a.map_rising(round), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "floor($a + 0.5)";
+    /// The whole part, towards 0.
+    Trunc = 22 "TRUNC" WHOLE,
+        value |a, _, _| a.trunc(), bounds |a, _, _| a.map_rising(f32::trunc), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "trunc($a)";
+    /// a - floor(a); 1 for tiny negative a, by rounding.
+    Fract = 23 "FRACT" NEVER_NEGATIVE,
+        value |a, _, _| a - a.floor(), bounds |a, _, _| rules::fract(a), slopes |_, _, _, _| (1.0, 0.0),
+        glsl "($a - floor($a))";
+    /// a * a.
+    Square = 24 "SQUARE" NEVER_NEGATIVE,
+        value |a, _, _| a * a, bounds |a, _, _| rules::square(a), slopes |a, _, _, _| (2.0 * a, 0.0),
+        glsl "($a * $a)";
+    /// The square root; 0 for negative a and for a NaN.
+    Sqrt = 25 "SQRT" NEVER_NEGATIVE,
+        value |a, _, _| sqrt(a), bounds |a, _, _| rules::sqrt(a),
+        slopes |_, _, r, _| (if r > 0.0 { 0.5 / r } else { 0.0 }, 0.0),
+        glsl "sqrt(max($a, 0.0))";
+    /// e^a.
+    Exp = 26 "EXP" NEVER_NEGATIVE,
+        value |a, _, _| a.exp(), bounds |a, _, _| rules::exp(a), slopes |_, _, r, _| (r, 0.0),
+        glsl "exp($a)";
+    /// 2^a.
+    Exp2 = 27 "EXP2" NEVER_NEGATIVE,
+        value |a, _, _| a.exp2(), bounds |a, _, _| rules::exp2(a),
+        slopes |_, _, r, _| (r * std::f32::consts::LN_2, 0.0),
+        glsl "exp2($a)";
+    /// The natural logarithm of max(a, [`SMALLEST`]), so at least -87.34.
+    Log = 28 "LOG" NONE,
+        value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::log(a),
+        slopes |a, _, _, _| (if a > SMALLEST { a.recip() } else { 0.0 }, 0.0),
+        glsl "log(max($a, 1.17549435e-38))";
+    /// The binary logarithm of max(a, [`SMALLEST`]), so at least -126.
+    Log2 = 29 "LOG2" NONE,
+        value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::log2(a),
+        slopes |a, _, _, _| (if a > SMALLEST { std::f32::consts::LOG2_E / a } else { 0.0 }, 0.0),
+        glsl "log2(max($a, 1.17549435e-38))";
+    /// The sine of a in radians.
+    Sin = 30 "SIN" NONE,
+        value |a, _, _| a.sin(), bounds |a, _, _| rules::sin(a), slopes |a, _, _, _| (a.cos(), 0.0),
+        glsl "sin($a)";
+    /// The cosine of a in radians.
+    Cos = 31 "COS" NONE,
+        value |a, _, _| a.cos(), bounds |a, _, _| rules::cos(a), slopes |a, _, _, _| (-a.sin(), 0.0),
+        glsl "cos($a)";
+    /// The tangent of a in radians.
+    Tan = 32 "TAN" NONE,
+        value |a, _, _| a.tan(), bounds |a, _, _| rules::tan(a), slopes |_, _, r, _| (1.0 + r * r, 0.0),
+        glsl "tan($a)";
+    /// The arc sine of a clamped to -1..1; 0 for a NaN.
+    Asin = 33 "ASIN" NONE,
+        value |a, _, _| unit(a).asin(), bounds |a, _, _| rules::asin(a),
+        slopes |a, _, _, _| (arc_slope(a), 0.0),
+        glsl "asin(clamp($a, -1.0, 1.0))";
+    /// The arc cosine of a clamped to -1..1; that of 0 for a NaN.
+    Acos = 34 "ACOS" NEVER_NEGATIVE,
+        value |a, _, _| unit(a).acos(), bounds |a, _, _| rules::acos(a),
+        slopes |a, _, _, _| (-arc_slope(a), 0.0),
+        glsl "acos(clamp($a, -1.0, 1.0))";
+    /// The arc tangent of a.
+    Atan = 35 "ATAN" NONE,
+        value |a, _, _| a.atan(), bounds |a, _, _| rules::atan(a),
+        slopes |a, _, _, _| ((1.0 + a * a).recip(), 0.0),
+        glsl "atan($a)";
+    /// The hyperbolic sine of a.
+    Sinh = 36 "SINH" NONE,
+        value |a, _, _| a.sinh(), bounds |a, _, _| rules::sinh(a), slopes |a, _, _, _| (a.cosh(), 0.0),
+        glsl "sinh($a)";
+    /// The hyperbolic cosine of a.
+    Cosh = 37 "COSH" NEVER_NEGATIVE,
+        value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
+        glsl "cosh($a)";
+    /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`]; 0 for a NaN.
+    Tanh = 38 "TANH" NONE,
+        value |a, _, _| tanh(a), bounds |a, _, _| rules::tanh(a), slopes |_, _, r, _| (1.0 - r * r, 0.0),
+        glsl "tanh(clamp($a, -10.0, 10.0))";
+    /// 1 where a is 0, else 0 (also for a NaN).
+    Not = 39 "NOT" TRUTH,
+        value |a, _, _| truth(a == 0.0), bounds |a, _, _| rules::not(a), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "float($a == 0.0)";
+    /// The band with the number floor(a), clamped to 0..=31; band 0 for a NaN.
+    Band = 40 "BAND" READS_FRAME,
+        value |a, _, frame| frame.band(a), bounds |a, _, frame| frame.band_bounds(a),
+        slopes |_, _, _, _| (0.0, 0.0),
+        glsl "table_band($a)";
+    /// The spectrum at a in 0..1, low to high, clamped; linear between entries.
+    Spectrum = 41 "SPECTRUM" READS_FRAME,
+        value |a, _, frame| frame.spectrum.at(a, 0.0), bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
+        slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
+        glsl "table_spectrum($a)";
+    /// The waveform at a in 0..1, old to new, clamped; linear between entries.
+    Waveform = 42 "WAVEFORM" READS_FRAME,
+        value |a, _, frame| frame.waveform.at(a, 0.0), bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
+        slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
+        glsl "table_waveform($a)";
+
+    /// a + b.
+    Add = 64 "ADD" COMMUTATIVE,
+        value |a, b, _| a + b, bounds |a, b, _| rules::add(a, b), slopes |_, _, _, _| (1.0, 1.0),
+        glsl "($a + $b)";
+    /// a - b.
+    Sub = 65 "SUB" NONE,
+        value |a, b, _| a - b, bounds |a, b, _| rules::sub(a, b), slopes |_, _, _, _| (1.0, -1.0),
+        glsl "($a - $b)";
+    /// a * b.
+    Mul = 66 "MUL" COMMUTATIVE,
+        value |a, b, _| a * b, bounds |a, b, _| rules::mul(a, b), slopes |a, b, _, _| (b, a),
+        glsl "($a * $b)";
+    /// a / b; 0 where b is 0, so that the direction of no vector at all is no direction.
+    Div = 67 "DIV" NONE,
+        value |a, b, _| div(a, b), bounds |a, b, _| rules::div(a, b),
+        slopes |_, b, r, _| if b == 0.0 { (0.0, 0.0) } else { (b.recip(), -r / b) },
+        glsl "($b == 0.0 ? 0.0 : $a / $b)";
+    /// The smaller of both.
+    Min = 68 "MIN" COMMUTATIVE,
+        value |a, b, _| a.min(b), bounds |a, b, _| rules::min(a, b),
+        slopes |a, b, _, _| if b < a { (0.0, 1.0) } else { (1.0, 0.0) },
+        glsl "min($a, $b)";
+    /// The larger of both.
+    Max = 69 "MAX" COMMUTATIVE,
+        value |a, b, _| a.max(b), bounds |a, b, _| rules::max(a, b),
+        slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
+        glsl "max($a, $b)";
+    /// a - b * floor(a / b), GLSL's mod: the sign is that of b; a where b is 0.
+    Mod = 70 "MOD" NONE,
+        value |a, b, _| modulo(a, b), bounds |a, b, _| rules::modulo(a, b),
+        slopes |a, b, _, _| (1.0, -div(a, b).floor()),
+        glsl "($b == 0.0 ? $a : $a - $b * floor($a / $b))";
+    /// a to the power of b for positive a. A base that is 0 or negative (or below [`SMALLEST`]) gives 0, and
+    /// 1 where b is 0.
+    Pow = 71 "POW" NEVER_NEGATIVE,
+        value |a, b, _| pow(a, b), bounds |a, b, _| rules::pow(a, b),
+        slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
+        glsl "($a >= 1.17549435e-38 ? pow($a, $b) : float($b == 0.0))";
+    /// The angle of the vector (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative
+    /// b, else 0.
+    Atan2 = 72 "ATAN2" NONE,
+        value |a, b, _| atan2(a, b), bounds |a, b, _| rules::atan2(a, b),
+        slopes |a, b, _, _| { let d = a * a + b * b; if d > 0.0 { (b / d, -a / d) } else { (0.0, 0.0) } },
+        glsl "($a == 0.0 ? ($b < 0.0 ? 3.14159274 : 0.0) : atan($a, $b))";
+    /// GLSL's step(a, b): 0 where b is below the edge a, else 1 (also for a NaN).
+    Step = 73 "STEP" TRUTH,
+        value |a, b, _| 1.0 - truth(b < a), bounds |a, b, _| rules::not(rules::less(b, a)),
+        slopes |_, _, _, _| (0.0, 0.0),
+        glsl "($b < $a ? 0.0 : 1.0)";
+    /// 1 where a < b, else 0.
+    Less = 74 "LESS" TRUTH,
+        value |a, b, _| truth(a < b), bounds |a, b, _| rules::less(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "float($a < $b)";
+    /// 1 where a <= b, else 0.
+    LessEqual = 75 "LESS_EQUAL" TRUTH,
+        value |a, b, _| truth(a <= b), bounds |a, b, _| rules::less_equal(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "float($a <= $b)";
+    /// 1 where a = b, else 0.
+    Equal = 76 "EQUAL" COMMUTATIVE.and(TRUTH),
+        value |a, b, _| truth(a == b), bounds |a, b, _| rules::equal(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "float($a == $b)";
+    /// b where a is not 0 (also where it is a NaN), else 0.
+    Mask = 77 "MASK" NONE,
+        value |a, b, _| if a == 0.0 { 0.0 } else { b }, bounds |a, b, _| rules::mask(a, b),
+        slopes |a, _, _, _| (0.0, truth(a != 0.0)),
+        glsl "($a == 0.0 ? 0.0 : $b)";
+    /// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)); see
+    /// [`cell_hash`].
+    Hash = 78 "HASH" NEVER_NEGATIVE,
+        value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        glsl "cell_hash($a, $b)";
+    /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped,
+    /// bilinear.
+    History = 79 "HISTORY" READS_FRAME,
+        value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
+        slopes |a, b, _, frame| frame.history.slopes(a, b),
+        glsl "table_history($a, $b)";
+}
+
+/// First number of the two-operand operators.
+pub const FIRST_BINARY: u8 = 64;
+
+impl Op {
+    /// The operator's number.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// Number of operands, 1 or 2.
+    pub const fn arity(self) -> usize {
+        if self.number() < FIRST_BINARY { 1 } else { 2 }
+    }
+
+    /// GLSL expression for a constant second operand that is not 0: the same meaning without the guard
+    /// against 0.
+    pub const fn glsl_by_constant(self) -> &'static str {
+        match self {
+            Op::Div => "($a / $b)",
+            Op::Mod => "($a - $b * floor($a / $b))",
+            other => other.glsl(),
+        }
+    }
+}
+
+#[inline(always)]
+fn truth(condition: bool) -> f32 {
+    if condition { 1.0 } else { 0.0 }
+}
+
+#[inline(always)]
+fn round(a: f32) -> f32 {
+    (a + 0.5).floor()
+}
+
+#[inline(always)]
+pub(super) fn sqrt(a: f32) -> f32 {
+    if a > 0.0 { a.sqrt() } else { 0.0 }
+}
+
+/// `a` clamped to -1..1, 0 for a NaN.
+#[inline(always)]
+fn unit(a: f32) -> f32 {
+    if a.is_nan() { 0.0 } else { a.clamp(-1.0, 1.0) }
+}
+
+#[inline(always)]
+fn arc_slope(a: f32) -> f32 {
+    if a.abs() < 1.0 { (1.0 - a * a).sqrt().recip() } else { 0.0 }
+}
+
+#[inline(always)]
+pub(super) fn tanh(a: f32) -> f32 {
+    if a.is_nan() { 0.0 } else { a.clamp(-TANH_MAX, TANH_MAX).tanh() }
+}
+
+#[inline(always)]
+pub(super) fn div(a: f32, b: f32) -> f32 {
+    if b == 0.0 { 0.0 } else { a / b }
+}
+
+#[inline(always)]
+pub(super) fn modulo(a: f32, b: f32) -> f32 {
+    if b == 0.0 { a } else { a - b * (a / b).floor() }
+}
+
+#[inline(always)]
+pub(super) fn pow(a: f32, b: f32) -> f32 {
+    if a >= SMALLEST { a.powf(b) } else { truth(b == 0.0) }
+}
+
+#[inline(always)]
+pub(super) fn atan2(a: f32, b: f32) -> f32 {
+    if a == 0.0 { if b < 0.0 { std::f32::consts::PI } else { 0.0 } } else { a.atan2(b) }
+}
+
+/// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)).
+///
+/// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN) and are mixed by
+/// multiplications, shifts and exclusive ors of unsigned integers, which are the same bits on every machine;
+/// the upper 24 bits are the result. More dimensions by chaining: `cell_hash(cell_hash(x, y) * 16777216, z)`
+/// loses nothing.
+#[inline(always)]
+pub fn cell_hash(a: f32, b: f32) -> f32 {
+    let whole = |v: f32| (v.floor().clamp(-CELL_MAX, CELL_MAX) as i32) as u32;
+    let mut h = whole(a).wrapping_mul(0x9E37_79B1) ^ whole(b).wrapping_mul(0x85EB_CA77).rotate_left(13);
+    h ^= h >> 16;
+    h = h.wrapping_mul(0x7FEB_352D);
+    h ^= h >> 15;
+    h = h.wrapping_mul(0x846C_A68B);
+    h ^= h >> 16;
+    (h >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// GLSL of [`cell_hash`], for the head of a shader.
+pub const CELL_HASH_GLSL: &str = "\
+float cell_hash(float a, float b) {
+    uint i = uint(int(clamp(floor(a), -2147483520.0, 2147483520.0))) * 0x9E3779B1u;
+    uint j = uint(int(clamp(floor(b), -2147483520.0, 2147483520.0))) * 0x85EBCA77u;
+    uint h = i ^ ((j << 13) | (j >> 19));
+    h ^= h >> 16;
+    h *= 0x7FEB352Du;
+    h ^= h >> 15;
+    h *= 0x846CA68Bu;
+    h ^= h >> 16;
+    return float(h >> 8) * 5.9604644775390625e-8;
+}
+";

@@ -1,0 +1,119 @@
+//! The order in which a graph's nodes are evaluated, and what they read.
+
+use std::collections::BTreeSet;
+
+use super::node::{Input, Node, NodeId};
+use super::op::{Op, Properties};
+use super::{Graph, GraphError};
+
+/// Nodes in an order in which operands stand before their users, each once.
+///
+/// The inputs of the point that are used come first; then the tree is walked from the first root to the last,
+/// operands before users, the operand that needs more values at once first (Sethi and Ullman 1970, on the
+/// graph as if it were a tree), the left one where both need as many.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Order {
+    /// The nodes.
+    pub nodes: Vec<NodeId>,
+}
+
+/// What an expression reads from outside.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct InputsUsed {
+    /// Inputs, each once.
+    pub inputs: BTreeSet<Input>,
+    /// Operators that read the frame's tables.
+    pub tables: BTreeSet<Op>,
+    /// Numbers of the scene's textures.
+    pub textures: BTreeSet<u16>,
+}
+
+/// Marks an entry of the walk's stack whose operands are done.
+const OPERANDS_DONE: u32 = 1 << 31;
+
+impl Graph {
+    /// The order of evaluation of everything that the roots need.
+    ///
+    /// # Errors
+    /// What [`Graph::check`] says.
+    pub fn order(&self, roots: &[NodeId]) -> Result<Order, GraphError> {
+        self.check()?;
+        let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
+        let needs = self.needs(last.index() + 1);
+        let mut seen = vec![false; last.index() + 1];
+        let mut nodes = Vec::with_capacity(needs.len().min(1 << 16));
+        let mut inputs = [None; Input::OF_POINT.len()];
+        let mut stack: Vec<u32> = Vec::with_capacity(64);
+        for root in roots {
+            stack.push(root.0);
+            while let Some(entry) = stack.pop() {
+                if entry & OPERANDS_DONE != 0 {
+                    nodes.push(NodeId(entry & !OPERANDS_DONE));
+                    continue;
+                }
+                let index = entry as usize;
+                if std::mem::replace(&mut seen[index], true) {
+                    continue;
+                }
+                match self.nodes[index] {
+                    Node::Constant(_) => nodes.push(NodeId(entry)),
+                    Node::Input(input) => match input.of_point() {
+                        Some(place) => inputs[place] = Some(NodeId(entry)),
+                        None => nodes.push(NodeId(entry)),
+                    },
+                    Node::Unary(_, a) => stack.extend([entry | OPERANDS_DONE, a.0]),
+                    Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
+                        let (first, second) =
+                            if needs[b.index()] > needs[a.index()] { (b, a) } else { (a, b) };
+                        stack.extend([entry | OPERANDS_DONE, second.0, first.0]);
+                    }
+                }
+            }
+        }
+        let mut ordered: Vec<NodeId> = inputs.into_iter().flatten().collect();
+        ordered.append(&mut nodes);
+        Ok(Order { nodes: ordered })
+    }
+
+    /// How many values at once each of the first nodes needs, if nothing were shared.
+    fn needs(&self, count: usize) -> Vec<u8> {
+        let mut needs: Vec<u8> = Vec::with_capacity(count);
+        for node in &self.nodes[..count] {
+            let need = match node {
+                Node::Constant(_) | Node::Input(_) => 0,
+                Node::Unary(_, a) => needs[a.index()].max(1),
+                Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
+                    let (a, b) = (needs[a.index()], needs[b.index()]);
+                    if a == b { a.saturating_add(1) } else { a.max(b) }
+                }
+            };
+            needs.push(need);
+        }
+        needs
+    }
+
+    /// What the roots read.
+    ///
+    /// # Errors
+    /// What [`Graph::check`] says.
+    pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed, GraphError> {
+        let mut used = InputsUsed::default();
+        for id in self.order(roots)?.nodes {
+            match self.node(id) {
+                Node::Input(input) => {
+                    used.inputs.insert(input);
+                }
+                Node::Unary(op, _) | Node::Binary(op, _, _)
+                    if op.properties().has(Properties::READS_FRAME) =>
+                {
+                    used.tables.insert(op);
+                }
+                Node::Texture { texture, .. } => {
+                    used.textures.insert(texture);
+                }
+                _ => {}
+            }
+        }
+        Ok(used)
+    }
+}

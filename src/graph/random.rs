@@ -1,0 +1,154 @@
+//! Random expressions for property tests.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+
+use super::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData, TextureReader};
+
+/// Numbers at which arithmetic misbehaves.
+pub(crate) const SPECIALS: [f32; 24] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    -0.5,
+    2.0,
+    -3.0,
+    31.5,
+    0.49999997,
+    16_777_216.0,
+    8_388_609.0,
+    -8_388_609.0,
+    1e-20,
+    -1e-20,
+    1e20,
+    f32::MIN_POSITIVE,
+    1e-45,
+    f32::MAX,
+    f32::MIN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::NAN,
+    std::f32::consts::PI,
+];
+
+/// One step of building an expression: what to build from which earlier steps.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Step {
+    /// A constant.
+    Constant(f32),
+    /// An input by number.
+    Input(u8),
+    /// An operator by number on earlier steps, counted back from here.
+    Operator(u8, u16, u16),
+    /// A texture read.
+    Texture(u16, u16),
+}
+
+/// Any number: ordinary, special, or any bits.
+pub(crate) fn number() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        4 => -10.0f32..10.0,
+        1 => (-20i32..20).prop_map(|whole| whole as f32 / 2.0),
+        2 => proptest::sample::select(&SPECIALS[..]),
+        1 => any::<u32>().prop_map(f32::from_bits),
+    ]
+}
+
+/// The steps of an expression of at most `size` operators.
+pub(crate) fn steps(size: usize) -> impl Strategy<Value = Vec<Step>> {
+    let step = prop_oneof![
+        2 => number().prop_map(Step::Constant),
+        3 => any::<u8>().prop_map(Step::Input),
+        12 => (any::<u8>(), 0u16..12, 0u16..12).prop_map(|(op, a, b)| Step::Operator(op, a, b)),
+        1 => (0u16..12, 0u16..12).prop_map(|(u, v)| Step::Texture(u, v)),
+    ];
+    proptest::collection::vec(step, 1..size)
+}
+
+const INPUTS: [Input; 12] = [
+    Input::X,
+    Input::Y,
+    Input::Z,
+    Input::NX,
+    Input::NY,
+    Input::NZ,
+    Input::T,
+    Input::VolumeLeft,
+    Input::Band(7),
+    Input::Param(1),
+    Input::Beat,
+    Input::X,
+];
+
+/// Builds the steps, simplified or as they stand; the last step is the root.
+pub(crate) fn build(graph: &mut Graph, steps: &[Step], simplify: bool) -> Vec<NodeId> {
+    let mut built: Vec<NodeId> = Vec::new();
+    for &step in steps {
+        let back =
+            |distance: u16| built.len().checked_sub(1 + usize::from(distance)).map(|index| built[index]);
+        let fallback = Node::Input(Input::X);
+        let node = match step {
+            Step::Constant(value) => Node::Constant(value),
+            Step::Input(number) => Node::Input(INPUTS[usize::from(number) % INPUTS.len()]),
+            Step::Operator(number, a, b) => {
+                let op = Op::ALL[usize::from(number) % Op::ALL.len()];
+                match (back(a), back(b), op.arity()) {
+                    (Some(a), _, 1) => Node::Unary(op, a),
+                    (Some(a), Some(b), 2) => Node::Binary(op, a, b),
+                    _ => fallback,
+                }
+            }
+            Step::Texture(u, v) => match (back(u), back(v)) {
+                (Some(first), Some(second)) => {
+                    Node::Texture { texture: u % 3, channel: v as u8 % 4, u: first, v: second }
+                }
+                _ => fallback,
+            },
+        };
+        built.push(match node {
+            Node::Constant(value) if simplify => graph.constant(value),
+            Node::Unary(op, a) if simplify => graph.unary(op, a),
+            Node::Binary(op, a, b) if simplify => graph.binary(op, a, b),
+            node => graph.raw(node),
+        });
+    }
+    built
+}
+
+#[derive(Debug)]
+struct Stripes;
+
+impl TextureReader for Stripes {
+    fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
+        (u * 3.0 + v * 5.0 + f32::from(texture) + f32::from(channel)).sin().abs()
+    }
+}
+
+/// A frame in which something sounds.
+pub(crate) fn frame() -> FrameInputs {
+    let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
+    FrameInputs {
+        time: 12.5,
+        volume: [0.25, 0.75],
+        bands: std::array::from_fn(|i| (i as f32 * 0.7).cos() * 0.5),
+        bass: 0.5,
+        mid: 0.25,
+        treble: 0.125,
+        beat: 0.0,
+        tempo: 120.0,
+        phase: 0.75,
+        params: vec![1.0, -2.5],
+        spectrum: TableData::row(wave(64, 0.3)),
+        waveform: TableData::row(wave(50, 1.1)),
+        history: TableData::rows(wave(7 * 16, 0.9), 16),
+        textures: Some(Arc::new(Stripes)),
+    }
+}
+
+/// Whether two values are the same: equal bits, or both NaN.
+pub(crate) fn same(a: f32, b: f32) -> bool {
+    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+}

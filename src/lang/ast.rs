@@ -1,0 +1,208 @@
+//! What the parser makes of a text: expressions in one arena, and the items of a scene.
+//!
+//! Nodes stand after their children, and no walk over them recurses deeper than the parser did: a chain of a
+//! million additions is deep only to the left, where walks are loops.
+
+use super::source::Span;
+use super::symbol::Symbol;
+
+/// An expression of an [`Ast`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct ExprId(pub u32);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum BinaryOp {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Modulo,
+    Power,
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    And,
+    Or,
+}
+
+impl BinaryOp {
+    pub fn sign(self) -> &'static str {
+        match self {
+            Self::Add => "+",
+            Self::Subtract => "-",
+            Self::Multiply => "*",
+            Self::Divide => "/",
+            Self::Modulo => "%",
+            Self::Power => "^",
+            Self::Equal => "==",
+            Self::NotEqual => "!=",
+            Self::Less => "<",
+            Self::LessEqual => "<=",
+            Self::Greater => ">",
+            Self::GreaterEqual => ">=",
+            Self::And => "&&",
+            Self::Or => "||",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Expr {
+    /// Something that was reported already.
+    Error,
+    Number(f32),
+    Bool(bool),
+    Text(Symbol),
+    Name(Symbol),
+    Negate(ExprId),
+    Not(ExprId),
+    Binary(BinaryOp, ExprId, ExprId),
+    Swizzle(ExprId, Symbol),
+    /// A function's name and its arguments, which stand in `extra` from the index on, in that number.
+    Call(Symbol, u32, u32),
+    If(ExprId, ExprId, ExprId),
+    /// Pairs of name and value in `extra` from the index on, in that number, then the result.
+    Block(u32, u32, ExprId),
+    /// Four entries in `extra`: variable, first, end, body.
+    For(u32),
+}
+
+/// The expressions of all files.
+#[derive(Debug, Default)]
+pub(super) struct Ast {
+    nodes: Vec<(Expr, Span)>,
+    pub extra: Vec<u32>,
+}
+
+impl Ast {
+    pub fn push(&mut self, expr: Expr, span: Span) -> ExprId {
+        self.nodes.push((expr, span));
+        ExprId(self.nodes.len() as u32 - 1)
+    }
+
+    pub fn reserve(&mut self, nodes: usize) {
+        self.nodes.reserve(nodes);
+    }
+
+    pub fn expr(&self, id: ExprId) -> Expr {
+        self.nodes.get(id.0 as usize).map_or(Expr::Error, |node| node.0)
+    }
+
+    pub fn span(&self, id: ExprId) -> Span {
+        self.nodes.get(id.0 as usize).map_or(Span::default(), |node| node.1)
+    }
+
+    pub fn extra(&self, index: u32) -> u32 {
+        self.extra.get(index as usize).copied().unwrap_or(0)
+    }
+}
+
+/// A name with its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Name {
+    pub symbol: Symbol,
+    pub span: Span,
+}
+
+/// What a value is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Type {
+    Number,
+    Bool,
+    Vec2,
+    Vec3,
+    Vec4,
+    /// The name of a texture's file.
+    Texture,
+}
+
+impl Type {
+    pub const ALL: [Self; 6] = [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Texture];
+
+    /// The type's name in the language.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Number => "number",
+            Self::Bool => "bool",
+            Self::Vec2 => "vec2",
+            Self::Vec3 => "vec3",
+            Self::Vec4 => "vec4",
+            Self::Texture => "texture",
+        }
+    }
+
+    /// With its article, for messages.
+    pub fn described(self) -> &'static str {
+        match self {
+            Self::Number => "a number",
+            Self::Bool => "a condition",
+            Self::Vec2 => "a vec2",
+            Self::Vec3 => "a vec3",
+            Self::Vec4 => "a vec4",
+            Self::Texture => "a text",
+        }
+    }
+}
+
+/// What a function takes; without a type, anything that its body can work with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Parameter {
+    pub name: Name,
+    pub of: Option<Type>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Function {
+    pub name: Name,
+    pub parameters: Vec<Parameter>,
+    pub body: ExprId,
+}
+
+/// What a block with fields declares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Section {
+    Object,
+    Material,
+    Light,
+    Camera,
+    Sky,
+}
+
+/// `name = value` or, with `is_let`, `let name = value`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Entry {
+    pub is_let: bool,
+    pub name: Name,
+    pub value: ExprId,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Item {
+    Param {
+        name: Name,
+        value: ExprId,
+        range: Option<(ExprId, ExprId)>,
+    },
+    Fn(Function),
+    Let {
+        name: Name,
+        value: ExprId,
+    },
+    /// Camera and sky have no name; the span is that of the head. Broken: a field was reported and is missing.
+    Section {
+        section: Section,
+        name: Option<Name>,
+        span: Span,
+        entries: Vec<Entry>,
+        broken: bool,
+    },
+    Bare(ExprId),
+    Include {
+        path: Name,
+    },
+    /// Something with this name that was reported: whoever uses it makes no further mistake.
+    Broken(Name),
+}

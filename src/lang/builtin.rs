@@ -1,0 +1,224 @@
+//! The names that the language itself brings: inputs, and functions that cannot be written in it.
+//!
+//! Everything else stands in the library, written in the language.
+
+use crate::graph::{Input, Op};
+
+/// What an input's name means.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum InputValue {
+    /// One number from outside.
+    One(Input),
+    /// A vector of numbers from outside.
+    Many(&'static [Input]),
+    Constant(f32),
+}
+
+/// Which inputs an expression may use, as a set.
+pub(super) mod uses {
+    /// The point in space.
+    pub const POINT: u8 = 1;
+    /// The surface's normal.
+    pub const NORMAL: u8 = 2;
+    /// The direction of a ray that meets nothing.
+    pub const DIRECTION: u8 = 4;
+    /// Pictures.
+    pub const TEXTURE: u8 = 8;
+    /// Time, sound and parameters.
+    pub const FRAME: u8 = 16;
+    pub const NOTHING: u8 = 0;
+}
+
+/// An input: its name, its meaning, which kind of input it is, and what it is for people.
+pub(super) struct InputRow {
+    pub name: &'static str,
+    pub value: InputValue,
+    pub uses: u8,
+    pub doc: &'static str,
+}
+
+const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str) -> InputRow {
+    InputRow { name, value, uses, doc }
+}
+
+use InputValue::{Constant, Many, One};
+use uses::{DIRECTION, FRAME, NORMAL, NOTHING, POINT};
+
+/// Every input. A direction is read where the normal is: no expression has both.
+pub(super) const INPUTS: &[InputRow] = &[
+    row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
+    row("x", One(Input::X), POINT, "p.x, to the right"),
+    row("y", One(Input::Y), POINT, "p.y, up"),
+    row("z", One(Input::Z), POINT, "p.z, away from the eye that starts at the front"),
+    row(
+        "n",
+        Many(&[Input::NX, Input::NY, Input::NZ]),
+        NORMAL,
+        "the surface's normal, of length 1; in materials",
+    ),
+    row(
+        "direction",
+        Many(&[Input::NX, Input::NY, Input::NZ]),
+        DIRECTION,
+        "where a ray goes that meets nothing, of length 1; in the sky",
+    ),
+    row("t", One(Input::T), FRAME, "time in seconds"),
+    row(
+        "volume",
+        Many(&[Input::VolumeLeft, Input::VolumeRight]),
+        FRAME,
+        "left and right volume, vec2, 0..1: the mean of |sample|",
+    ),
+    row("bass", One(Input::Bass), FRAME, "low frequencies, 0..1"),
+    row("mid", One(Input::Mid), FRAME, "middle frequencies, 0..1"),
+    row("treble", One(Input::Treble), FRAME, "high frequencies, 0..1"),
+    row("beat", One(Input::Beat), FRAME, "1 on an onset, decaying to 0"),
+    row("tempo", One(Input::Tempo), FRAME, "beats per minute, 0 while unknown"),
+    row("phase", One(Input::Phase), FRAME, "place in the beat, 0..1"),
+    row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
+    row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
+];
+
+/// A function that the language brings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Builtin {
+    /// An operator on each component.
+    Each(Op),
+    /// An operator on the components of two vectors.
+    Pair(Op),
+    /// An arc tangent of one or two arguments.
+    Atan,
+    /// To a whole number, or of a shape's edges.
+    Round,
+    Pow,
+    Mix,
+    Clamp,
+    Smoothstep,
+    Length,
+    Dot,
+    /// A vector of that many components.
+    Construct(u8),
+    Band,
+    /// A table that is read at a number.
+    Table(Op),
+    History,
+    Texture,
+}
+
+/// A function: its name, its parameters for people, what it is, how many arguments it takes, and its doc line.
+pub(super) struct BuiltinRow {
+    pub name: &'static str,
+    pub parameters: &'static str,
+    pub builtin: Builtin,
+    pub arguments: (usize, usize),
+    pub doc: &'static str,
+}
+
+const fn function(
+    name: &'static str,
+    parameters: &'static str,
+    builtin: Builtin,
+    arguments: (usize, usize),
+    doc: &'static str,
+) -> BuiltinRow {
+    BuiltinRow { name, parameters, builtin, arguments, doc }
+}
+
+const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
+    function(name, "a", Builtin::Each(op), (1, 1), doc)
+}
+
+use Builtin::{
+    Atan, Band, Clamp, Construct, Dot, History, Length, Mix, Pair, Pow, Round, Smoothstep, Table, Texture,
+};
+
+/// Every function that the language brings.
+pub(super) const BUILTINS: &[BuiltinRow] = &[
+    each("abs", Op::Abs, "the magnitude"),
+    each("sign", Op::Sign, "-1, 0 or 1"),
+    each("floor", Op::Floor, "the largest whole number that is not above a"),
+    each("ceil", Op::Ceil, "the smallest whole number that is not below a"),
+    function(
+        "round",
+        "a, radius",
+        Round,
+        (1, 2),
+        "the nearest whole number, halves go up; with a radius, a shape rounded and grown by it",
+    ),
+    each("trunc", Op::Trunc, "the whole part, towards 0"),
+    each("fract", Op::Fract, "a - floor(a)"),
+    each("sqrt", Op::Sqrt, "the square root, 0 for negative a"),
+    each("exp", Op::Exp, "e to the power of a"),
+    each("exp2", Op::Exp2, "2 to the power of a"),
+    each("log", Op::Log, "the natural logarithm"),
+    each("log2", Op::Log2, "the binary logarithm"),
+    each("sin", Op::Sin, "the sine of an angle in radians"),
+    each("cos", Op::Cos, "the cosine of an angle in radians"),
+    each("tan", Op::Tan, "the tangent of an angle in radians"),
+    each("asin", Op::Asin, "the angle whose sine is a"),
+    each("acos", Op::Acos, "the angle whose cosine is a"),
+    each("sinh", Op::Sinh, "the hyperbolic sine"),
+    each("cosh", Op::Cosh, "the hyperbolic cosine"),
+    each("tanh", Op::Tanh, "the hyperbolic tangent"),
+    function("atan", "y, x", Atan, (1, 2), "the angle of the vector (x, y), or the angle whose tangent is y"),
+    function(
+        "pow",
+        "a, b",
+        Pow,
+        (2, 2),
+        "a to the power of b, as a ^ b; 0 for negative a unless b is a whole number",
+    ),
+    function("mod", "a, b", Pair(Op::Mod), (2, 2), "a - b * floor(a / b), as a % b"),
+    function("min", "a, b, …", Pair(Op::Min), (2, 2), "the smallest of any number of values"),
+    function("max", "a, b, …", Pair(Op::Max), (2, 2), "the largest of any number of values"),
+    function("sum", "a, b, …", Pair(Op::Add), (2, 2), "the sum of any number of values"),
+    function("product", "a, b, …", Pair(Op::Mul), (2, 2), "the product of any number of values"),
+    function("step", "edge, a", Pair(Op::Step), (2, 2), "0 where a is below the edge, else 1"),
+    function("mix", "a, b, share", Mix, (3, 3), "a where share is 0, b where it is 1, linear between"),
+    function("clamp", "a, low, high", Clamp, (3, 3), "a, but no less than low and no more than high"),
+    function("smoothstep", "low, high, a", Smoothstep, (3, 3), "0 at low, 1 at high, a smooth curve between"),
+    function("length", "v", Length, (1, 1), "the length of a vector"),
+    function("dot", "a, b", Dot, (2, 2), "the scalar product"),
+    function("vec2", "x, y", Construct(2), (1, 2), "a vector of two numbers"),
+    function("vec3", "x, y, z", Construct(3), (1, 3), "a vector of three numbers"),
+    function("vec4", "x, y, z, w", Construct(4), (1, 4), "a vector of four numbers"),
+    function(
+        "cell_hash",
+        "a, b",
+        Pair(Op::Hash),
+        (2, 2),
+        "a random-looking number in 0..1 of the cell (floor(a), floor(b))",
+    ),
+    function("band", "i", Band, (1, 1), "the level of one of the 32 frequency bands, low to high, 0..1"),
+    function("spectrum", "u", Table(Op::Spectrum), (1, 1), "the spectrum at u, 0..1 from low to high"),
+    function("waveform", "u", Table(Op::Waveform), (1, 1), "the waveform at u, 0..1 from old to new"),
+    function(
+        "history",
+        "u, age",
+        History,
+        (2, 2),
+        "the spectrum at u as it was; age 0..1 from now to the oldest",
+    ),
+    function(
+        "texture",
+        "file, uv",
+        Texture,
+        (2, 2),
+        "a picture's colour and alpha at uv, repeated beyond 0..1; in materials and the sky",
+    ),
+];
+
+/// Functions that take any number of values: the name, and how many arguments at the end are not among those.
+pub(super) const FOLDS: &[(&str, usize)] = &[
+    ("min", 0),
+    ("max", 0),
+    ("sum", 0),
+    ("product", 0),
+    ("union", 0),
+    ("intersect", 0),
+    ("subtract", 0),
+    ("smooth_union", 1),
+    ("smooth_intersect", 1),
+    ("smooth_subtract", 1),
+    ("chamfer_union", 1),
+];

@@ -1,0 +1,261 @@
+//! What is wrong with a scene, and how it is shown.
+//!
+//! Rendered as compilers for the terminal do: message, place, source line, underline, hint. Tabs become four
+//! columns, wide characters take two, control characters are shown as a placeholder, and a very long line is cut
+//! around its mistake.
+
+use std::fmt::Write;
+
+use super::source::{BYTE_ORDER_MARK, Sources, Span};
+
+/// Which of the three ways an input can fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// The text says something that cannot be meant.
+    Malformed,
+    /// The text is clear but asks for what the language does not do.
+    Unsupported,
+    /// The text is larger than a ceiling of [`crate::limits`].
+    OverLimit,
+}
+
+/// One mistake in a scene.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Malformed, unsupported or over a limit.
+    pub fault: Fault,
+    /// What is wrong, in one sentence without its full stop.
+    pub message: String,
+    /// The text it is about.
+    pub span: Span,
+    /// What stands beside the underline; may be empty.
+    pub label: String,
+    /// What to do about it.
+    pub hint: Option<String>,
+    /// Other places that belong to it, each with what they have to do with it.
+    pub notes: Vec<(Span, String)>,
+}
+
+impl Diagnostic {
+    /// A mistake at `span`, malformed unless said otherwise.
+    pub fn new(span: Span, message: impl Into<String>) -> Self {
+        Self {
+            fault: Fault::Malformed,
+            message: message.into(),
+            span,
+            label: String::new(),
+            hint: None,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The same, as a request for what the language does not do.
+    pub fn unsupported(span: Span, message: impl Into<String>) -> Self {
+        Self { fault: Fault::Unsupported, ..Self::new(span, message) }
+    }
+
+    /// The same, as an input over a limit.
+    pub fn over_limit(span: Span, message: impl Into<String>) -> Self {
+        Self { fault: Fault::OverLimit, ..Self::new(span, message) }
+    }
+
+    /// With `label` beside the underline.
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    /// With `hint` below.
+    pub fn hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// With another place that belongs to it.
+    pub fn note(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.notes.push((span, text.into()));
+        self
+    }
+
+    /// With the hint that `similar` was meant, if there is one.
+    pub fn did_you_mean(self, similar: Option<&str>) -> Self {
+        match similar {
+            Some(name) => self.hint(format!("did you mean `{name}`?")),
+            None => self,
+        }
+    }
+
+    /// The diagnostic as text of several lines, for a terminal when `color` is set; ends with a newline.
+    pub fn render(&self, sources: &Sources, color: bool) -> String {
+        let paint = Paint { color };
+        let mut out = String::new();
+        let gutter = (self.notes.iter().map(|(span, _)| span))
+            .chain([&self.span])
+            .filter_map(|span| sources.place(span.start))
+            .map(|place| place.line.to_string().len())
+            .max()
+            .unwrap_or(1);
+        out.push_str(&format!("{}{}\n", paint.error("error"), paint.strong(&format!(": {}", self.message))));
+        excerpt(&mut out, sources, self.span, &self.label, '^', gutter, paint);
+        for (span, text) in &self.notes {
+            excerpt(&mut out, sources, *span, text, '-', gutter, paint);
+        }
+        if let Some(hint) = &self.hint {
+            let _ = writeln!(out, "{:gutter$} {} {}", "", paint.frame("="), paint.strong("help: ") + hint);
+        }
+        out
+    }
+}
+
+/// All of `diagnostics` as text, a blank line between two; empty for none.
+pub fn render_all(diagnostics: &[Diagnostic], sources: &Sources, color: bool) -> String {
+    let texts: Vec<String> = diagnostics.iter().map(|one| one.render(sources, color)).collect();
+    texts.join("\n")
+}
+
+/// Columns of a source line that are shown.
+const WIDTH_SHOWN: usize = 120;
+/// Columns that stay visible before the mistake in a line that is cut.
+const WIDTH_BEFORE: usize = 40;
+const TAB: &str = "    ";
+
+fn excerpt(
+    out: &mut String,
+    sources: &Sources,
+    span: Span,
+    label: &str,
+    mark: char,
+    gutter: usize,
+    paint: Paint,
+) {
+    let Some(place) = sources.place(span.start) else { return };
+    let bar = paint.frame("|");
+    let arrow = paint.frame(if mark == '^' { "-->" } else { ":::" });
+    let _ = writeln!(out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
+    let _ = writeln!(out, "{:gutter$} {bar}", "");
+
+    // The line in cells: what is printed for each character, and its width in columns.
+    let length = (span.end - span.start) as usize;
+    let (mut shown, mut before, mut under) = (String::new(), 0, 0);
+    let (first, last) = (place.byte, place.byte + length.max(1));
+    let columns = |text: &str| text.chars().map(|c| cell(c).1).sum::<usize>();
+    let lead = columns(place.text.get(..first).unwrap_or(""));
+    let skip = if lead > WIDTH_SHOWN - WIDTH_BEFORE { lead - WIDTH_BEFORE } else { 0 };
+    if skip > 0 {
+        shown.push('…');
+        before += 1;
+    }
+    let (mut column, mut cut) = (0, false);
+    for (at, character) in place.text.char_indices() {
+        let (text, width) = cell(character);
+        column += width;
+        if column <= skip {
+            continue;
+        }
+        if column > skip + WIDTH_SHOWN {
+            cut = true;
+            break;
+        }
+        shown.push_str(text.unwrap_or(character.encode_utf8(&mut [0; 4])));
+        if at < first {
+            before += width;
+        } else if at < last {
+            under += width;
+        }
+    }
+    if cut {
+        shown.push('…');
+    }
+    let number = paint.frame(&format!("{:>gutter$}", place.line));
+    let _ = writeln!(out, "{number} {bar} {}", shown.trim_end());
+    let marks = mark.to_string().repeat(under.max(1));
+    let text = if label.is_empty() { marks } else { format!("{marks} {label}") };
+    let text = if mark == '^' { paint.error(&text) } else { paint.frame(&text) };
+    let _ = writeln!(out, "{:gutter$} {bar} {:before$}{text}", "", "");
+}
+
+/// What a terminal gets for a character, where that is not the character itself, and how many columns it takes.
+fn cell(character: char) -> (Option<&'static str>, usize) {
+    match character {
+        '\t' => (Some(TAB), TAB.len()),
+        BYTE_ORDER_MARK => (Some(""), 0),
+        // Controls, and what turns the direction of writing.
+        '\0'..='\x1f' | '\x7f'..='\u{9f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
+            (Some("\u{fffd}"), 1)
+        }
+        '\u{300}'..='\u{36f}' | '\u{200b}'..='\u{200d}' | '\u{fe00}'..='\u{fe0f}' => (None, 0),
+        '\u{1100}'..='\u{115f}'
+        | '\u{2e80}'..='\u{a4cf}'
+        | '\u{ac00}'..='\u{d7a3}'
+        | '\u{f900}'..='\u{faff}'
+        | '\u{fe30}'..='\u{fe6f}'
+        | '\u{ff00}'..='\u{ff60}'
+        | '\u{ffe0}'..='\u{ffe6}'
+        | '\u{1f300}'..='\u{1faff}'
+        | '\u{20000}'..='\u{3fffd}' => (None, 2),
+        _ => (None, 1),
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Paint {
+    color: bool,
+}
+
+impl Paint {
+    fn with(self, code: &str, text: &str) -> String {
+        if self.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+    }
+    fn error(self, text: &str) -> String {
+        self.with("1;31", text)
+    }
+    fn frame(self, text: &str) -> String {
+        self.with("1;34", text)
+    }
+    fn strong(self, text: &str) -> String {
+        self.with("1", text)
+    }
+}
+
+/// The mistakes found so far, bounded in number.
+#[derive(Debug, Default)]
+pub(super) struct Diagnostics {
+    list: Vec<Diagnostic>,
+    max: usize,
+    dropped: usize,
+}
+
+impl Diagnostics {
+    pub fn new(max: usize) -> Self {
+        Self { list: Vec::new(), max: max.max(1), dropped: 0 }
+    }
+
+    /// Keeps `diagnostic` unless the same was said of the same place, or there are too many already.
+    pub fn push(&mut self, diagnostic: Diagnostic) {
+        let known = |one: &Diagnostic| one.span == diagnostic.span && one.message == diagnostic.message;
+        if self.list.iter().any(known) {
+            return;
+        }
+        if self.list.len() < self.max { self.list.push(diagnostic) } else { self.dropped += 1 }
+    }
+
+    /// Whether nothing more would be kept.
+    pub fn full(&self) -> bool {
+        self.dropped > 0
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// All in the order of their places; where some were dropped, the last says that there are more.
+    pub fn finish(mut self) -> Vec<Diagnostic> {
+        self.list.sort_by_key(|one| one.span);
+        if self.dropped > 0 {
+            let span = self.list.last().map_or(Span::default(), |last| last.span);
+            let message = format!("there are more mistakes: only the first {} are shown", self.max);
+            self.list.push(Diagnostic::over_limit(span, message));
+        }
+        self.list
+    }
+}

@@ -1,0 +1,388 @@
+//! Text to tokens. Never fails: what is no token is reported and becomes one of kind `Unknown`.
+
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::source::{BYTE_ORDER_MARK, Span};
+use super::symbol::{Interner, Symbol};
+use super::token::{Kind, Token};
+
+/// Appends the tokens of `text`, whose first byte has the offset `base`, and a last one of kind `End`.
+///
+/// At most `tokens_max` tokens are kept in `tokens`; more is reported and the rest left out.
+pub(super) fn tokenize(
+    text: &str,
+    base: u32,
+    tokens_max: usize,
+    names: &mut Interner,
+    tokens: &mut Vec<Token>,
+    diagnostics: &mut Diagnostics,
+) {
+    let mut lexer = Lexer {
+        text,
+        bytes: text.as_bytes(),
+        at: 0,
+        base,
+        newline: false,
+        in_brackets: false,
+        names,
+        diagnostics,
+    };
+    if text.starts_with(BYTE_ORDER_MARK) {
+        lexer.at = BYTE_ORDER_MARK.len_utf8();
+    }
+    tokens.reserve((text.len() / 3).min(tokens_max) + 1);
+    while let Some((kind, symbol, start)) = lexer.next() {
+        if tokens.len() >= tokens_max {
+            let message = format!("the scene has more than {tokens_max} words and signs");
+            let over = Diagnostic::over_limit(lexer.span(start), message);
+            lexer.diagnostics.push(over.hint("split the scene, or let `fn` and `for` repeat what is alike"));
+            break;
+        }
+        let newline = std::mem::take(&mut lexer.newline);
+        tokens.push(Token { kind, newline, symbol, span: lexer.span(start) });
+    }
+    let end = base + text.len() as u32;
+    tokens.push(Token { kind: Kind::End, newline: true, symbol: Symbol(0), span: Span::new(end, end) });
+}
+
+struct Lexer<'a> {
+    text: &'a str,
+    bytes: &'a [u8],
+    at: usize,
+    base: u32,
+    newline: bool,
+    /// Whether a `[` was reported and no `]` since.
+    in_brackets: bool,
+    names: &'a mut Interner,
+    diagnostics: &'a mut Diagnostics,
+}
+
+impl Lexer<'_> {
+    fn next(&mut self) -> Option<(Kind, Symbol, usize)> {
+        self.skip_blank();
+        let start = self.at;
+        let byte = *self.bytes.get(start)?;
+        let (kind, symbol) = match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'_' => self.name(),
+            b'0'..=b'9' => self.number(),
+            b'.' if self.peek(1).is_ascii_digit() => self.number(),
+            b'"' => self.quoted(),
+            _ => match self.sign(byte) {
+                Some(kind) => (kind, Symbol(0)),
+                None => (self.unknown(), Symbol(0)),
+            },
+        };
+        Some((kind, symbol, start))
+    }
+
+    fn span(&self, start: usize) -> Span {
+        Span::new(self.base + start as u32, self.base + self.at as u32)
+    }
+
+    /// The byte `ahead` of the current one; 0 behind the end.
+    fn peek(&self, ahead: usize) -> u8 {
+        self.bytes.get(self.at + ahead).copied().unwrap_or(0)
+    }
+
+    /// Spaces, line ends and comments: `# …`, `// …`, `/* … */`.
+    fn skip_blank(&mut self) {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            match byte {
+                b'\n' => {
+                    self.newline = true;
+                    self.at += 1;
+                }
+                b' ' | b'\t' | b'\r' => self.at += 1,
+                b'#' => self.skip_line(),
+                b'/' if self.peek(1) == b'/' => self.skip_line(),
+                b'/' if self.peek(1) == b'*' => self.skip_block(),
+                _ => break,
+            }
+        }
+    }
+
+    fn skip_line(&mut self) {
+        let rest = self.bytes.get(self.at..).unwrap_or(&[]);
+        self.at += rest.iter().position(|&byte| byte == b'\n').unwrap_or(rest.len());
+    }
+
+    fn skip_block(&mut self) {
+        let start = self.at;
+        let rest = self.text.get(start + 2..).unwrap_or("");
+        match rest.find("*/") {
+            Some(length) => {
+                self.newline |= rest[..length].contains('\n');
+                self.at += 2 + length + 2;
+            }
+            None => {
+                self.at += 2;
+                let open = Diagnostic::new(self.span(start), "this comment is never closed");
+                self.diagnostics.push(open.hint("end it with `*/`, or begin it with `#`"));
+                self.at = self.bytes.len();
+            }
+        }
+    }
+
+    fn name(&mut self) -> (Kind, Symbol) {
+        let start = self.at;
+        while self.peek(0).is_ascii_alphanumeric() || self.peek(0) == b'_' {
+            self.at += 1;
+        }
+        (Kind::Name, self.names.intern(&self.text[start..self.at]))
+    }
+
+    fn digits(&mut self) {
+        while self.peek(0).is_ascii_digit() {
+            self.at += 1;
+        }
+    }
+
+    fn number(&mut self) -> (Kind, Symbol) {
+        let start = self.at;
+        self.digits();
+        // `0..32` is a range, `0.` a number.
+        if self.peek(0) == b'.' && self.peek(1) != b'.' {
+            self.at += 1;
+            self.digits();
+        }
+        if matches!(self.peek(0), b'e' | b'E') {
+            let sign = usize::from(matches!(self.peek(1), b'+' | b'-'));
+            if self.peek(1 + sign).is_ascii_digit() {
+                self.at += 1 + sign;
+                self.digits();
+            }
+        }
+        let end = self.at;
+        while self.peek(0).is_ascii_alphanumeric() || self.peek(0) == b'_' {
+            self.at += 1;
+        }
+        if self.at > end {
+            let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
+            let hint = match tail {
+                "f" | "F" | "u" | "lf" => format!("numbers have no suffix: write `{number}`"),
+                _ => format!("to multiply write `{number} * {tail}`"),
+            };
+            let wrong = Diagnostic::new(self.span(start), "a number runs into a name");
+            self.diagnostics.push(wrong.hint(hint));
+        }
+        (Kind::Number, Symbol(value(&self.text[start..end]).to_bits()))
+    }
+
+    fn quoted(&mut self) -> (Kind, Symbol) {
+        let start = self.at;
+        let rest = &self.text[start + 1..];
+        let length = rest.find(['"', '\n']).unwrap_or(rest.len());
+        self.at = start + 1 + length;
+        let text = rest[..length].trim_end_matches('\r');
+        if self.peek(0) == b'"' {
+            self.at += 1;
+        } else {
+            let open = Diagnostic::new(self.span(start), "this text is never closed");
+            self.diagnostics.push(open.hint("end it with `\"` on the same line"));
+            return (Kind::Unknown, Symbol(0));
+        }
+        (Kind::Text, self.names.intern(text))
+    }
+
+    fn sign(&mut self, byte: u8) -> Option<Kind> {
+        let (kind, length) = match (byte, self.peek(1)) {
+            (b'(', _) => (Kind::OpenParen, 1),
+            (b')', _) => (Kind::CloseParen, 1),
+            (b'{', _) => (Kind::OpenBrace, 1),
+            (b'}', _) => (Kind::CloseBrace, 1),
+            (b',', _) => (Kind::Comma, 1),
+            (b';', _) => (Kind::Semicolon, 1),
+            (b':', _) => (Kind::Colon, 1),
+            (b'?', _) => (Kind::Question, 1),
+            (b'.', b'.') => (Kind::Range, 2),
+            (b'.', _) => (Kind::Dot, 1),
+            (b'+', _) => (Kind::Plus, 1),
+            (b'-', _) => (Kind::Minus, 1),
+            (b'*', _) => (Kind::Star, 1),
+            (b'/', _) => (Kind::Slash, 1),
+            (b'%', _) => (Kind::Percent, 1),
+            (b'^', _) => (Kind::Caret, 1),
+            (b'=', b'=') => (Kind::Equal, 2),
+            (b'=', _) => (Kind::Assign, 1),
+            (b'!', b'=') => (Kind::NotEqual, 2),
+            (b'!', _) => (Kind::Not, 1),
+            (b'<', b'=') => (Kind::LessEqual, 2),
+            (b'<', _) => (Kind::Less, 1),
+            (b'>', b'=') => (Kind::GreaterEqual, 2),
+            (b'>', _) => (Kind::Greater, 1),
+            (b'&', b'&') => (Kind::And, 2),
+            (b'|', b'|') => (Kind::Or, 2),
+            _ => return None,
+        };
+        self.at += length;
+        Some(kind)
+    }
+
+    /// Reports a run of characters that mean nothing here. A look-alike stands for what it looks like.
+    fn unknown(&mut self) -> Kind {
+        let start = self.at;
+        let rest = &self.text[start..];
+        let first = rest.chars().next().unwrap_or('\0');
+        let alike = match first {
+            '\u{2212}' | '\u{2013}' | '\u{2014}' => {
+                Some((Kind::Minus, "write the sign on the keyboard, `-`"))
+            }
+            '\u{d7}' | '\u{b7}' | '\u{22c5}' | '\u{2217}' => Some((Kind::Star, "to multiply write `*`")),
+            '\u{f7}' | '\u{2215}' => Some((Kind::Slash, "to divide write `/`")),
+            '\u{2264}' => Some((Kind::LessEqual, "write `<=`")),
+            '\u{2265}' => Some((Kind::GreaterEqual, "write `>=`")),
+            _ => None,
+        };
+        if let Some((kind, hint)) = alike {
+            self.at += first.len_utf8();
+            let message = format!("the character `{first}` is not part of the language");
+            self.diagnostics.push(Diagnostic::new(self.span(start), message).hint(hint));
+            return kind;
+        }
+        let length = rest.find(|c: char| c.is_ascii() && self.starts_token(c)).unwrap_or(rest.len());
+        self.at += length.max(first.len_utf8());
+        let hint = match first {
+            '[' | ']' => "an element is taken with a dot or a call, as in `volume.x` and `band(3)`",
+            '&' => "write `&&`",
+            '|' => "write `||`",
+            '\'' | '\u{201c}' | '\u{201d}' | '\u{201e}' => "texts stand between `\"`",
+            '²' | '³' => "a power is written `x^2`",
+            _ if first.is_alphabetic() => "names are made of the letters a to z, digits and `_`",
+            _ => "leave it out",
+        };
+        let message = if first.is_control() || first == BYTE_ORDER_MARK {
+            format!("the character U+{:04X} is not part of the language", first as u32)
+        } else {
+            format!("the character `{first}` is not part of the language")
+        };
+        let wrong = Diagnostic::new(self.span(start), message);
+        // The bracket that closes belongs to the one that was reported.
+        if first != ']' || !std::mem::replace(&mut self.in_brackets, false) {
+            self.diagnostics.push(wrong.hint(hint));
+        }
+        self.in_brackets |= first == '[';
+        Kind::Unknown
+    }
+
+    fn starts_token(&self, character: char) -> bool {
+        character.is_ascii_alphanumeric() || " \t\r\n_\"#.(){},;:?+-*/%^=!<>".contains(character)
+    }
+}
+
+/// The nearest f32 of a number.
+fn value(text: &str) -> f32 {
+    // Both parts are exact in f32, so one division rounds correctly.
+    const POWERS: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
+    let (mut digits, mut decimals, mut in_decimals) = (0_u32, 0, false);
+    for byte in text.bytes() {
+        match byte {
+            b'0'..=b'9' if digits < 1_600_000 => {
+                digits = digits * 10 + u32::from(byte - b'0');
+                decimals += usize::from(in_decimals);
+            }
+            b'.' => in_decimals = true,
+            _ => return text.parse().unwrap_or(f32::INFINITY),
+        }
+    }
+    match POWERS.get(decimals) {
+        Some(power) => digits as f32 / power,
+        None => text.parse().unwrap_or(f32::INFINITY),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::token::RESERVED;
+
+    fn lex(text: &str) -> (Vec<(Kind, String, bool)>, Vec<String>) {
+        let mut names = Interner::default();
+        for word in RESERVED {
+            names.intern(word);
+        }
+        let (mut tokens, mut diagnostics) = (Vec::new(), Diagnostics::new(20));
+        tokenize(text, 0, 1000, &mut names, &mut tokens, &mut diagnostics);
+        let shown = |token: &Token| {
+            let text = text[token.span.start as usize..token.span.end as usize].to_owned();
+            (token.kind, text, token.newline)
+        };
+        let messages = diagnostics.finish().into_iter().map(|one| one.message).collect();
+        (tokens.iter().map(shown).collect(), messages)
+    }
+
+    fn words(text: &str) -> Vec<String> {
+        let (tokens, errors) = lex(text);
+        assert_eq!(errors, Vec::<String>::new(), "{text}");
+        tokens.into_iter().filter(|one| one.0 != Kind::End).map(|one| one.1).collect()
+    }
+
+    #[test]
+    fn numbers_ranges_and_dots_are_told_apart() {
+        assert_eq!(words("0..32"), ["0", "..", "32"]);
+        assert_eq!(words("0.1 .. 3"), ["0.1", "..", "3"]);
+        assert_eq!(words(".5+1.-1e-3"), [".5", "+", "1.", "-", "1e-3"]);
+        assert_eq!(words("p.xz*2.5E+2"), ["p", ".", "xz", "*", "2.5E+2"]);
+        assert_eq!(words("1...5"), ["1", "..", ".5"]);
+    }
+
+    #[test]
+    fn numbers_have_the_nearest_value() {
+        for text in [
+            "0",
+            "1",
+            "0.1",
+            ".3",
+            "2.",
+            "16777217",
+            "1.6777217",
+            "0.16",
+            "123456.7",
+            "3.4e38",
+            "1e-45",
+            "1e999",
+        ]
+        .into_iter()
+        .chain([
+            "0.0000000000000000000001",
+            "00000000000000000000000000.5",
+            "1.234567890123456789e-5",
+        ]) {
+            assert_eq!(value(text), text.parse::<f32>().unwrap(), "{text}");
+        }
+        for number in 0..20_000 {
+            let text = format!("{}.{}", number % 173, number);
+            assert_eq!(value(&text), text.parse::<f32>().unwrap(), "{text}");
+        }
+    }
+
+    #[test]
+    fn comments_and_line_ends_are_blank() {
+        let (tokens, errors) = lex("\u{feff}a # one\r\nb // two\nc /* three\n */ d");
+        assert!(errors.is_empty(), "{errors:?}");
+        let shown: Vec<(&str, bool)> = tokens.iter().map(|one| (one.1.as_str(), one.2)).collect();
+        assert_eq!(shown, [("a", false), ("b", true), ("c", true), ("d", true), ("", true)]);
+    }
+
+    #[test]
+    fn what_is_no_token_is_reported() {
+        let (tokens, errors) = lex("1 @@ 2 − 3");
+        let shown: Vec<Kind> = tokens.iter().map(|one| one.0).collect();
+        assert_eq!(shown, [Kind::Number, Kind::Unknown, Kind::Number, Kind::Minus, Kind::Number, Kind::End]);
+        assert_eq!(errors.len(), 2);
+        for (text, message) in [
+            ("\"abc", "this text is never closed"),
+            ("/* abc", "this comment is never closed"),
+            ("2x", "a number runs into a name"),
+            ("1.0f", "a number runs into a name"),
+            ("größe", "the character `ö` is not part of the language"),
+            ("\0", "the character U+0000 is not part of the language"),
+        ] {
+            assert_eq!(lex(text).1[0], message, "{text}");
+        }
+    }
+
+    #[test]
+    fn every_sign_is_known() {
+        let text = "( ) { } , ; : ? . .. + - * / % ^ = == != < <= > >= && || !";
+        assert_eq!(words(text), text.split(' ').collect::<Vec<_>>());
+    }
+}

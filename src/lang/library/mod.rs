@@ -1,0 +1,168 @@
+//! The library: shapes, operators and GLSL's other functions, written in the language and parsed once.
+//!
+//! A function's documentation stands before it in lines that begin with `##`; the last of them ends with
+//! `[exact; source]`, `[bound; source]` or `[source]`. *Exact*: the result is the distance to the surface. *Bound*: it
+//! never exceeds that distance, so that a ray may step by it, but may be less.
+
+use std::sync::LazyLock;
+
+use super::ast::{Ast, Function, Item};
+use super::builtin::{BUILTINS, FOLDS, INPUTS};
+use super::diagnostic::Diagnostics;
+use super::lexer;
+use super::parser;
+use super::symbol::{Interner, Symbol};
+use super::token::RESERVED;
+use crate::limits::LIMITS;
+
+/// The library's texts, with their titles.
+pub(super) const TEXTS: &[(&str, &str)] = &[
+    ("Functions of GLSL", include_str!("glsl.scene")),
+    ("Shapes in space", include_str!("solids.scene")),
+    ("Shapes in the plane", include_str!("plane.scene")),
+    ("Combining shapes", include_str!("combine.scene")),
+    ("Changing space and shapes", include_str!("space.scene")),
+    ("Noise", include_str!("noise.scene")),
+    ("Materials", include_str!("materials.scene")),
+];
+
+/// Whether a shape's function is the distance or only bounds it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Accuracy {
+    /// The distance.
+    Exact,
+    /// Never more than the distance, possibly less.
+    Bound,
+}
+
+/// A function of the library, for people.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// Title of the group it belongs to.
+    pub group: &'static str,
+    /// The function's name.
+    pub name: &'static str,
+    /// Name and parameters as in a declaration.
+    pub signature: String,
+    /// What it gives.
+    pub doc: String,
+    /// For shapes and what keeps or loses their exactness.
+    pub accuracy: Option<Accuracy>,
+    /// Where the formula comes from; empty for built-in functions.
+    pub source: String,
+}
+
+/// What every scene begins with.
+pub(super) struct Library {
+    /// Reserved words, inputs, built-in functions and the library's names, in this order.
+    pub names: Interner,
+    pub ast: Ast,
+    pub functions: Vec<Function>,
+    /// By symbol: 1 + the function's index, 0 for none.
+    pub by_symbol: Vec<u32>,
+    /// By symbol: 1 + the number of arguments at the end that a fold leaves alone, 0 for what is no fold.
+    pub folds: Vec<u8>,
+}
+
+static LIBRARY: LazyLock<Library> = LazyLock::new(build);
+
+/// The library, parsed at the first call.
+pub(super) fn library() -> &'static Library {
+    &LIBRARY
+}
+
+pub(super) const FIRST_INPUT: usize = RESERVED.len();
+pub(super) const FIRST_BUILTIN: usize = FIRST_INPUT + INPUTS.len();
+const BEHIND_BUILTINS: usize = FIRST_BUILTIN + BUILTINS.len();
+
+/// Row of [`INPUTS`] that a symbol names.
+pub(super) fn input_index(symbol: Symbol) -> Option<usize> {
+    (FIRST_INPUT..FIRST_BUILTIN).contains(&symbol.index()).then(|| symbol.index() - FIRST_INPUT)
+}
+
+/// Row of [`BUILTINS`] that a symbol names.
+pub(super) fn builtin_index(symbol: Symbol) -> Option<usize> {
+    (FIRST_BUILTIN..BEHIND_BUILTINS).contains(&symbol.index()).then(|| symbol.index() - FIRST_BUILTIN)
+}
+
+fn build() -> Library {
+    let mut names = Interner::default();
+    let brought = RESERVED.iter().copied();
+    let brought = brought.chain(INPUTS.iter().map(|row| row.name)).chain(BUILTINS.iter().map(|row| row.name));
+    for name in brought {
+        names.intern(name);
+    }
+    // Mistakes in these texts are found by a test.
+    let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
+    let (mut ast, mut functions) = (Ast::default(), Vec::new());
+    for (_, text) in TEXTS {
+        let mut tokens = Vec::new();
+        lexer::tokenize(text, 0, usize::MAX, &mut names, &mut tokens, &mut diagnostics);
+        let items = parser::parse(&tokens, &names, LIMITS.scene_nesting_max, &mut ast, &mut diagnostics);
+        functions.extend(items.into_iter().filter_map(|item| match item {
+            Item::Fn(function) => Some(function),
+            _ => None,
+        }));
+    }
+    let (mut by_symbol, mut folds) = (vec![0; names.len()], vec![0; names.len()]);
+    for (index, function) in functions.iter().enumerate() {
+        by_symbol[function.name.symbol.index()] = index as u32 + 1;
+    }
+    for (name, tail) in FOLDS {
+        if let Some(symbol) = names.get(name) {
+            folds[symbol.index()] = *tail as u8 + 1;
+        }
+    }
+    Library { names, ast, functions, by_symbol, folds }
+}
+
+/// Every input, with what it is.
+pub fn inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
+    INPUTS.iter().map(|row| (row.name, row.doc))
+}
+
+/// Every function that a scene can call: first the built-in ones, then the library in the order of its texts.
+pub fn entries() -> Vec<Entry> {
+    let mut entries: Vec<Entry> = BUILTINS
+        .iter()
+        .map(|row| Entry {
+            group: "Built in",
+            name: row.name,
+            signature: format!("{}({})", row.name, row.parameters),
+            doc: row.doc.to_owned(),
+            accuracy: None,
+            source: String::new(),
+        })
+        .collect();
+    for (group, text) in TEXTS {
+        let mut doc = String::new();
+        for line in text.lines() {
+            if let Some(rest) = line.strip_prefix("## ") {
+                if !doc.is_empty() {
+                    doc.push(' ');
+                }
+                doc.push_str(rest);
+            } else if let Some(rest) = line.strip_prefix("fn ") {
+                entries.push(entry(group, rest, std::mem::take(&mut doc)));
+            } else {
+                doc.clear();
+            }
+        }
+    }
+    entries
+}
+
+fn entry(group: &'static str, head: &'static str, doc: String) -> Entry {
+    let name = head.split('(').next().unwrap_or("");
+    let signature = head.find(')').and_then(|end| head.get(..=end)).unwrap_or(head).to_owned();
+    let bracket = doc.rfind('[').unwrap_or(doc.len());
+    let (sentences, facts) = doc.split_at(bracket);
+    let facts = facts.trim_matches(['[', ']']);
+    let (accuracy, source) = match facts.split_once(';') {
+        Some(("exact", source)) => (Some(Accuracy::Exact), source),
+        Some(("bound", source)) => (Some(Accuracy::Bound), source),
+        _ => (None, facts),
+    };
+    let source = source.trim().to_owned();
+    Entry { group, name, signature, doc: sentences.trim().to_owned(), accuracy, source }
+}

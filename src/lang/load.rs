@@ -1,0 +1,120 @@
+//! From a text and what it includes to one tree.
+
+use super::ast::{Ast, Item, Name};
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::source::{Sources, Span};
+use super::symbol::Interner;
+use super::{Resolver, lexer, parser, path};
+use crate::limits::Limits;
+
+/// What the texts of a scene hold.
+pub(super) struct Loaded {
+    pub ast: Ast,
+    pub names: Interner,
+    pub items: Vec<Item>,
+    pub includes: Vec<String>,
+}
+
+/// Parses `text` and, depth first, what it includes: what is included comes before what includes it.
+pub(super) fn load(
+    name: &str,
+    text: &str,
+    resolve: &mut Resolver<'_>,
+    names: Interner,
+    limits: &Limits,
+    sources: &mut Sources,
+    diagnostics: &mut Diagnostics,
+) -> Loaded {
+    let loaded = Loaded { ast: Ast::default(), names, items: Vec::new(), includes: Vec::new() };
+    let mut loader =
+        Loader { loaded, resolve, limits, sources, diagnostics, bytes: 0, tokens: 0, open: Vec::new() };
+    loader.file(name, text, None);
+    loader.loaded
+}
+
+struct Loader<'a, 'b> {
+    loaded: Loaded,
+    resolve: &'a mut Resolver<'b>,
+    limits: &'a Limits,
+    sources: &'a mut Sources,
+    diagnostics: &'a mut Diagnostics,
+    bytes: usize,
+    tokens: usize,
+    /// Included files that are being read, the outermost first.
+    open: Vec<String>,
+}
+
+impl Loader<'_, '_> {
+    /// Recurses no deeper than the limit for includes.
+    fn file(&mut self, name: &str, text: &str, included: Option<Span>) {
+        self.bytes = self.bytes.saturating_add(text.len());
+        let max = self.limits.scene_bytes_max;
+        let base = if self.bytes > max { None } else { self.sources.add(name, text) };
+        let Some(base) = base else {
+            // A text that is too long is not kept; its place is where it was asked for, or the start of nothing.
+            let span = included.unwrap_or_else(|| {
+                self.sources.add(name, "");
+                Span::default()
+            });
+            let message = format!("the scene is larger than {max} bytes, its includes counted");
+            let hint = "split it into scenes, or let `fn` and `for` repeat what is alike";
+            return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
+        };
+        let mut tokens = Vec::new();
+        let left = self.limits.scene_tokens_max.saturating_sub(self.tokens);
+        lexer::tokenize(text, base, left, &mut self.loaded.names, &mut tokens, self.diagnostics);
+        self.tokens += tokens.len();
+        let nesting = self.limits.scene_nesting_max;
+        let items =
+            parser::parse(&tokens, &self.loaded.names, nesting, &mut self.loaded.ast, self.diagnostics);
+        drop(tokens);
+        for item in items {
+            match item {
+                Item::Include { path } => self.include(path),
+                item => self.loaded.items.push(item),
+            }
+        }
+    }
+
+    fn include(&mut self, written: Name) {
+        let span = written.span;
+        let name = match path::checked(self.loaded.names.name(written.symbol)) {
+            Ok(name) => name,
+            Err((message, hint)) => return self.diagnostics.push(Diagnostic::new(span, message).hint(hint)),
+        };
+        if let Some(position) = self.open.iter().position(|open| *open == name) {
+            let mut circle: Vec<String> =
+                self.open.iter().skip(position).map(|one| format!("`{one}`")).collect();
+            circle.push(format!("`{name}`"));
+            let message = format!("files include each other in a circle: {}", circle.join(" includes "));
+            return self.diagnostics.push(Diagnostic::new(span, message).hint("leave this `include` out"));
+        }
+        if self.loaded.includes.contains(&name) {
+            return;
+        }
+        let (depth, count) = (self.limits.include_depth_max, self.limits.scene_includes_max);
+        if self.open.len() >= depth {
+            let message = format!("files include each other more than {depth} deep");
+            let hint = "include the file from one nearer to the scene";
+            return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
+        }
+        if self.loaded.includes.len() >= count {
+            let message = format!("the scene includes more than {count} files");
+            return self
+                .diagnostics
+                .push(Diagnostic::over_limit(span, message).hint("put some of them into one file"));
+        }
+        match (self.resolve)(&name) {
+            Err(reason) => {
+                let wrong = Diagnostic::new(span, format!("`{name}` cannot be included: {reason}"));
+                self.diagnostics.push(wrong);
+            }
+            Ok(text) => {
+                self.loaded.includes.push(name.clone());
+                self.open.push(name.clone());
+                self.file(&name, &text, Some(span));
+                self.open.pop();
+            }
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! Calls: of the scene's functions, of the library's, and with any number of arguments.
+
+use super::super::ast::{Expr, ExprId, Function, Type};
+use super::super::builtin::BUILTINS;
+use super::super::diagnostic::Diagnostic;
+use super::super::library;
+use super::super::source::Span;
+use super::super::suggest;
+use super::super::symbol::Symbol;
+use super::super::value::Value;
+use super::Lowering;
+
+/// What a name calls.
+#[derive(Clone, Copy)]
+enum Callee {
+    Scene(usize),
+    Library(usize),
+    Builtin(usize),
+}
+
+impl Lowering<'_> {
+    fn callee(&self, symbol: Symbol) -> Option<Callee> {
+        let index = symbol.index();
+        let own = self.globals.get(index).map_or(0, |global| global.function);
+        if own > 0 && self.library_call.is_none() {
+            return Some(Callee::Scene(own as usize - 1));
+        }
+        match self.library.by_symbol.get(index) {
+            Some(&shared) if shared > 0 => Some(Callee::Library(shared as usize - 1)),
+            _ => library::builtin_index(symbol).map(Callee::Builtin),
+        }
+    }
+
+    pub(super) fn call(&mut self, name: Symbol, first: u32, count: u32, span: Span) -> Value {
+        let callee = self.callee(name);
+        let fold = match callee {
+            Some(Callee::Library(_) | Callee::Builtin(_)) => {
+                self.library.folds.get(name.index()).copied().unwrap_or(0)
+            }
+            _ => 0,
+        };
+        let mark = self.arguments.len();
+        for index in 0..count {
+            self.argument(ExprId(self.ast.extra(first + index)), fold > 0, name);
+        }
+        let value = match callee {
+            None => self.unknown_function(name, span),
+            Some(callee) if fold > 0 => self.fold(callee, name, mark, usize::from(fold) - 1, span),
+            Some(callee) => self.apply(callee, name, mark, first, span),
+        };
+        self.arguments.truncate(mark);
+        value
+    }
+
+    /// Pushes an argument's value, or the values of all rounds of a loop.
+    fn argument(&mut self, id: ExprId, takes_loops: bool, name: Symbol) {
+        let Expr::For(index) = self.ast.expr(id) else {
+            let value = self.expr(id);
+            self.arguments.push(value);
+            return;
+        };
+        let span = self.ast.span(id);
+        if !takes_loops {
+            let message = format!("`{}` takes no loop", self.name(name));
+            let hint = "loops stand in `union`, `intersect`, `subtract`, their `smooth_` forms, `min`, `max`, `sum`, `product`";
+            let value = self.report(Diagnostic::unsupported(span, message).hint(hint));
+            self.arguments.push(value);
+            return;
+        }
+        let entry = |at: u32| self.ast.extra(index + at);
+        let (variable, body) = (Symbol(entry(0)), ExprId(entry(3)));
+        let (start, end) = (ExprId(entry(1)), ExprId(entry(2)));
+        let (Some(start), Some(end)) = (self.loop_bound(start), self.loop_bound(end)) else {
+            self.arguments.push(Value::Unknown);
+            return;
+        };
+        let max = self.limits.scene_loop_max;
+        if end - start > max as i64 {
+            let message = format!("this loop has {} rounds, and {max} is the most", end - start);
+            let value = self.report(
+                Diagnostic::over_limit(span, message).hint("repeat space instead: `repeat(p, size)`"),
+            );
+            self.arguments.push(value);
+            return;
+        }
+        if self.depth >= self.limits.scene_depth_max {
+            self.too_deep(span);
+            return;
+        }
+        self.depth += 1;
+        let mark = self.scope.len();
+        for number in start..end {
+            if self.stopped {
+                break;
+            }
+            let value = Value::scalar(self.constant(number as f32));
+            self.bind(variable, value);
+            self.argument(body, true, name);
+            self.unbind(mark);
+        }
+        self.depth -= 1;
+    }
+
+    /// A whole number that is known before the scene runs.
+    fn loop_bound(&mut self, id: ExprId) -> Option<i64> {
+        let span = self.ast.span(id);
+        let value = match self.expr(id) {
+            Value::Unknown => return None,
+            Value::Vector(vector) if vector.len() == 1 => self.graph.as_constant(vector.first()),
+            _ => None,
+        };
+        let Some(value) = value else {
+            let wrong = Diagnostic::unsupported(span, "a loop's bounds must be known before the scene runs");
+            self.report(wrong.hint("write whole numbers; to leave rounds out use `if` in the loop"));
+            return None;
+        };
+        if value.fract() != 0.0 || value.abs() > 1e6 {
+            self.report(Diagnostic::new(
+                span,
+                format!("a loop counts in small whole numbers, and this is {value}"),
+            ));
+            return None;
+        }
+        Some(value as i64)
+    }
+
+    /// Combines the arguments from `mark` on from the left, two at a time; `tail` at the end belong to each step.
+    fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
+        let count = self.arguments.len() - mark;
+        if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
+            return Value::Unknown;
+        }
+        if count <= tail {
+            let text = self.name(name);
+            let message = match tail {
+                0 => format!("`{text}` of nothing has no value"),
+                _ => format!("`{text}` needs shapes and behind them the radius of the blend"),
+            };
+            return self
+                .report(Diagnostic::new(span, message).hint(format!("`{}`", self.signature(callee, name))));
+        }
+        let values = self.arguments.split_off(mark);
+        let (values, rest) = values.split_at(count - tail);
+        let mut values = values.iter();
+        let mut result = values.next().copied().unwrap_or(Value::Unknown);
+        let mut one = None;
+        for value in values {
+            let at = self.arguments.len();
+            self.arguments.push(result);
+            self.arguments.push(*value);
+            self.arguments.extend_from_slice(rest);
+            result = self.apply(callee, name, at, u32::MAX, span);
+            self.arguments.truncate(at);
+            one = Some(());
+            if self.stopped {
+                break;
+            }
+        }
+        if one.is_none() && !matches!(result, Value::Vector(_)) {
+            self.number(result, span, || format!("`{}`", self.names.name(name)));
+            return Value::Unknown;
+        }
+        result
+    }
+
+    /// Calls with the arguments from `mark` on. `first` is where their expressions stand, for their places.
+    fn apply(&mut self, callee: Callee, name: Symbol, mark: usize, first: u32, span: Span) -> Value {
+        match callee {
+            Callee::Builtin(index) => match BUILTINS.get(index) {
+                Some(row) => self.builtin(row, mark, first, span),
+                None => Value::Unknown,
+            },
+            Callee::Library(index) => {
+                let library = self.library;
+                let Some(function) = library.functions.get(index) else { return Value::Unknown };
+                if !self.arguments_fit(function, callee, mark, first, span) {
+                    return Value::Unknown;
+                }
+                let outside = (self.ast, self.library_call);
+                self.ast = &library.ast;
+                self.library_call = self.library_call.or(Some((name, span)));
+                let value = self.put_in(function, mark);
+                (self.ast, self.library_call) = outside;
+                value
+            }
+            Callee::Scene(index) => {
+                let Some(called) = self.functions.get_mut(index) else { return Value::Unknown };
+                let function = called.function;
+                called.called = true;
+                if called.open {
+                    return self.circle(name, span);
+                }
+                called.open = true;
+                let mut value = Value::Unknown;
+                if self.arguments_fit(function, callee, mark, first, span) {
+                    self.calls.push((name, span));
+                    value = self.put_in(function, mark);
+                    self.calls.pop();
+                }
+                if let Some(called) = self.functions.get_mut(index) {
+                    called.open = false;
+                }
+                value
+            }
+        }
+    }
+
+    /// The value of a function's body with the arguments from `mark` on, in the tree that is set.
+    pub(super) fn put_in(&mut self, function: &Function, mark: usize) -> Value {
+        let outside = std::mem::replace(&mut self.frame, self.scope.len());
+        for (index, parameter) in function.parameters.iter().enumerate() {
+            let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
+            self.bind(parameter.name.symbol, value);
+        }
+        let value = self.expr(function.body);
+        self.unbind(self.frame);
+        self.frame = outside;
+        value
+    }
+
+    /// Whether number and types of the arguments are what the function takes; a number becomes the vector it
+    /// stands for. Complaints are about the argument where its place is known.
+    fn arguments_fit(
+        &mut self,
+        function: &Function,
+        callee: Callee,
+        mark: usize,
+        first: u32,
+        span: Span,
+    ) -> bool {
+        let count = self.arguments.len() - mark;
+        let takes = function.parameters.len();
+        if count != takes {
+            self.wrong_count(callee, function.name.symbol, count, (takes, takes), span);
+            return false;
+        }
+        let mut fit = true;
+        for (index, parameter) in function.parameters.iter().enumerate() {
+            let Some(of) = parameter.of else { continue };
+            let Some(value) = self.arguments.get_mut(mark + index) else { continue };
+            let wide = match (of, *value) {
+                (_, Value::Unknown) => continue,
+                (Type::Vec2, Value::Vector(vector)) => vector.widened(2),
+                (Type::Vec3, Value::Vector(vector)) => vector.widened(3),
+                (Type::Vec4, Value::Vector(vector)) => vector.widened(4),
+                _ => None,
+            };
+            if let Some(wide) = wide {
+                *value = Value::Vector(wide);
+                continue;
+            }
+            let value = *value;
+            if value.type_of() != Some(of) {
+                let (wanted, found) = (of.described(), value.described());
+                let parameter = self.name(parameter.name.symbol);
+                let message = format!(
+                    "`{}` takes {wanted} as `{parameter}`, not {found}",
+                    self.name(function.name.symbol)
+                );
+                let place = if first == u32::MAX { span } else { self.argument_span(first, index, span) };
+                let hint = format!("it is declared as `{}`", self.signature(callee, function.name.symbol));
+                self.report(Diagnostic::new(place, message).hint(hint));
+                fit = false;
+            }
+        }
+        fit
+    }
+
+    /// The place of the argument at `index` of a call whose arguments stand from `first` on.
+    pub(super) fn argument_span(&self, first: u32, index: usize, call: Span) -> Span {
+        if first == u32::MAX {
+            return call;
+        }
+        let span = self.ast.span(ExprId(self.ast.extra(first + index as u32)));
+        if span == Span::default() { call } else { span }
+    }
+
+    #[cold]
+    fn wrong_count(&mut self, callee: Callee, name: Symbol, count: usize, takes: (usize, usize), span: Span) {
+        let hint = format!("it is declared as `{}`", self.signature(callee, name));
+        self.count_message(name, count, takes, hint, span);
+    }
+
+    #[cold]
+    pub(super) fn count_message(
+        &mut self,
+        name: Symbol,
+        count: usize,
+        (least, most): (usize, usize),
+        hint: String,
+        span: Span,
+    ) {
+        let number = match (least, most) {
+            (1, 1) => "1 argument".to_owned(),
+            (least, most) if least == most => format!("{most} arguments"),
+            (least, most) => format!("{least} to {most} arguments"),
+        };
+        let message = format!("`{}` takes {number}, and here are {count}", self.name(name));
+        self.report(Diagnostic::new(span, message).hint(hint));
+    }
+
+    /// Name and parameters of a function, for people.
+    #[cold]
+    fn signature(&self, callee: Callee, name: Symbol) -> String {
+        let parameters = match callee {
+            Callee::Scene(index) => {
+                self.functions.get(index).map(|called| self.parameters(&called.function.parameters))
+            }
+            Callee::Library(index) => {
+                self.library.functions.get(index).map(|function| self.parameters(&function.parameters))
+            }
+            Callee::Builtin(index) => BUILTINS.get(index).map(|row| row.parameters.to_owned()),
+        };
+        format!("{}({})", self.name(name), parameters.unwrap_or_default())
+    }
+
+    #[cold]
+    fn unknown_function(&mut self, symbol: Symbol, span: Span) -> Value {
+        if self.globals.get(symbol.index()).is_some_and(|global| global.broken) {
+            return Value::Unknown;
+        }
+        let name = self.name(symbol);
+        let short: String = name.chars().take(60).collect();
+        let place = Span::new(span.start, span.start + name.len() as u32);
+        let unknown = Diagnostic::new(place, format!("there is no function `{short}`"));
+        if matches!(name, "mat2" | "mat3" | "mat4") {
+            return self
+                .report(unknown.hint(
+                    "there are no matrices: turn with `rotate_x`, `rotate_y`, `rotate_z` or `rotate`",
+                ));
+        }
+        let own = self.functions.iter().map(|called| self.names.name(called.function.name.symbol));
+        let shared = self.library.functions.iter().map(|function| self.names.name(function.name.symbol));
+        let near = suggest::nearest(name, own.chain(shared).chain(BUILTINS.iter().map(|row| row.name)));
+        let unknown = match near {
+            None if self.local(symbol).is_some() || library::input_index(symbol).is_some() => {
+                unknown.hint(format!("`{name}` is a value; to multiply write `{name} * (…)`"))
+            }
+            None => match name {
+                "texture2D" => unknown.hint("pictures are read with `texture(\"file\", uv)`"),
+                "atan2" => unknown.hint("as in GLSL: `atan(y, x)`"),
+                "lerp" => unknown.hint("as in GLSL: `mix(a, b, share)`"),
+                _ => unknown,
+            },
+            _ => unknown.did_you_mean(near),
+        };
+        self.report(unknown)
+    }
+}

@@ -1,0 +1,362 @@
+//! The scene as a whole: what its items declare, in which order they are lowered, and what it has by default.
+
+use super::super::ast::{ExprId, Item, Name, Section};
+use super::super::builtin::uses;
+use super::super::diagnostic::Diagnostic;
+use super::super::library;
+use super::super::scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky};
+use super::super::source::{Sources, Span};
+use super::super::symbol::Symbol;
+use super::super::value::Value;
+use super::{GlobalFunction, GlobalLet, GlobalValue, Lowering};
+use crate::graph::NodeId;
+
+/// A scene under construction.
+#[derive(Default)]
+pub(super) struct Parts {
+    pub objects: Vec<Object>,
+    pub materials: Vec<Material>,
+    pub lights: Vec<Light>,
+    pub camera: Option<Camera>,
+    pub sky: Option<Sky>,
+    /// Index of the material of objects that name none.
+    pub default_material: Option<usize>,
+}
+
+/// What a bare expression is called.
+const BARE_NAME: &str = "shape";
+
+impl<'a> Lowering<'a> {
+    pub(super) fn scene(
+        mut self,
+        items: &'a [Item],
+        includes: Vec<String>,
+        sources: &Sources,
+    ) -> Option<Scene> {
+        self.declare(items);
+        // In their order, so that a long chain of them is no deep recursion.
+        self.within(u8::MAX, "", |this| {
+            for index in 0..this.lets.len() {
+                let span = this.lets[index].span;
+                if this.lets[index].known.is_none() && !this.stopped {
+                    this.global_let(index, span);
+                }
+            }
+        });
+        let mut parts = Parts::default();
+        // Materials come first: objects name them.
+        for wanted in
+            [&[Section::Material][..], &[Section::Light, Section::Camera, Section::Sky, Section::Object]]
+        {
+            for item in items {
+                if self.stopped {
+                    return None;
+                }
+                match item {
+                    Item::Section { section, name, span, entries, broken } if wanted.contains(section) => {
+                        let values = self.fields(*section, entries, *broken);
+                        self.section(&mut parts, *section, *name, *span, &values);
+                    }
+                    Item::Bare(value) if wanted.contains(&Section::Object) => self.bare(&mut parts, *value),
+                    _ => {}
+                }
+            }
+        }
+        self.check_the_unused();
+        if let Err(error) = self.graph.check()
+            && !self.stopped
+        {
+            let span = parts.objects.first().map_or(Span::default(), |object| object.span);
+            self.stop(span, error.to_string(), "call fewer functions in functions, or shorten the loops");
+        }
+        let shapes: Vec<NodeId> = parts.objects.iter().map(|object| object.shape).collect();
+        let Some(distance) = shapes.into_iter().reduce(|a, b| self.graph.min(a, b)) else {
+            if self.diagnostics.is_empty() {
+                let text = sources.files().first().map_or(0, |file| file.text.len() as u32);
+                let empty = Diagnostic::new(Span::new(text, text), "the scene has no shape");
+                let hint = "write an expression in x, y, z, as in `length(p) - 1`, or `object ball { shape = sphere(p, 1) }`";
+                self.report(empty.hint(hint));
+            }
+            return None;
+        };
+        if parts.lights.is_empty() {
+            let place = LightPlace::At(self.vector([-6.0, 9.0, -6.0]));
+            let (color, radius) = (self.vector([500.0, 480.0, 450.0]), self.constant(0.5));
+            parts.lights.push(Light { name: "default".to_owned(), place, color, radius });
+        }
+        let camera = match parts.camera {
+            Some(camera) => camera,
+            None => self.default_camera(),
+        };
+        let sky = match parts.sky {
+            Some(sky) => sky,
+            None => self.default_sky(),
+        };
+        Some(Scene {
+            graph: self.graph,
+            objects: parts.objects,
+            distance,
+            materials: parts.materials,
+            lights: parts.lights,
+            camera,
+            sky,
+            params: self.params,
+            textures: self.textures,
+            includes,
+        })
+    }
+
+    fn bare(&mut self, parts: &mut Parts, value: ExprId) {
+        let span = self.ast.span(value);
+        if let Some(first) = parts.objects.iter().find(|object| object.name == BARE_NAME) {
+            let second = Diagnostic::new(span, "this is a second expression for the scene's shape");
+            let second = second.note(first.span, "the first one is here");
+            self.report(second.hint("combine them: `union(a, b)`; or give this one a name with `let`"));
+            return;
+        }
+        let shape = self.within(uses::POINT | uses::FRAME, "a shape", |this| this.expr(value));
+        if let Some(shape) = self.one_number(shape, "a shape", span) {
+            let material = self.default_material(parts);
+            self.add_object(parts, Object { name: BARE_NAME.to_owned(), span, shape, material });
+        }
+    }
+
+    pub(super) fn add_object(&mut self, parts: &mut Parts, object: Object) {
+        let max = self.limits.scene_objects_max;
+        if parts.objects.len() >= max {
+            let message = format!("the scene has more than {max} objects");
+            self.stop(object.span, message, "combine shapes of one material by `union`");
+        } else {
+            parts.objects.push(object);
+        }
+    }
+
+    /// Lowers something with its set of inputs.
+    pub(super) fn within<T>(
+        &mut self,
+        allowed: u8,
+        place: &'static str,
+        lower: impl FnOnce(&mut Self) -> T,
+    ) -> T {
+        let outside = (self.allowed, self.place);
+        (self.allowed, self.place) = (allowed, place);
+        let result = lower(self);
+        (self.allowed, self.place) = outside;
+        result
+    }
+
+    /// The number that `what` has to be; none where it is not, which is then reported.
+    pub(super) fn one_number(&mut self, value: Value, what: &str, span: Span) -> Option<NodeId> {
+        match value {
+            Value::Unknown => None,
+            Value::Vector(vector) if vector.len() == 1 => Some(vector.first()),
+            other => {
+                let wrong =
+                    Diagnostic::new(span, format!("{what} is a number, and this is {}", other.described()));
+                let wrong = match other {
+                    Value::Vector(_) => {
+                        wrong.hint("a distance is made by `length(…)` or by a shape such as `sphere(p, 1)`")
+                    }
+                    _ => wrong,
+                };
+                self.report(wrong);
+                None
+            }
+        }
+    }
+
+    fn declare(&mut self, items: &'a [Item]) {
+        let mut taken: Vec<(Section, Name)> = Vec::new();
+        for item in items {
+            match item {
+                Item::Param { name, value, range } => self.param(*name, *value, *range),
+                Item::Let { name, value } => {
+                    if self.may_declare(*name) {
+                        let index = self.lets.len() as u32;
+                        self.globals[name.symbol.index()].value = GlobalValue::Let(index);
+                        let (name, span) = (name.symbol, name.span);
+                        self.lets.push(GlobalLet { name, span, value: *value, known: None, open: false });
+                    }
+                }
+                Item::Fn(function) => {
+                    let index = function.name.symbol.index();
+                    let known = self.globals[index].function;
+                    if let Some(first) = self.functions.get((known as usize).wrapping_sub(1)) {
+                        let span = first.function.name.span;
+                        self.twice("function", function.name, span);
+                        continue;
+                    }
+                    self.functions.push(GlobalFunction { function, called: false, open: false });
+                    self.globals[index].function = self.functions.len() as u32;
+                }
+                Item::Section { section, name: Some(name), .. } => {
+                    let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
+                    if let Some((_, first)) = first {
+                        let span = first.span;
+                        self.twice(super::sections::word(*section), *name, span);
+                    }
+                    taken.push((*section, *name));
+                }
+                Item::Broken(name) => self.globals[name.symbol.index()].broken = true,
+                Item::Section { .. } | Item::Bare(_) | Item::Include { .. } => {}
+            }
+            if self.stopped {
+                return;
+            }
+        }
+    }
+
+    fn twice(&mut self, what: &str, name: Name, first: Span) {
+        let message = format!("there are two {what}s of the name `{}`", self.name(name.symbol));
+        let wrong = Diagnostic::new(name.span, message).note(first, "the first one is here");
+        self.report(wrong.hint("give one of them another name"));
+    }
+
+    /// Whether a value of the scene can have this name; complains if not.
+    fn may_declare(&mut self, name: Name) -> bool {
+        if library::input_index(name.symbol).is_some() {
+            let message = format!("`{}` is an input of every scene", self.name(name.symbol));
+            self.report(Diagnostic::new(name.span, message).hint("take another name"));
+            return false;
+        }
+        let first = match self.globals[name.symbol.index()].value {
+            GlobalValue::None => return true,
+            GlobalValue::Let(index) => self.lets.get(index as usize).map(|one| one.span),
+            GlobalValue::Param(index) => self.params.get(index as usize).map(|one| one.span),
+        };
+        self.twice("value", name, first.unwrap_or(name.span));
+        false
+    }
+
+    fn param(&mut self, name: Name, value: ExprId, range: Option<(ExprId, ExprId)>) {
+        if !self.may_declare(name) {
+            return;
+        }
+        let max = self.limits.scene_params_max;
+        if self.params.len() >= max {
+            let message = format!("the scene has more than {max} parameters");
+            self.stop(name.span, message, "make some of them `let`");
+            return;
+        }
+        self.globals[name.symbol.index()].broken = true;
+        let Some(default) = self.fixed(value) else { return };
+        let (min, max) = match range {
+            Some((min, max)) => match (self.fixed(min), self.fixed(max)) {
+                (Some(min), Some(max)) => (min, max),
+                _ => return,
+            },
+            None => (default.min(0.0), default.max(1.0)),
+        };
+        let name_text = self.name(name.symbol).to_owned();
+        if min >= max {
+            let message = format!("the range of `{name_text}` is empty: {min} is not below {max}");
+            let span = range.map_or(name.span, |(min, max)| self.ast.span(min).to(self.ast.span(max)));
+            self.report(Diagnostic::new(span, message).hint("write the smaller number first"));
+            return;
+        }
+        if default < min || default > max {
+            let message =
+                format!("the default of `{name_text}`, {default}, is outside its range {min} .. {max}");
+            let span = self.ast.span(value);
+            self.report(Diagnostic::new(span, message).hint("widen the range or move the default"));
+            return;
+        }
+        let global = &mut self.globals[name.symbol.index()];
+        global.value = GlobalValue::Param(self.params.len() as u32);
+        global.broken = false;
+        self.params.push(Param { name: name_text, default, min, max, span: name.span });
+    }
+
+    /// A number that is known before the music plays.
+    fn fixed(&mut self, value: ExprId) -> Option<f32> {
+        let span = self.ast.span(value);
+        let result = self.within(uses::NOTHING, "a parameter", |this| this.expr(value));
+        let part = self.one_number(result, "a parameter", span)?;
+        // Where an input was used that was reported already.
+        self.graph.as_constant(part).filter(|number| number.is_finite())
+    }
+
+    /// Lowers functions that nothing called with unknown arguments, to find their mistakes.
+    fn check_the_unused(&mut self) {
+        self.within(u8::MAX, "", |this| {
+            for index in 0..this.functions.len() {
+                if this.stopped || std::mem::replace(&mut this.functions[index].called, true) {
+                    continue;
+                }
+                let function = this.functions[index].function;
+                this.functions[index].open = true;
+                this.calls.push((function.name.symbol, function.name.span));
+                let mark = this.arguments.len();
+                this.put_in(function, mark);
+                this.calls.pop();
+                this.functions[index].open = false;
+            }
+        });
+    }
+
+    pub(super) fn default_material(&mut self, parts: &mut Parts) -> usize {
+        if let Some(index) = parts.default_material {
+            return index;
+        }
+        let material = Material {
+            name: "default".to_owned(),
+            color: self.vector([0.8, 0.8, 0.8]),
+            roughness: self.constant(0.5),
+            metalness: self.constant(0.0),
+            emission: self.vector([0.0; 3]),
+            reflect: self.constant(0.0),
+            coat: self.constant(0.0),
+        };
+        parts.materials.push(material);
+        parts.default_material = Some(parts.materials.len() - 1);
+        parts.materials.len() - 1
+    }
+
+    /// Sees the unit ball at the origin and the thesis' ball at (1, 1, 6).
+    pub(super) fn default_camera(&mut self) -> Camera {
+        Camera {
+            position: self.vector([0.0, 2.0, -5.0]),
+            target: self.vector([0.0, 0.5, 0.0]),
+            fov: self.constant(45.0),
+            roll: self.constant(0.0),
+            aperture: self.constant(0.0),
+            focus: None,
+        }
+    }
+
+    /// Dusk, brightest at the horizon: no ray ends in a black void.
+    pub(super) fn default_sky(&mut self) -> Sky {
+        let symbols = ["default_sky", "default_ambient"].map(|name| self.names.get(name));
+        let [color, ambient] = symbols.map(|symbol| symbol.and_then(|symbol| self.library_color(symbol)));
+        let black = self.vector([0.0; 3]);
+        Sky { color: color.unwrap_or(black), ambient: ambient.unwrap_or(black) }
+    }
+
+    /// A function of the library that makes a colour of a direction.
+    fn library_color(&mut self, symbol: Symbol) -> Option<[NodeId; 3]> {
+        let direction = self.names.get("direction")?;
+        let value = self.within(uses::DIRECTION | uses::FRAME, "the sky", |this| {
+            let argument = this.lookup(direction, Span::default());
+            let mark = this.arguments.len();
+            this.arguments.push(argument);
+            let value = this.library_value(symbol, mark);
+            this.arguments.truncate(mark);
+            value
+        });
+        match value {
+            Value::Vector(vector) => Some([vector.part(0), vector.part(1), vector.part(2)]),
+            _ => None,
+        }
+    }
+
+    fn library_value(&mut self, symbol: Symbol, mark: usize) -> Value {
+        let library = self.library;
+        let index = library.by_symbol.get(symbol.index()).copied().unwrap_or(0) as usize;
+        let Some(function) = library.functions.get(index.wrapping_sub(1)) else { return Value::Unknown };
+        let outside = (self.ast, self.library_call);
+        (self.ast, self.library_call) = (&library.ast, Some((symbol, Span::default())));
+        let value = self.put_in(function, mark);
+        (self.ast, self.library_call) = outside;
+        value
+    }
+}

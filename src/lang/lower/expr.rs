@@ -1,0 +1,380 @@
+//! Expressions.
+
+use super::super::ast::{BinaryOp, Expr, ExprId};
+use super::super::builtin::INPUTS;
+use super::super::diagnostic::Diagnostic;
+use super::super::library;
+use super::super::source::Span;
+use super::super::suggest;
+use super::super::symbol::Symbol;
+use super::super::value::{Value, Vector};
+use super::{GlobalValue, Lowering};
+use crate::graph::Op;
+
+impl Lowering<'_> {
+    /// The value of an expression.
+    pub(super) fn expr(&mut self, id: ExprId) -> Value {
+        let base = self.spine.len();
+        let mut inner = id;
+        let mut value = loop {
+            let span = self.ast.span(inner);
+            if !self.step(span) {
+                break Value::Unknown;
+            }
+            match self.ast.expr(inner) {
+                Expr::Binary(_, left, _) => {
+                    self.spine.push(inner);
+                    inner = left;
+                }
+                Expr::Swizzle(of, _) => {
+                    self.spine.push(inner);
+                    inner = of;
+                }
+                Expr::Number(value) => break Value::scalar(self.graph.constant(value)),
+                Expr::Name(symbol) => break self.lookup(symbol, span),
+                Expr::Text(symbol) => break Value::Text(symbol),
+                Expr::Bool(value) => break Value::Bool(self.graph.constant(f32::from(u8::from(value)))),
+                Expr::Error => break Value::Unknown,
+                nested => break self.nested(nested, span),
+            }
+        };
+        while self.spine.len() > base {
+            let Some(outer) = self.spine.pop() else { break };
+            let span = self.ast.span(outer);
+            value = match self.ast.expr(outer) {
+                Expr::Binary(op, _, right) => {
+                    let right = self.expr_below(right, span);
+                    self.binary(op, value, right, span)
+                }
+                Expr::Swizzle(_, components) => self.swizzle(value, components, span),
+                _ => Value::Unknown,
+            };
+        }
+        value
+    }
+
+    /// [`Lowering::expr`], one level deeper.
+    fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
+        // Numbers and names go no deeper.
+        match self.ast.expr(id) {
+            Expr::Number(value) => return Value::scalar(self.graph.constant(value)),
+            Expr::Name(symbol) => {
+                let span = self.ast.span(id);
+                return if self.step(span) { self.lookup(symbol, span) } else { Value::Unknown };
+            }
+            _ => {}
+        }
+        if self.depth >= self.limits.scene_depth_max {
+            return self.too_deep(span);
+        }
+        self.depth += 1;
+        let value = self.expr(id);
+        self.depth -= 1;
+        value
+    }
+
+    #[cold]
+    pub(super) fn too_deep(&mut self, span: Span) -> Value {
+        if self.stopped {
+            return Value::Unknown;
+        }
+        let max = self.limits.scene_depth_max;
+        let message = format!(
+            "with functions put in where they are called, expressions are nested deeper than {max} levels"
+        );
+        self.stop(span, message, "let functions call fewer functions")
+    }
+
+    /// Expressions that nest.
+    fn nested(&mut self, expr: Expr, span: Span) -> Value {
+        match expr {
+            Expr::Negate(inner) => {
+                let value = self.expr_below(inner, span);
+                match self.number(value, span, || "`-`".to_owned()) {
+                    Some(vector) => Value::Vector(vector.map(|part| self.graph.neg(part))),
+                    None => Value::Unknown,
+                }
+            }
+            Expr::Not(inner) => match self.expr_below(inner, span) {
+                Value::Bool(part) => Value::Bool(self.graph.not(part)),
+                Value::Unknown => Value::Unknown,
+                other => {
+                    let message = format!("`!` turns a condition around, and this is {}", other.described());
+                    self.report(Diagnostic::new(span, message).hint("compare it, as in `a > 0`"))
+                }
+            },
+            Expr::If(condition, yes, no) => self.choice(condition, yes, no, span),
+            Expr::Block(first, count, result) => self.block(first, count, result, span),
+            Expr::Call(name, first, count) => {
+                if self.depth >= self.limits.scene_depth_max {
+                    return self.too_deep(span);
+                }
+                self.depth += 1;
+                let value = self.call(name, first, count, span);
+                self.depth -= 1;
+                value
+            }
+            Expr::For(_) => {
+                let wrong = Diagnostic::unsupported(span, "a loop has many values and no single one");
+                self.report(
+                    wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"),
+                )
+            }
+            _ => Value::Unknown,
+        }
+    }
+
+    fn block(&mut self, first: u32, count: u32, result: ExprId, span: Span) -> Value {
+        let mark = self.scope.len();
+        for index in 0..count {
+            let symbol = Symbol(self.ast.extra(first + 2 * index));
+            let value = self.expr_below(ExprId(self.ast.extra(first + 2 * index + 1)), span);
+            self.bind(symbol, value);
+        }
+        let value = self.expr_below(result, span);
+        self.unbind(mark);
+        value
+    }
+
+    fn choice(&mut self, condition: ExprId, yes: ExprId, no: ExprId, span: Span) -> Value {
+        let condition_span = self.ast.span(condition);
+        let part = match self.expr_below(condition, span) {
+            Value::Bool(part) => Some(part),
+            Value::Unknown => None,
+            other => {
+                let message = format!("`if` needs a condition, and this is {}", other.described());
+                self.report(Diagnostic::new(condition_span, message).hint("compare it, as in `a > 0`"));
+                None
+            }
+        };
+        // What is decided already leaves the other side out, so that a loop's rounds can differ.
+        if let Some(value) = part.and_then(|part| self.graph.as_constant(part)) {
+            return self.expr_below(if value != 0.0 { yes } else { no }, span);
+        }
+        let (yes, no) = (self.expr_below(yes, span), self.expr_below(no, span));
+        match (yes, no, part) {
+            (Value::Vector(a), Value::Vector(b), _) => {
+                let len = a.len().max(b.len());
+                let (Some(a), Some(b)) = (a.widened(len), b.widened(len)) else {
+                    let message = format!(
+                        "this is {} or {}: both sides must be alike",
+                        yes.described(),
+                        no.described()
+                    );
+                    return self.report(Diagnostic::new(span, message));
+                };
+                match part {
+                    Some(part) => self.zip(a, b, |graph, a, b| graph.select(part, a, b)),
+                    None => Value::Unknown,
+                }
+            }
+            (Value::Bool(a), Value::Bool(b), Some(part)) => Value::Bool(self.graph.select(part, a, b)),
+            (Value::Unknown, ..) | (_, Value::Unknown, _) | (Value::Bool(_), Value::Bool(_), None) => {
+                Value::Unknown
+            }
+            (Value::Text(a), Value::Text(b), _) if a == b => yes,
+            (Value::Text(_), Value::Text(_), _) => {
+                let wrong =
+                    Diagnostic::unsupported(span, "which picture is read cannot change from point to point");
+                self.report(wrong.hint("read both and choose between the colours"))
+            }
+            _ => {
+                let message =
+                    format!("this is {} or {}: both sides must be alike", yes.described(), no.described());
+                self.report(Diagnostic::new(span, message))
+            }
+        }
+    }
+
+    /// A vector, or a complaint that `what` works on numbers.
+    pub(super) fn number(
+        &mut self,
+        value: Value,
+        span: Span,
+        what: impl FnOnce() -> String,
+    ) -> Option<Vector> {
+        match value {
+            Value::Vector(vector) => Some(vector),
+            Value::Unknown => None,
+            other => {
+                let message =
+                    format!("{} works on numbers and vectors, and this is {}", what(), other.described());
+                let wrong = Diagnostic::new(span, message);
+                let wrong = match other {
+                    Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
+                    _ => wrong,
+                };
+                self.report(wrong);
+                None
+            }
+        }
+    }
+
+    /// A function of two numbers on each pair of components; the sizes fit already.
+    pub(super) fn zip(
+        &mut self,
+        a: Vector,
+        b: Vector,
+        mut f: impl FnMut(
+            &mut crate::graph::Graph,
+            crate::graph::NodeId,
+            crate::graph::NodeId,
+        ) -> crate::graph::NodeId,
+    ) -> Value {
+        let graph = &mut self.graph;
+        if a.len() == 1 && b.len() == 1 {
+            return Value::scalar(f(graph, a.first(), b.first()));
+        }
+        let len = a.len().max(b.len());
+        let mut parts = [a.first(); 4];
+        for (index, part) in parts.iter_mut().enumerate().take(len) {
+            *part = f(graph, a.part(index), b.part(index));
+        }
+        Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+    }
+
+    #[inline]
+    pub(super) fn binary(&mut self, op: BinaryOp, left: Value, right: Value, span: Span) -> Value {
+        let (Value::Vector(a), Value::Vector(b)) = (left, right) else {
+            return self.binary_of_others(op, left, right, span);
+        };
+        if a.len() != b.len() && a.len() != 1 && b.len() != 1 {
+            return self.sizes_differ(&format!("`{}`", op.sign()), left, right, span);
+        }
+        let operator = match op {
+            BinaryOp::Add => Op::Add,
+            BinaryOp::Subtract => Op::Sub,
+            BinaryOp::Multiply => Op::Mul,
+            BinaryOp::Divide | BinaryOp::Modulo => {
+                let zero = b.parts().iter().any(|&part| self.graph.as_constant(part) == Some(0.0));
+                if zero && self.library_call.is_none() {
+                    let wrong = Diagnostic::new(span, "this divides by zero");
+                    return self.report(wrong.hint("if that is one round of a loop, leave it out with `if`"));
+                }
+                if op == BinaryOp::Divide { Op::Div } else { Op::Mod }
+            }
+            BinaryOp::Power => return self.zip(a, b, |graph, a, b| graph.pow(a, b)),
+            _ => return self.comparison(op, a, b, span),
+        };
+        self.zip(a, b, |graph, a, b| graph.binary(operator, a, b))
+    }
+
+    fn comparison(&mut self, op: BinaryOp, a: Vector, b: Vector, span: Span) -> Value {
+        if matches!(op, BinaryOp::And | BinaryOp::Or) {
+            let message = format!("`{}` joins conditions, and these are numbers", op.sign());
+            return self.report(Diagnostic::new(span, message).hint("compare them, as in `a > 0 && b > 0`"));
+        }
+        if a.len() != 1 || b.len() != 1 {
+            let message = format!("`{}` compares numbers, not vectors", op.sign());
+            return self.report(Diagnostic::new(span, message).hint("compare components or lengths"));
+        }
+        let (a, b) = (a.first(), b.first());
+        let graph = &mut self.graph;
+        Value::Bool(match op {
+            BinaryOp::Less => graph.binary(Op::Less, a, b),
+            BinaryOp::LessEqual => graph.binary(Op::LessEqual, a, b),
+            BinaryOp::Greater => graph.binary(Op::Less, b, a),
+            BinaryOp::GreaterEqual => graph.binary(Op::LessEqual, b, a),
+            BinaryOp::Equal => graph.binary(Op::Equal, a, b),
+            _ => {
+                let equal = graph.binary(Op::Equal, a, b);
+                graph.not(equal)
+            }
+        })
+    }
+
+    #[cold]
+    fn binary_of_others(&mut self, op: BinaryOp, left: Value, right: Value, span: Span) -> Value {
+        match (op, left, right) {
+            (_, Value::Unknown, _) | (_, _, Value::Unknown) => Value::Unknown,
+            (BinaryOp::And, Value::Bool(a), Value::Bool(b)) => Value::Bool(self.graph.min(a, b)),
+            (BinaryOp::Or, Value::Bool(a), Value::Bool(b)) => Value::Bool(self.graph.max(a, b)),
+            (BinaryOp::Equal, Value::Bool(a), Value::Bool(b)) => {
+                Value::Bool(self.graph.binary(Op::Equal, a, b))
+            }
+            (BinaryOp::NotEqual, Value::Bool(a), Value::Bool(b)) => {
+                let equal = self.graph.binary(Op::Equal, a, b);
+                Value::Bool(self.graph.not(equal))
+            }
+            _ => {
+                let (a, b) = (left.described(), right.described());
+                let message = format!("`{}` cannot work on {a} and {b}", op.sign());
+                let hint = match op {
+                    BinaryOp::Less | BinaryOp::LessEqual | BinaryOp::Greater | BinaryOp::GreaterEqual => {
+                        "two comparisons are joined by `&&`: `a < b && b < c`"
+                    }
+                    BinaryOp::And | BinaryOp::Or => "it joins conditions, as in `a > 0 && b > 0`",
+                    _ => "a condition becomes a number with `if a then 1 else 0`",
+                };
+                self.report(Diagnostic::new(span, message).hint(hint))
+            }
+        }
+    }
+
+    #[cold]
+    pub(super) fn sizes_differ(&mut self, what: &str, left: Value, right: Value, span: Span) -> Value {
+        let (a, b) = (left.described(), right.described());
+        let wrong = Diagnostic::new(span, format!("{what} needs vectors of one size, not {a} and {b}"));
+        self.report(wrong.hint("take as many components of both, as in `p.xz`"))
+    }
+
+    fn swizzle(&mut self, value: Value, components: Symbol, span: Span) -> Value {
+        let vector = match value {
+            Value::Vector(vector) => vector,
+            Value::Unknown => return Value::Unknown,
+            other => {
+                let message = format!("{} has no components", other.described());
+                return self.report(Diagnostic::new(span, message));
+            }
+        };
+        let text = self.name(components);
+        const SETS: [&str; 3] = ["xyzw", "rgba", "stpq"];
+        let set = SETS.iter().find(|set| text.chars().all(|c| set.contains(c)));
+        let Some(set) = set.filter(|_| text.len() <= 4) else {
+            let message = format!("`.{}` names no components", text.chars().take(20).collect::<String>());
+            let wrong = Diagnostic::new(span, message);
+            return self.report(wrong.hint("components are up to four of `xyzw` or of `rgba`, as in `.xz`"));
+        };
+        let mut parts = [vector.first(); 4];
+        for (part, component) in parts.iter_mut().zip(text.chars()) {
+            let index = set.find(component).unwrap_or(0);
+            if index >= vector.len() {
+                let message = format!("{} has no component `{component}`", value.described());
+                return self.report(Diagnostic::new(span, message));
+            }
+            *part = vector.part(index);
+        }
+        Vector::from_slice(parts.get(..text.len()).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+    }
+
+    #[cold]
+    pub(super) fn unknown_name(&mut self, symbol: Symbol, span: Span) -> Value {
+        let name = self.name(symbol);
+        let short: String = name.chars().take(60).collect();
+        let unknown = Diagnostic::new(span, format!("there is no `{short}` here"));
+        if self.is_function(symbol) {
+            return self.report(unknown.hint(format!("`{name}` is a function: call it, as in `{name}(…)`")));
+        }
+        let globals = self.globals.iter().enumerate();
+        let globals = globals.filter(|(_, global)| !matches!(global.value, GlobalValue::None));
+        let globals = globals.map(|(index, _)| self.names.name(Symbol(index as u32)));
+        let locals = self.scope.iter().skip(self.frame).map(|binding| self.names.name(binding.symbol));
+        let near = suggest::nearest(name, locals.chain(globals).chain(INPUTS.iter().map(|row| row.name)));
+        let unknown = match (near, name) {
+            (Some(_), _) => unknown.did_you_mean(near),
+            (None, "time" | "iTime" | "u_time") => unknown.hint("the time is `t`"),
+            (None, "normal") => unknown.hint("the normal is `n`"),
+            (None, "bands") => unknown.hint("a band is `band(i)`"),
+            (None, "PI" | "M_PI") => unknown.hint("the number is `pi`"),
+            _ => unknown,
+        };
+        self.report(unknown)
+    }
+
+    /// Whether a function of this name can be called here.
+    pub(super) fn is_function(&self, symbol: Symbol) -> bool {
+        let own = self.globals.get(symbol.index()).is_some_and(|global| global.function > 0);
+        let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);
+        own || shared || library::builtin_index(symbol).is_some()
+    }
+}

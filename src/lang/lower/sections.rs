@@ -1,0 +1,362 @@
+//! Blocks with fields: objects, materials, lights, the camera and the sky.
+
+use super::super::ast::{Entry, Expr, ExprId, Name, Section};
+use super::super::builtin::uses::{DIRECTION, FRAME, NORMAL, POINT, TEXTURE};
+use super::super::diagnostic::Diagnostic;
+use super::super::scene::{Camera, Light, LightPlace, Material, Object, Sky, Vec3};
+use super::super::source::Span;
+use super::super::suggest;
+use super::super::symbol::Symbol;
+use super::super::value::Value;
+use super::Lowering;
+use super::declare::Parts;
+use crate::graph::NodeId;
+
+/// What a field holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    Number,
+    Vector,
+    Material,
+}
+
+/// A field: its name, what it holds, and the inputs that it may use.
+type Field = (&'static str, Holds, u8);
+
+const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME;
+
+fn fields(section: Section) -> &'static [Field] {
+    use Holds::{Material, Number, Vector};
+    match section {
+        Section::Object => &[("shape", Number, POINT | FRAME), ("material", Material, 0)],
+        Section::Material => &[
+            ("color", Vector, SURFACE),
+            ("roughness", Number, SURFACE),
+            ("metalness", Number, SURFACE),
+            ("emission", Vector, SURFACE),
+            ("reflect", Number, SURFACE),
+            ("coat", Number, SURFACE),
+        ],
+        Section::Light => &[
+            ("position", Vector, FRAME),
+            ("direction", Vector, FRAME),
+            ("color", Vector, FRAME),
+            ("radius", Number, FRAME),
+        ],
+        Section::Camera => &[
+            ("position", Vector, FRAME),
+            ("target", Vector, FRAME),
+            ("fov", Number, FRAME),
+            ("roll", Number, FRAME),
+            ("aperture", Number, FRAME),
+            ("focus", Number, FRAME),
+        ],
+        Section::Sky => {
+            &[("color", Vector, DIRECTION | TEXTURE | FRAME), ("ambient", Vector, DIRECTION | FRAME)]
+        }
+    }
+}
+
+/// The word that begins a section.
+pub(super) fn word(section: Section) -> &'static str {
+    match section {
+        Section::Object => "object",
+        Section::Material => "material",
+        Section::Light => "light",
+        Section::Camera => "camera",
+        Section::Sky => "sky",
+    }
+}
+
+/// What a section is called where an input has no value in it.
+fn place(section: Section) -> &'static str {
+    match section {
+        Section::Object => "a shape",
+        Section::Material => "a material",
+        Section::Light => "a light",
+        Section::Camera => "the camera",
+        Section::Sky => "the sky",
+    }
+}
+
+/// The most fields that a section has.
+const FIELDS_MAX: usize = 6;
+
+/// The values of a section's fields in the order of [`fields`].
+#[derive(Default)]
+pub(super) struct Values {
+    given: [Option<(Value, Span)>; FIELDS_MAX],
+    /// Index of the material that an object names.
+    material: Option<usize>,
+    /// Whether a field was wrong, so that what is made of them is of no use.
+    broken: bool,
+}
+
+impl Lowering<'_> {
+    pub(super) fn section(
+        &mut self,
+        parts: &mut Parts,
+        section: Section,
+        name: Option<Name>,
+        span: Span,
+        values: &Values,
+    ) {
+        let title = name.map_or(String::new(), |name| self.name(name.symbol).to_owned());
+        match section {
+            Section::Object => self.object(parts, title, span, values),
+            Section::Material => {
+                let max = self.limits.scene_materials_max;
+                if parts.materials.len() >= max {
+                    let message = format!("the scene has more than {max} materials");
+                    self.stop(span, message, "let one material depend on the point");
+                    return;
+                }
+                let material = self.material(title, values);
+                parts.materials.push(material);
+                if let Some(global) = name.and_then(|name| self.globals.get_mut(name.symbol.index()))
+                    && global.material == 0
+                {
+                    global.material = parts.materials.len() as u32;
+                }
+            }
+            Section::Light => {
+                let max = self.limits.scene_lights_max;
+                if parts.lights.len() >= max {
+                    let message = format!("the scene has more than {max} lights");
+                    self.stop(span, message, "let surfaces shine with `emission` instead");
+                } else if let Some(light) = self.light(title, span, values) {
+                    parts.lights.push(light);
+                }
+            }
+            Section::Camera => {
+                if parts.camera.is_some() {
+                    return self.second(section, span);
+                }
+                let base = self.default_camera();
+                parts.camera = Some(Camera {
+                    position: self.vector_of(values, 0, base.position),
+                    target: self.vector_of(values, 1, base.target),
+                    fov: self.number_of(values, 2, base.fov),
+                    roll: self.number_of(values, 3, base.roll),
+                    aperture: self.number_of(values, 4, base.aperture),
+                    focus: values.given[5].map(|_| self.number_of(values, 5, base.fov)),
+                });
+            }
+            Section::Sky => {
+                if parts.sky.is_some() {
+                    return self.second(section, span);
+                }
+                let base = self.default_sky();
+                let color = self.vector_of(values, 0, base.color);
+                parts.sky = Some(Sky { color, ambient: self.vector_of(values, 1, base.ambient) });
+            }
+        }
+    }
+
+    fn second(&mut self, section: Section, span: Span) {
+        let message = format!("the scene has a second {}", word(section));
+        self.report(Diagnostic::new(span, message).hint("leave one of them out"));
+    }
+
+    /// Lowers a section's lets and fields in their order.
+    pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {
+        let known = fields(section);
+        let mut values = Values { broken, ..Values::default() };
+        let mark = self.scope.len();
+        let outside = std::mem::replace(&mut self.frame, mark);
+        let all = known.iter().fold(0, |all, field| all | field.2);
+        for entry in entries {
+            if entry.is_let {
+                let value = self.within(all, place(section), |this| this.expr(entry.value));
+                self.bind(entry.name.symbol, value);
+                continue;
+            }
+            let text = self.name(entry.name.symbol);
+            let Some(index) = known.iter().position(|field| field.0 == text) else {
+                values.broken = true;
+                self.unknown_field(section, entry.name);
+                continue;
+            };
+            let (_, holds, allowed) = known[index];
+            let Some(slot) = values.given.get_mut(index) else { continue };
+            if let Some((_, first)) = *slot {
+                let message = format!("`{text}` is given twice");
+                let twice = Diagnostic::new(entry.name.span, message).note(first, "the first one is here");
+                self.report(twice.hint("leave one of them out"));
+                continue;
+            }
+            let value = match holds {
+                Holds::Material => {
+                    values.material = self.material_index(entry.value);
+                    values.broken |= values.material.is_none();
+                    *slot = Some((Value::Unknown, entry.name.span));
+                    continue;
+                }
+                _ => {
+                    let value = self.within(allowed, place(section), |this| this.expr(entry.value));
+                    self.field_value(value, holds, text, self.ast.span(entry.value))
+                }
+            };
+            values.broken |= value == Value::Unknown;
+            *slot = Some((value, entry.name.span));
+        }
+        self.unbind(mark);
+        self.frame = outside;
+        values
+    }
+
+    fn field_value(&mut self, value: Value, holds: Holds, name: &str, span: Span) -> Value {
+        if holds == Holds::Number {
+            return match self.one_number(value, &format!("`{name}`"), span) {
+                Some(part) => Value::scalar(part),
+                None => Value::Unknown,
+            };
+        }
+        match value {
+            Value::Unknown => Value::Unknown,
+            Value::Vector(vector) if matches!(vector.len(), 1 | 3) => Value::Vector(vector),
+            other => {
+                let message = format!("`{name}` is a vec3, and this is {}", other.described());
+                let wrong = Diagnostic::new(span, message);
+                let wrong = match other.type_of() {
+                    Some(super::super::ast::Type::Vec4) => {
+                        wrong.hint("take three components: `.rgb` or `.xyz`")
+                    }
+                    _ => wrong.hint("write `vec3(a, b, c)`, or one number for all three"),
+                };
+                self.report(wrong)
+            }
+        }
+    }
+
+    fn unknown_field(&mut self, section: Section, name: Name) {
+        let text = self.name(name.symbol);
+        let known = fields(section).iter().map(|field| field.0);
+        let near = suggest::nearest(text, known.clone());
+        let message = format!("{} has no field `{text}`", place_of_field(section));
+        let wrong = Diagnostic::new(name.span, message);
+        let wrong = match near {
+            Some(_) => wrong.did_you_mean(near),
+            None => {
+                let all: Vec<String> = known.map(|name| format!("`{name}`")).collect();
+                wrong.hint(format!("its fields are {}; other names begin with `let`", all.join(", ")))
+            }
+        };
+        self.report(wrong);
+    }
+
+    /// The material that an expression names, as its index.
+    fn material_index(&mut self, value: ExprId) -> Option<usize> {
+        let span = self.ast.span(value);
+        let Expr::Name(symbol) = self.ast.expr(value) else {
+            if self.ast.expr(value) != Expr::Error {
+                let wrong = Diagnostic::new(span, "an object's material is given by its name");
+                self.report(wrong.hint("declare `material wood { … }` and write `material = wood`"));
+            }
+            return None;
+        };
+        let global = self.globals.get(symbol.index()).copied().unwrap_or_default();
+        if global.material > 0 {
+            return Some(global.material as usize - 1);
+        }
+        if global.broken {
+            return None;
+        }
+        let globals = self.globals.iter().enumerate().filter(|(_, global)| global.material > 0);
+        let names = globals.map(|(index, _)| self.names.name(Symbol(index as u32)));
+        let near = suggest::nearest(self.name(symbol), names);
+        let unknown = Diagnostic::new(span, format!("there is no material `{}`", self.name(symbol)));
+        let unknown = match near {
+            Some(_) => unknown.did_you_mean(near),
+            None => {
+                unknown.hint(format!("declare it: `material {} {{ color = vec3(0.5) }}`", self.name(symbol)))
+            }
+        };
+        self.report(unknown);
+        None
+    }
+
+    fn object(&mut self, parts: &mut Parts, name: String, span: Span, values: &Values) {
+        let material = match (values.material, values.given[1]) {
+            (Some(index), _) => index,
+            (None, Some(_)) => return,
+            (None, None) => self.default_material(parts),
+        };
+        match values.given[0] {
+            Some((Value::Vector(shape), _)) => {
+                let shape = shape.first();
+                self.add_object(parts, Object { name, span, shape, material });
+            }
+            Some(_) => {}
+            None if values.broken => {}
+            None => {
+                let missing = Diagnostic::new(span, format!("the object `{name}` has no shape"));
+                self.report(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
+            }
+        }
+    }
+
+    fn material(&mut self, name: String, values: &Values) -> Material {
+        let (zero, half) = (self.constant(0.0), self.constant(0.5));
+        let (gray, black) = (self.vector([0.8; 3]), self.vector([0.0; 3]));
+        Material {
+            name,
+            color: self.vector_of(values, 0, gray),
+            roughness: self.number_of(values, 1, half),
+            metalness: self.number_of(values, 2, zero),
+            emission: self.vector_of(values, 3, black),
+            reflect: self.number_of(values, 4, zero),
+            coat: self.number_of(values, 5, zero),
+        }
+    }
+
+    fn light(&mut self, name: String, span: Span, values: &Values) -> Option<Light> {
+        let (zero, white) = (self.constant(0.0), self.vector([1.0; 3]));
+        let origin = [zero; 3];
+        let place = match (values.given[0], values.given[1]) {
+            (Some(_), None) => LightPlace::At(self.vector_of(values, 0, origin)),
+            (None, Some(_)) => LightPlace::Towards(self.vector_of(values, 1, origin)),
+            (Some(_), Some((_, second))) => {
+                let both =
+                    Diagnostic::new(second, format!("the light `{name}` has a position and a direction"));
+                let hint =
+                    "a lamp has a `position`; what is infinitely far away, as the sun, has a `direction`";
+                self.report(both.hint(hint));
+                return None;
+            }
+            (None, None) => {
+                if !values.broken {
+                    let missing = Diagnostic::new(span, format!("the light `{name}` is nowhere"));
+                    self.report(
+                        missing
+                            .hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun"),
+                    );
+                }
+                return None;
+            }
+        };
+        let color = self.vector_of(values, 2, white);
+        Some(Light { name, place, color, radius: self.number_of(values, 3, zero) })
+    }
+
+    fn vector_of(&mut self, values: &Values, index: usize, default: Vec3) -> Vec3 {
+        match values.given.get(index) {
+            Some(Some((Value::Vector(vector), _))) => [vector.part(0), vector.part(1), vector.part(2)],
+            _ => default,
+        }
+    }
+
+    fn number_of(&mut self, values: &Values, index: usize, default: NodeId) -> NodeId {
+        match values.given.get(index) {
+            Some(Some((Value::Vector(vector), _))) => vector.first(),
+            _ => default,
+        }
+    }
+}
+
+fn place_of_field(section: Section) -> &'static str {
+    match section {
+        Section::Object => "an object",
+        other => place(other),
+    }
+}

@@ -1,0 +1,94 @@
+//! The scene language: text to a checked scene.
+//!
+//! ```text
+//! text → lexer → tokens → parser → tree → lower → Scene (one expression graph, and which node means what)
+//! ```
+//!
+//! [`compile`] never fails: it gives a [`Scene`] if there was no mistake, and otherwise every mistake that it found,
+//! up to a limit, as [`Diagnostic`]s. No text makes it panic, recurse without bound or take more memory than
+//! [`crate::limits`] allow.
+//!
+//! **Meaning.** As in GLSL: vectors of two to four numbers with swizzles, functions that work on each component, scalars
+//! that fit every vector. Types are inferred for each use. Functions are put in where they are called, loops are
+//! unrolled, so a scene is one expression without calls or loops; recursion is therefore a mistake. `x^2` is a
+//! product for whole exponents and so is defined for negative x; `^` groups from the right and binds tighter than a
+//! minus in front. `a % b` is GLSL's mod. Division by zero gives 0 (see `graph`).
+//!
+//! **Names.** A name in a function is a parameter, a `let` of the function, a `let` or `param` of the scene, or an
+//! input, in this order. Functions have names of their own, so `let box = box(p, 1)` is fine. A scene's function
+//! takes precedence over the library's of the same name, except within the library.
+//!
+//! This room does no I/O: what `include` names is asked of a [`Resolver`].
+
+mod ast;
+mod builtin;
+mod diagnostic;
+mod lexer;
+mod library;
+mod load;
+mod lower;
+mod parser;
+mod path;
+mod scene;
+mod source;
+mod suggest;
+mod symbol;
+#[cfg(test)]
+mod tests;
+mod token;
+mod value;
+
+pub use diagnostic::{Diagnostic, Fault, render_all};
+pub use library::{Accuracy, Entry, entries, inputs};
+pub use scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky, TextureRef, Vec3};
+pub use source::{Place, SourceFile, Sources, Span};
+
+use crate::limits::{LIMITS, Limits};
+use diagnostic::Diagnostics;
+use symbol::Interner;
+
+/// Gives the text of an included file, or why there is none, in words for people. Its path is relative to the
+/// scene's folder, has `/` between folders and never leads out of it.
+pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
+
+/// A resolver for scenes that are no files: nothing can be included.
+///
+/// # Errors
+/// Always.
+pub fn no_includes(_path: &str) -> Result<String, String> {
+    Err("this scene is not a file, so there is nothing to include".to_owned())
+}
+
+/// What became of a text.
+#[derive(Debug, Clone)]
+pub struct Compiled {
+    /// The scene, if there was no mistake.
+    pub scene: Option<Scene>,
+    /// What is wrong, in the order of the text; empty exactly if there is a scene.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The texts that spans point into.
+    pub sources: Sources,
+}
+
+impl Compiled {
+    /// All diagnostics as text for people, with colours for a terminal if `color` is set; empty if there are none.
+    pub fn render(&self, color: bool) -> String {
+        render_all(&self.diagnostics, &self.sources, color)
+    }
+}
+
+/// Compiles a scene, or a bare formula, with the program's limits. `name` is what diagnostics call the text.
+pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
+    compile_with_limits(name, text, resolve, &LIMITS)
+}
+
+/// The same with other limits.
+pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, limits: &Limits) -> Compiled {
+    let mut sources = Sources::default();
+    let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
+    let names = Interner::extending(Some(&library::library().names));
+    let loaded = load::load(name, text, resolve, names, limits, &mut sources, &mut diagnostics);
+    let scene = lower::lower(loaded, limits, &sources, &mut diagnostics);
+    let scene = if diagnostics.is_empty() { scene } else { None };
+    Compiled { scene, diagnostics: diagnostics.finish(), sources }
+}

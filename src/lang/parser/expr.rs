@@ -1,0 +1,401 @@
+//! Expressions, by precedence climbing.
+
+use super::super::ast::{BinaryOp, Expr, ExprId};
+use super::super::diagnostic::Diagnostic;
+use super::super::source::Span;
+use super::super::token::{Kind, word};
+use super::Parser;
+use super::items::Habit;
+
+/// How tightly a sign in front binds: less than a power, more than a product, so that -x^2 is -(x^2).
+const PREFIX: u8 = 7;
+
+/// Operator between two expressions, how tightly it binds to the left and what its right side has to reach.
+fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
+    Some(match kind {
+        Kind::Or => (BinaryOp::Or, 1, 2),
+        Kind::And => (BinaryOp::And, 2, 3),
+        Kind::Equal => (BinaryOp::Equal, 3, 4),
+        Kind::NotEqual => (BinaryOp::NotEqual, 3, 4),
+        Kind::Less => (BinaryOp::Less, 4, 5),
+        Kind::LessEqual => (BinaryOp::LessEqual, 4, 5),
+        Kind::Greater => (BinaryOp::Greater, 4, 5),
+        Kind::GreaterEqual => (BinaryOp::GreaterEqual, 4, 5),
+        Kind::Plus => (BinaryOp::Add, 5, 6),
+        Kind::Minus => (BinaryOp::Subtract, 5, 6),
+        Kind::Star => (BinaryOp::Multiply, 6, 7),
+        Kind::Slash => (BinaryOp::Divide, 6, 7),
+        Kind::Percent => (BinaryOp::Modulo, 6, 7),
+        // Right-associative.
+        Kind::Caret => (BinaryOp::Power, 8, 8),
+        _ => return None,
+    })
+}
+
+impl Parser<'_> {
+    pub(super) fn expression(&mut self) -> ExprId {
+        self.binary(0)
+    }
+
+    fn error_node(&mut self) -> ExprId {
+        let span = self.token().span;
+        self.ast.push(Expr::Error, span)
+    }
+
+    /// An expression of operators that bind at least as tightly as `least`.
+    fn binary(&mut self, least: u8) -> ExprId {
+        if self.nesting >= self.nesting_max {
+            return self.too_deep();
+        }
+        self.nesting += 1;
+        let start = self.token().span;
+        let mut left = self.prefix();
+        loop {
+            let token = self.token();
+            if token.kind == Kind::Question && least == 0 {
+                left = self.ternary(left, start);
+                continue;
+            }
+            if token.kind == Kind::Unknown && (self.in_parens || !token.newline) {
+                left = self.behind_unknown();
+                continue;
+            }
+            let Some((op, binds, right_least)) = infix(token.kind) else { break };
+            if binds < least || self.begins_negation() {
+                break;
+            }
+            self.advance();
+            let right = self.binary(right_least);
+            let span = self.since(start);
+            left = self.ast.push(Expr::Binary(op, left, right), span);
+        }
+        self.nesting -= 1;
+        left
+    }
+
+    /// What stands behind characters that mean nothing belongs to the same mistake.
+    #[cold]
+    fn behind_unknown(&mut self) -> ExprId {
+        self.advance();
+        let token = self.token();
+        let begins = matches!(token.kind, Kind::Number | Kind::OpenParen) || token.is_name();
+        if begins && (self.in_parens || !token.newline) {
+            self.postfix();
+        }
+        self.error_node()
+    }
+
+    /// Whether a `-` on a new line stands at its operand, and so begins an expression.
+    fn begins_negation(&self) -> bool {
+        let token = self.token();
+        token.kind == Kind::Minus
+            && token.newline
+            && !self.in_parens
+            && self.ahead(1).span.start == token.span.end
+            && self.at > 0
+    }
+
+    #[cold]
+    fn too_deep(&mut self) -> ExprId {
+        let span = self.token().span;
+        let message = format!("expressions are nested deeper than {} levels", self.nesting_max);
+        self.report(Diagnostic::over_limit(span, message).hint("give the inner parts names with `let`"));
+        let node = self.error_node();
+        let in_parens = self.in_parens;
+        self.skip_until(|parser| {
+            let kind = parser.kind();
+            matches!(kind, Kind::Comma | Kind::Semicolon) || (!in_parens && parser.token().newline)
+        });
+        node
+    }
+
+    fn prefix(&mut self) -> ExprId {
+        let token = self.token();
+        match token.kind {
+            Kind::Minus | Kind::Not => {
+                self.advance();
+                let inner = self.binary(PREFIX);
+                let span = self.since(token.span);
+                let node = if token.kind == Kind::Not { Expr::Not(inner) } else { Expr::Negate(inner) };
+                self.ast.push(node, span)
+            }
+            Kind::Plus => {
+                let extra = Diagnostic::new(token.span, "a `+` in front of an expression means nothing");
+                self.report(extra.hint("leave it out"));
+                self.advance();
+                self.binary(PREFIX)
+            }
+            _ => self.postfix(),
+        }
+    }
+
+    fn postfix(&mut self) -> ExprId {
+        let start = self.token().span;
+        let mut inner = self.primary();
+        while self.kind() == Kind::Dot {
+            self.advance();
+            if self.kind() != Kind::Name {
+                let wrong = self.expected("the components of a vector, as in `p.xz`");
+                self.report(wrong);
+                break;
+            }
+            let components = self.advance().symbol;
+            let span = self.since(start);
+            inner = self.ast.push(Expr::Swizzle(inner, components), span);
+        }
+        inner
+    }
+
+    fn primary(&mut self) -> ExprId {
+        let token = self.token();
+        match token.kind {
+            Kind::Number => self.number(),
+            Kind::Text => {
+                self.advance();
+                self.ast.push(Expr::Text(token.symbol), token.span)
+            }
+            Kind::OpenParen => self.parenthesized(),
+            Kind::OpenBrace => self.block(),
+            Kind::Name => match token.symbol {
+                word::IF => self.if_expression(),
+                word::FOR => self.for_expression(),
+                word::TRUE | word::FALSE => {
+                    self.advance();
+                    self.ast.push(Expr::Bool(token.symbol == word::TRUE), token.span)
+                }
+                _ if token.is_reserved() || token.newline && self.begins_item() => self.no_expression(),
+                _ => {
+                    self.advance();
+                    let next = self.token();
+                    if next.kind == Kind::OpenParen && (self.in_parens || !next.newline) {
+                        return self.call();
+                    }
+                    self.ast.push(Expr::Name(token.symbol), token.span)
+                }
+            },
+            _ => self.no_expression(),
+        }
+    }
+
+    #[cold]
+    fn no_expression(&mut self) -> ExprId {
+        let wrong = self.expected("an expression");
+        self.report(wrong);
+        let node = self.error_node();
+        // What can only stand between expressions is taken, so that the next one is found.
+        if self.kind() == Kind::Unknown || infix(self.kind()).is_some() && self.kind() != Kind::Minus {
+            self.advance();
+        }
+        node
+    }
+
+    fn number(&mut self) -> ExprId {
+        let token = self.token();
+        self.advance();
+        let value = token.value();
+        if !value.is_finite() {
+            let large = Diagnostic::new(token.span, "this number is too large");
+            let hint = format!("the largest is about {:.1e}", f32::MAX);
+            self.diagnostics.push(large.hint(hint));
+            return self.ast.push(Expr::Error, token.span);
+        }
+        self.ast.push(Expr::Number(value), token.span)
+    }
+
+    /// Runs `parse` between brackets, of which the opening one is taken already, with or without meaning line ends.
+    fn within<T>(&mut self, in_parens: bool, parse: impl FnOnce(&mut Self) -> T) -> T {
+        let outside = std::mem::replace(&mut self.in_parens, in_parens);
+        let result = parse(self);
+        self.in_parens = outside;
+        result
+    }
+
+    fn parenthesized(&mut self) -> ExprId {
+        let open = self.advance().span;
+        let inner = self.within(true, Self::expression);
+        if self.kind() == Kind::Comma {
+            let wrong = self.expected("`)`");
+            self.report(wrong.hint("a vector is written `vec2(…)`, `vec3(…)` or `vec4(…)`"));
+        }
+        if self.close_paren(open, "`)`") { inner } else { self.error_node() }
+    }
+
+    /// Takes the `)` that belongs to `open`, or complains and looks for it.
+    fn close_paren(&mut self, open: Span, what: &str) -> bool {
+        if self.eat(Kind::CloseParen) {
+            return true;
+        }
+        let wrong = self.expected(what).note(open, "for this `(`");
+        // A text that is never closed has taken the bracket.
+        let unknown =
+            self.at > 0 && self.tokens.get(self.at - 1).is_some_and(|token| token.kind == Kind::Unknown);
+        if !unknown {
+            self.report(wrong);
+        }
+        self.skip_until(|_| false);
+        self.eat(Kind::CloseParen);
+        false
+    }
+
+    fn call(&mut self) -> ExprId {
+        let name = self.tokens[self.at - 1];
+        let open = self.advance().span;
+        let mark = self.lists.len();
+        self.within(true, |parser| {
+            while !matches!(parser.kind(), Kind::CloseParen | Kind::End) {
+                let argument = parser.expression();
+                parser.lists.push(argument.0);
+                if !parser.eat(Kind::Comma) {
+                    break;
+                }
+            }
+        });
+        let closed = self.close_paren(open, "`,` or `)`");
+        let (first, count) = self.take_list(mark);
+        let span = self.since(name.span);
+        if !closed {
+            return self.ast.push(Expr::Error, span);
+        }
+        self.ast.push(Expr::Call(name.symbol, first, count), span)
+    }
+
+    /// Moves the list's entries from `mark` on into the tree.
+    fn take_list(&mut self, mark: usize) -> (u32, u32) {
+        let first = self.ast.extra.len() as u32;
+        let count = (self.lists.len() - mark) as u32;
+        self.ast.extra.extend(self.lists.drain(mark..));
+        (first, count)
+    }
+
+    fn if_expression(&mut self) -> ExprId {
+        let start = self.advance().span;
+        let condition = self.expression();
+        if !self.eat_word(word::THEN) {
+            let wrong = self.expected("`then` after the condition");
+            self.report(wrong.hint("a choice is written `if a then b else c`"));
+            if self.kind() == Kind::OpenBrace {
+                // As in GLSL: the braces are a block all the same.
+            } else if !self.token().is_word(word::ELSE) {
+                return self.ast.push(Expr::Error, start);
+            }
+        }
+        let yes = self.expression();
+        if !self.eat_word(word::ELSE) {
+            let wrong = self.expected("`else`");
+            self.report(wrong.hint("an `if` has a value in both cases: `if a then b else c`"));
+            return self.ast.push(Expr::Error, start);
+        }
+        let no = self.expression();
+        let span = self.since(start);
+        self.ast.push(Expr::If(condition, yes, no), span)
+    }
+
+    #[cold]
+    fn ternary(&mut self, condition: ExprId, start: Span) -> ExprId {
+        let sign = self.token().span;
+        let unknown = Diagnostic::unsupported(sign, "there is no operator `?`");
+        self.report(unknown.hint("a choice is written `if a then b else c`"));
+        self.advance();
+        let yes = self.expression();
+        if !self.eat(Kind::Colon) {
+            return self.ast.push(Expr::Error, sign);
+        }
+        let no = self.expression();
+        let span = self.since(start);
+        self.ast.push(Expr::If(condition, yes, no), span)
+    }
+
+    fn for_expression(&mut self) -> ExprId {
+        let start = self.advance().span;
+        if self.kind() == Kind::OpenParen {
+            let wrong = self.expected("the loop's variable");
+            self.report(wrong.hint("a loop is written `union(for i in 0..32: expression)`"));
+            return self.ast.push(Expr::Error, start);
+        }
+        let Some(variable) = self.name("the loop's variable") else {
+            return self.ast.push(Expr::Error, start);
+        };
+        let hint = "a loop is written `for i in 0..32: expression`";
+        if !self.eat_word(word::IN) {
+            let wrong = self.expected("`in` after the loop's variable");
+            self.report(wrong.hint(hint));
+            return self.ast.push(Expr::Error, start);
+        }
+        let first = self.expression();
+        if !self.eat(Kind::Range) {
+            let wrong = self.expected("`..` and the loop's end");
+            self.report(wrong.hint(hint));
+            return self.ast.push(Expr::Error, start);
+        }
+        let end = self.expression();
+        if !self.eat(Kind::Colon) {
+            let wrong = self.expected("`:` before what the loop repeats");
+            self.report(wrong.hint(hint));
+        }
+        let body = self.expression();
+        let index = self.ast.extra.len() as u32;
+        self.ast.extra.extend([variable.symbol.0, first.0, end.0, body.0]);
+        let span = self.since(start);
+        self.ast.push(Expr::For(index), span)
+    }
+
+    /// `{ let a = … let b = … result }`, from its brace on.
+    pub(super) fn block(&mut self) -> ExprId {
+        let open = self.advance().span;
+        let mark = self.lists.len();
+        let result = self.within(false, |parser| {
+            loop {
+                parser.block_lets();
+                let result = parser.block_result(open);
+                while parser.eat(Kind::Semicolon) {}
+                if parser.eat(Kind::CloseBrace) {
+                    return result;
+                }
+                let wrong = parser.expected("`}` behind the block's result").note(open, "for this `{`");
+                let hint = "a block is lets and one result: `{ let a = 1  a + 2 }`";
+                parser.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
+                parser.skip_until(|_| false);
+                if !parser.token().is_word(word::LET) && !parser.begins_assignment() {
+                    parser.eat(Kind::CloseBrace);
+                    return result;
+                }
+            }
+        });
+        let (first, count) = self.take_list(mark);
+        let span = self.since(open);
+        self.ast.push(Expr::Block(first, count / 2, result), span)
+    }
+
+    fn block_lets(&mut self) {
+        loop {
+            while self.eat(Kind::Semicolon) {}
+            let binding = if self.eat_word(word::LET) {
+                self.binding()
+            } else if self.begins_assignment() {
+                let name = self.names.name(self.token().symbol);
+                let wrong = Diagnostic::new(self.token().span, "a block declares its names with `let`");
+                let hint = format!("write `let {name} = …`");
+                self.report(wrong.hint(hint));
+                self.binding()
+            } else {
+                match self.glsl_habit() {
+                    Habit::None => return,
+                    Habit::Let => self.binding(),
+                    Habit::Skipped => None,
+                }
+            };
+            if let Some((name, value)) = binding {
+                self.lists.extend([name.symbol.0, value.0]);
+            }
+        }
+    }
+
+    fn block_result(&mut self, open: Span) -> ExprId {
+        if matches!(self.kind(), Kind::CloseBrace | Kind::End) {
+            let wrong = self.expected("the block's result").note(open, "in this block");
+            self.report(wrong.hint("the last expression of a block is its value"));
+            return self.error_node();
+        }
+        self.expression()
+    }
+}

@@ -1,0 +1,383 @@
+//! Items: what stands at the top of a scene.
+
+use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Section, Type};
+use super::super::diagnostic::Diagnostic;
+use super::super::suggest;
+use super::super::token::{Kind, word};
+use super::Parser;
+
+/// Words that begin an item where a name, a text or a brace follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Keyword {
+    Param,
+    Include,
+    Section(Section),
+}
+
+const KEYWORDS: &[(&str, Keyword)] = &[
+    ("param", Keyword::Param),
+    ("include", Keyword::Include),
+    ("object", Keyword::Section(Section::Object)),
+    ("material", Keyword::Section(Section::Material)),
+    ("light", Keyword::Section(Section::Light)),
+    ("camera", Keyword::Section(Section::Camera)),
+    ("sky", Keyword::Section(Section::Sky)),
+];
+
+/// Types of GLSL that people write out of habit.
+const GLSL_TYPES: &[&str] = &[
+    "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const", "var",
+    "void",
+];
+
+/// The keyword of the item that begins at the current token.
+pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
+    let token = parser.token();
+    let next = parser.ahead(1);
+    if !token.is_name() || !matches!(next.kind, Kind::Name | Kind::Text | Kind::OpenBrace) {
+        return None;
+    }
+    let text = parser.names.name(token.symbol);
+    KEYWORDS.iter().find(|(name, _)| *name == text).map(|(_, keyword)| *keyword)
+}
+
+/// What became of a GLSL habit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Habit {
+    /// There was none, or it was left out.
+    None,
+    /// The rest is what stands behind a `let`.
+    Let,
+    /// It was left out up to the line's end.
+    Skipped,
+}
+
+impl Parser<'_> {
+    pub(super) fn items(&mut self) -> Vec<Item> {
+        let mut items = Vec::new();
+        while self.kind() != Kind::End && !self.diagnostics.full() {
+            let start = self.at;
+            if self.eat(Kind::Semicolon) {
+                continue;
+            }
+            if let Some(item) = self.item() {
+                items.push(item);
+            } else {
+                self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
+                // A bracket that closes nothing.
+                if matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
+                    let wrong =
+                        Diagnostic::new(self.token().span, format!("{} closes nothing", self.found()));
+                    self.report(wrong.hint("leave it out"));
+                    self.advance();
+                }
+            }
+            if self.at == start {
+                self.advance();
+            }
+        }
+        items
+    }
+
+    fn item(&mut self) -> Option<Item> {
+        match keyword(self) {
+            Some(Keyword::Param) => return self.param(),
+            Some(Keyword::Include) => return self.include(),
+            Some(Keyword::Section(section)) => return self.section(section),
+            None => {}
+        }
+        if self.eat_word(word::FN) {
+            return self.function();
+        }
+        if self.eat_word(word::LET) {
+            return self.binding().map(|(name, value)| Item::Let { name, value });
+        }
+        match self.glsl_habit() {
+            Habit::None => {}
+            Habit::Let => return self.binding().map(|(name, value)| Item::Let { name, value }),
+            Habit::Skipped => return None,
+        }
+        let token = self.token();
+        let next = self.ahead(1);
+        if token.is_name() && !next.newline && (next.is_name() || next.kind == Kind::OpenBrace) {
+            let typed = self.names.name(token.symbol);
+            let known = KEYWORDS.iter().map(|(name, _)| *name).chain(["fn", "let"]);
+            let unknown = Diagnostic::new(token.span, format!("{} begins no part of a scene", self.found()));
+            let near = suggest::nearest(typed, known);
+            let diagnostic = match near {
+                Some(_) => unknown.did_you_mean(near),
+                None => unknown
+                    .hint("a scene has `object`, `material`, `light`, `camera`, `sky`, `param`, `fn`, `let`"),
+            };
+            self.report(diagnostic);
+            self.advance();
+            return None;
+        }
+        if matches!(token.kind, Kind::CloseParen | Kind::CloseBrace) {
+            return None;
+        }
+        let value = self.expression();
+        let next = self.token();
+        if next.kind != Kind::End && next.kind != Kind::Semicolon && !next.newline {
+            let wrong = self.expected("an operator or the end of the expression");
+            self.report(wrong);
+            self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
+        }
+        Some(Item::Bare(value))
+    }
+
+    /// A name that is not reserved, or a complaint that `what` should stand here.
+    pub(super) fn name(&mut self, what: &str) -> Option<Name> {
+        let token = self.token();
+        if token.is_name() {
+            self.advance();
+            return Some(Name { symbol: token.symbol, span: token.span });
+        }
+        let wrong = self.expected(what);
+        let wrong =
+            if token.is_reserved() { wrong.hint("the word is reserved: take another name") } else { wrong };
+        self.report(wrong);
+        None
+    }
+
+    /// `name = value`, behind `let`.
+    pub(super) fn binding(&mut self) -> Option<(Name, ExprId)> {
+        let Some(name) = self.name("a name behind `let`") else {
+            self.skip_line();
+            return None;
+        };
+        if !self.demand(Kind::Assign, "behind the name") {
+            self.skip_line();
+            return None;
+        }
+        let value = self.expression();
+        self.end_of_entry();
+        Some((name, value))
+    }
+
+    /// Behind a complete `name = value`: complains about what cannot follow it.
+    fn end_of_entry(&mut self) {
+        let kind = self.kind();
+        let hint = match kind {
+            Kind::Comma => "entries are separated by a line end, a space or `;`",
+            Kind::CloseParen if !self.in_parens => "there is no `(` for it",
+            Kind::Assign => "`=` gives a name its value; to compare write `==`",
+            _ => return,
+        };
+        let wrong = self.expected("the end of the expression").hint(hint);
+        self.report(wrong);
+        if kind == Kind::Assign {
+            self.skip_line();
+        } else {
+            self.advance();
+        }
+    }
+
+    /// To the next line, `;` or closing brace.
+    fn skip_line(&mut self) {
+        self.skip_until(|parser| parser.token().newline || parser.kind() == Kind::Semicolon);
+    }
+
+    /// Recognizes what people who know GLSL write and explains it.
+    pub(super) fn glsl_habit(&mut self) -> Habit {
+        let (token, next) = (self.token(), self.ahead(1));
+        if !token.is_name() {
+            return Habit::None;
+        }
+        let text = self.names.name(token.symbol);
+        if text == "return" && !matches!(next.kind, Kind::Assign | Kind::Dot) {
+            let unknown = Diagnostic::unsupported(token.span, "there is no `return`");
+            self.report(unknown.hint("the last expression of a block is its value"));
+            self.advance();
+            return Habit::None;
+        }
+        if !next.is_name() || !GLSL_TYPES.contains(&text) {
+            return Habit::None;
+        }
+        let name = self.names.name(next.symbol);
+        let is_function = self.ahead(2).kind == Kind::OpenParen;
+        let hint = match is_function {
+            true => format!("write `fn {name}(p) {{ … }}`"),
+            false => format!("write `let {name} = …`"),
+        };
+        self.report(Diagnostic::unsupported(token.span, "types are not written").hint(hint));
+        self.advance();
+        if self.begins_assignment() {
+            return Habit::Let;
+        }
+        self.advance();
+        self.skip_line();
+        Habit::Skipped
+    }
+
+    fn param(&mut self) -> Option<Item> {
+        self.advance();
+        let name = self.name("the parameter's name")?;
+        if !self.demand(Kind::Assign, "and the parameter's default") {
+            return self.broken(name);
+        }
+        let value = self.expression();
+        let mut range = None;
+        if self.eat_word(word::IN) {
+            let first = self.expression();
+            if !self.eat(Kind::Range) {
+                let wrong = self.expected("`..` and the parameter's largest value");
+                self.report(wrong.hint("a parameter is written `param melt = 1.3 in 0.1 .. 3`"));
+                return self.broken(name);
+            }
+            range = Some((first, self.expression()));
+        }
+        Some(Item::Param { name, value, range })
+    }
+
+    /// The rest of an item whose name is known is skipped.
+    fn broken(&mut self, name: Name) -> Option<Item> {
+        self.skip_until(|parser| parser.token().newline && parser.kind() == Kind::Name);
+        while matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
+            self.advance();
+            self.skip_until(|parser| parser.token().newline && parser.kind() == Kind::Name);
+        }
+        Some(Item::Broken(name))
+    }
+
+    fn include(&mut self) -> Option<Item> {
+        self.advance();
+        let token = self.token();
+        if token.kind != Kind::Text {
+            let wrong = self.expected("a file's name in quotes");
+            self.report(wrong.hint("write `include \"shapes.scene\"`"));
+            return None;
+        }
+        self.advance();
+        Some(Item::Include { path: Name { symbol: token.symbol, span: token.span } })
+    }
+
+    fn function(&mut self) -> Option<Item> {
+        let name = self.name("the function's name")?;
+        let open = self.token().span;
+        if !self.demand(Kind::OpenParen, "and the function's parameters") {
+            return self.broken(name);
+        }
+        let mut parameters = Vec::new();
+        while self.kind() != Kind::CloseParen {
+            let Some(parameter) = self.parameter() else { return self.broken(name) };
+            parameters.push(parameter);
+            if !self.eat(Kind::Comma) {
+                break;
+            }
+        }
+        if !self.eat(Kind::CloseParen) {
+            let wrong = self.expected("`,` or `)`").note(open, "for this `(`");
+            self.report(wrong);
+            return self.broken(name);
+        }
+        let body = if self.kind() == Kind::OpenBrace {
+            self.block()
+        } else if self.eat(Kind::Assign) {
+            self.expression()
+        } else {
+            let wrong = self.expected("the function's body");
+            self.report(wrong.hint("write `fn f(p) { … }` or `fn f(p) = …`"));
+            return self.broken(name);
+        };
+        Some(Item::Fn(Function { name, parameters, body }))
+    }
+
+    /// `name` or `name: type`.
+    fn parameter(&mut self) -> Option<Parameter> {
+        let token = self.token();
+        if token.is_name() && self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(token.symbol)) {
+            let (of, name) = (self.names.name(token.symbol), self.names.name(self.ahead(1).symbol));
+            let unknown = Diagnostic::unsupported(token.span, "a type does not stand before its name");
+            let hint = format!("write `{name}`, or `{name}: {of}` to insist on the type");
+            self.report(unknown.hint(hint));
+            self.advance();
+        }
+        let name = self.name("a parameter's name")?;
+        if !self.eat(Kind::Colon) {
+            return Some(Parameter { name, of: None });
+        }
+        let of = self.name("the parameter's type")?;
+        let text = self.names.name(of.symbol);
+        let known = Type::ALL.iter().find(|one| one.name() == text).copied();
+        if known.is_none() {
+            let unknown = Diagnostic::new(of.span, format!("there is no type `{text}`"));
+            let near = suggest::nearest(text, Type::ALL.iter().map(|one| one.name()));
+            let unknown = match near {
+                Some(_) => unknown.did_you_mean(near),
+                None => unknown.hint("types are number, bool, vec2, vec3, vec4 and texture"),
+            };
+            self.diagnostics.push(unknown);
+        }
+        Some(Parameter { name, of: known })
+    }
+
+    fn section(&mut self, section: Section) -> Option<Item> {
+        let head = self.advance().span;
+        let named = !matches!(section, Section::Camera | Section::Sky);
+        let mut name = None;
+        if named {
+            name = Some(self.name("a name")?);
+        } else if self.token().is_name() {
+            let wrong = self.expected("`{`");
+            self.report(wrong.hint("a scene has one camera and one sky: they have no names"));
+            self.advance();
+        }
+        let span = self.since(head);
+        let open = self.token().span;
+        if !self.demand(Kind::OpenBrace, "and the fields") {
+            return name.and_then(|name| self.broken(name));
+        }
+        let (mut entries, mut broken) = (Vec::new(), false);
+        loop {
+            while self.eat(Kind::Semicolon) || self.kind() == Kind::Comma && self.stray_comma() {}
+            let token = self.token();
+            if matches!(token.kind, Kind::CloseBrace | Kind::End) || (token.newline && self.begins_item()) {
+                break;
+            }
+            if self.eat_word(word::LET) {
+                if let Some((name, value)) = self.binding() {
+                    entries.push(Entry { is_let: true, name, value });
+                }
+            } else if token.is_name() && self.ahead(1).kind == Kind::Assign {
+                self.advance();
+                self.advance();
+                let value = self.expression();
+                entries.push(Entry {
+                    is_let: false,
+                    name: Name { symbol: token.symbol, span: token.span },
+                    value,
+                });
+                if self.ast.expr(value) == Expr::Error { self.skip_to_field() } else { self.end_of_entry() }
+            } else {
+                broken = true;
+                let wrong = self.expected("a field, as in `name = value`");
+                self.report(wrong);
+                self.advance();
+                self.skip_to_field();
+            }
+        }
+        if !self.eat(Kind::CloseBrace) {
+            let wrong = self.expected("`}`").note(open, "for this `{`");
+            self.report(wrong);
+        }
+        Some(Item::Section { section, name, span, entries, broken })
+    }
+
+    fn skip_to_field(&mut self) {
+        while self.kind() != Kind::End {
+            self.skip_until(|parser| parser.kind() == Kind::Semicolon || parser.begins_assignment());
+            if self.kind() != Kind::CloseParen {
+                return;
+            }
+            self.advance();
+        }
+    }
+
+    fn stray_comma(&mut self) -> bool {
+        let wrong = self.expected("a field");
+        self.report(wrong.hint("fields are separated by a line end, a space or `;`"));
+        self.advance();
+        true
+    }
+}

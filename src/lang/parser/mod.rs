@@ -1,0 +1,248 @@
+//! Tokens to a tree. Parsing never fails: where something is wrong it says so once, takes [`Expr::Error`] for it, and
+//! goes on behind it.
+//!
+//! Grammar (`?` may be missing, `*` repeats; `;` may stand between any two items, fields and lets):
+//!
+//! ```text
+//! scene   = item*
+//! item    = "param" name "=" expr ("in" expr ".." expr)?
+//!         | "fn" name "(" names ")" (block | "=" expr)
+//!         | "let" name "=" expr
+//!         | ("object" | "material" | "light") name fields
+//!         | ("camera" | "sky") fields
+//!         | "include" text
+//!         | expr
+//! fields  = "{" (name "=" expr | "let" name "=" expr)* "}"
+//! block   = "{" ("let" name "=" expr)* expr "}"
+//! expr    = "if" expr "then" expr "else" expr
+//!         | "for" name "in" expr ".." expr ":" expr
+//!         | expr operator expr | "-" expr | "!" expr | expr "." name
+//!         | number | text | name | name "(" exprs ")" | "(" expr ")" | block
+//! ```
+//!
+//! A line's end separates only where the next line could go either way: `(…)` on a new line begins an expression
+//! instead of calling, and so does `-x` with nothing between, while `- x` goes on. Inside parentheses line ends mean
+//! nothing. The words `param object material light camera sky include` are reserved only where an item begins.
+
+mod expr;
+mod items;
+#[cfg(test)]
+mod tests;
+
+use super::ast::{Ast, Item};
+use super::diagnostic::{Diagnostic, Diagnostics};
+use super::source::Span;
+use super::symbol::{Interner, Symbol};
+use super::token::{Kind, Token, word};
+
+/// Parses the tokens of one file, the last of which is of kind `End`. Expressions are added to `ast`.
+pub(super) fn parse(
+    tokens: &[Token],
+    names: &Interner,
+    nesting_max: usize,
+    ast: &mut Ast,
+    diagnostics: &mut Diagnostics,
+) -> Vec<Item> {
+    ast.reserve(tokens.len());
+    let mut parser = Parser {
+        tokens,
+        at: 0,
+        names,
+        ast,
+        diagnostics,
+        nesting: 0,
+        nesting_max,
+        in_parens: false,
+        reported: None,
+        lists: Vec::new(),
+    };
+    parser.items()
+}
+
+struct Parser<'a> {
+    tokens: &'a [Token],
+    at: usize,
+    names: &'a Interner,
+    ast: &'a mut Ast,
+    diagnostics: &'a mut Diagnostics,
+    /// How many expressions are open.
+    nesting: usize,
+    nesting_max: usize,
+    /// Whether line ends mean nothing.
+    in_parens: bool,
+    /// The token that the last complaint was about: a second one about it would only repeat the first.
+    reported: Option<usize>,
+    /// Children of the calls and blocks that are open.
+    lists: Vec<u32>,
+}
+
+const END: Token =
+    Token { kind: Kind::End, newline: true, symbol: Symbol(0), span: Span { start: 0, end: 0 } };
+
+impl Parser<'_> {
+    fn token(&self) -> Token {
+        self.ahead(0)
+    }
+
+    fn ahead(&self, count: usize) -> Token {
+        match self.tokens.get(self.at + count).or(self.tokens.last()) {
+            Some(&token) => token,
+            None => END,
+        }
+    }
+
+    fn kind(&self) -> Kind {
+        self.token().kind
+    }
+
+    /// The current token, left behind. The last one, `End`, stays.
+    fn advance(&mut self) -> Token {
+        let token = self.token();
+        if self.at + 1 < self.tokens.len() {
+            self.at += 1;
+        }
+        token
+    }
+
+    fn eat(&mut self, kind: Kind) -> bool {
+        let found = self.kind() == kind;
+        if found {
+            self.advance();
+        }
+        found
+    }
+
+    fn eat_word(&mut self, word: Symbol) -> bool {
+        let found = self.token().is_word(word);
+        if found {
+            self.advance();
+        }
+        found
+    }
+
+    /// The end of the token before the current one.
+    fn end_before(&self) -> u32 {
+        let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        before.map_or(self.token().span.start, |token| token.span.end)
+    }
+
+    /// From `start` to the end of the last token that was taken.
+    fn since(&self, start: Span) -> Span {
+        Span::new(start.start, self.end_before().max(start.end))
+    }
+
+    /// Reports `diagnostic`, unless something was said about the current token already, here or by the lexer.
+    fn report(&mut self, diagnostic: Diagnostic) {
+        if self.reported != Some(self.at) && self.kind() != Kind::Unknown {
+            self.reported = Some(self.at);
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// What the current token is, for people.
+    fn found(&self) -> String {
+        let token = self.token();
+        match token.kind {
+            Kind::End => "the end of the text".to_owned(),
+            Kind::Number => "a number".to_owned(),
+            Kind::Text => "a text".to_owned(),
+            Kind::Name => {
+                let name = self.names.name(token.symbol);
+                let short: String = name.chars().take(NAME_SHOWN).collect();
+                format!("`{short}{}`", if short.len() < name.len() { "…" } else { "" })
+            }
+            other => format!("`{}`", sign(other)),
+        }
+    }
+
+    /// A complaint that `what` should stand at the current token.
+    fn expected(&self, what: &str) -> Diagnostic {
+        let diagnostic =
+            Diagnostic::new(self.token().span, format!("expected {what}, found {}", self.found()));
+        match self.kind() {
+            Kind::Assign => diagnostic.hint("`=` gives a name its value; to compare write `==`"),
+            _ => diagnostic,
+        }
+    }
+
+    /// Takes a token of `kind` or complains.
+    fn demand(&mut self, kind: Kind, after: &str) -> bool {
+        let found = self.eat(kind);
+        if !found {
+            let wrong = self.expected(&format!("`{}` {after}", sign(kind)));
+            self.report(wrong);
+        }
+        found
+    }
+
+    /// Skips to a token before which `stop` holds outside all brackets that open on the way; stops before a bracket
+    /// that closes more, before a let, a field or an item on a new line, and at the end.
+    fn skip_until(&mut self, stop: impl Fn(&Self) -> bool) {
+        let mut open = 0_usize;
+        loop {
+            match self.kind() {
+                Kind::End => return,
+                Kind::CloseParen | Kind::CloseBrace if open == 0 => return,
+                _ if open == 0 && stop(self) => return,
+                _ if self.token().newline && self.begins_item() => return,
+                _ if open == 0 && self.begins_entry() => return,
+                Kind::OpenParen | Kind::OpenBrace => open += 1,
+                Kind::CloseParen | Kind::CloseBrace => open -= 1,
+                _ => {}
+            }
+            self.advance();
+        }
+    }
+
+    /// Whether `name =` stands here.
+    fn begins_assignment(&self) -> bool {
+        self.token().is_name() && self.ahead(1).kind == Kind::Assign
+    }
+
+    /// Whether a let or a field begins on a new line.
+    fn begins_entry(&self) -> bool {
+        let token = self.token();
+        token.is_word(word::LET) || (token.newline && self.begins_assignment())
+    }
+
+    /// Whether an item other than a bare expression or a `let` begins here.
+    fn begins_item(&self) -> bool {
+        self.token().is_word(word::FN) || items::keyword(self).is_some()
+    }
+}
+
+/// Longest part of a name that a message repeats.
+const NAME_SHOWN: usize = 60;
+
+/// A sign as it is written; nothing for what has no fixed text.
+fn sign(kind: Kind) -> &'static str {
+    match kind {
+        Kind::OpenParen => "(",
+        Kind::CloseParen => ")",
+        Kind::OpenBrace => "{",
+        Kind::CloseBrace => "}",
+        Kind::Comma => ",",
+        Kind::Semicolon => ";",
+        Kind::Colon => ":",
+        Kind::Question => "?",
+        Kind::Dot => ".",
+        Kind::Range => "..",
+        Kind::Plus => "+",
+        Kind::Minus => "-",
+        Kind::Star => "*",
+        Kind::Slash => "/",
+        Kind::Percent => "%",
+        Kind::Caret => "^",
+        Kind::Assign => "=",
+        Kind::Equal => "==",
+        Kind::NotEqual => "!=",
+        Kind::Less => "<",
+        Kind::LessEqual => "<=",
+        Kind::Greater => ">",
+        Kind::GreaterEqual => ">=",
+        Kind::And => "&&",
+        Kind::Or => "||",
+        Kind::Not => "!",
+        Kind::Number | Kind::Name | Kind::Text | Kind::Unknown | Kind::End => "",
+    }
+}

@@ -1,0 +1,44 @@
+//! Paths that a scene names: relative, with `/` between, never out of the scene's folder.
+
+/// The path without `.` and doubled `/`, or what is wrong with it and what to do.
+pub(super) fn checked(path: &str) -> Result<String, (&'static str, &'static str)> {
+    if path.trim().is_empty() {
+        return Err(("this file has no name", "write the file's name in the quotes"));
+    }
+    if path.contains(char::is_control) {
+        return Err(("a file's name holds no control characters", "rename the file"));
+    }
+    if path.contains('\\') {
+        return Err(("folders are separated by `/` on every system", "write `/` instead of `\\`"));
+    }
+    let inside = "put the file into the scene's folder and name it from there";
+    if path.starts_with('/') || path.contains(':') {
+        return Err(("a scene reads no absolute paths", inside));
+    }
+    let parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
+    if parts.contains(&"..") {
+        return Err(("a scene reads nothing outside its own folder", inside));
+    }
+    if parts.is_empty() {
+        return Err(("this file has no name", "write the file's name in the quotes"));
+    }
+    Ok(parts.join("/"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::checked;
+
+    #[test]
+    fn nothing_leads_out_of_the_folder() {
+        for good in ["a.scene", "sub/a.scene", "./a.scene", "a..b", "sub//./a.scene"] {
+            assert!(checked(good).is_ok(), "{good}");
+        }
+        assert_eq!(checked("./sub//./a").unwrap(), "sub/a");
+        for bad in
+            ["", " ", ".", "/etc/passwd", "../a", "a/../../b", "C:\\a", "C:/a", "..\\a", "a\0b", "file:///a"]
+        {
+            assert!(checked(bad).is_err(), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! A checked scene: one graph, and which of its nodes mean what.
+
+use super::source::Span;
+use crate::graph::{Graph, NodeId};
+
+/// Three numbers: a point, a direction, or a colour in linear light (red, green, blue).
+pub type Vec3 = [NodeId; 3];
+
+/// A scene without mistakes. All [`NodeId`]s are of [`Scene::graph`].
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// The expressions.
+    pub graph: Graph,
+    /// At least one.
+    pub objects: Vec<Object>,
+    /// The union of all objects: the least of their shapes. Depends on the point and the frame.
+    pub distance: NodeId,
+    /// What objects are made of.
+    pub materials: Vec<Material>,
+    /// What the scene is lit by; at least one.
+    pub lights: Vec<Light>,
+    /// Where the scene is seen from.
+    pub camera: Camera,
+    /// What is seen where nothing is.
+    pub sky: Sky,
+    /// Sliders; `Input::Param(i)` is the i-th.
+    pub params: Vec<Param>,
+    /// Pictures; texture i of the graph is the i-th.
+    pub textures: Vec<TextureRef>,
+    /// Paths of the files that were included, in the order in which they were read.
+    pub includes: Vec<String>,
+}
+
+/// A shape with its material.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Object {
+    /// Its name; `shape` for a bare expression.
+    pub name: String,
+    /// Where it was declared.
+    pub span: Span,
+    /// Its distance function. Depends on the point and the frame.
+    pub shape: NodeId,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+}
+
+/// What a surface is made of: functions of point, normal and frame (the thesis' R⁶ → R³, section 3.2).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its name; `default` for the one of objects that name none.
+    pub name: String,
+    /// Diffuse reflectance, or the metal's colour, 0..1.
+    pub color: Vec3,
+    /// 0 polished, 1 matt.
+    pub roughness: NodeId,
+    /// 0 insulator, 1 metal.
+    pub metalness: NodeId,
+    /// Light of its own.
+    pub emission: Vec3,
+    /// Share of light that is mirrored when looked at straight on, 0..1: the ray goes on.
+    pub reflect: NodeId,
+    /// Strength of a clear coat, 0..1.
+    pub coat: NodeId,
+}
+
+/// Where a light's rays come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightPlace {
+    /// From a point or, with a radius, a ball. Its light falls with the square of the distance.
+    At(Vec3),
+    /// From infinitely far away, towards this direction (of any length but 0).
+    Towards(Vec3),
+}
+
+/// A light: functions of the frame alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    /// Its name; `default` where the scene has none.
+    pub name: String,
+    /// Where its rays come from.
+    pub place: LightPlace,
+    /// Its strength in red, green and blue.
+    pub color: Vec3,
+    /// Radius of the ball that shines (for a direction: the tangent of its half angle); softens shadows.
+    pub radius: NodeId,
+}
+
+/// The camera: functions of the frame alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Camera {
+    /// The eye.
+    pub position: Vec3,
+    /// What it looks at.
+    pub target: Vec3,
+    /// Vertical field of view in degrees.
+    pub fov: NodeId,
+    /// Turn around the line of sight in radians, clockwise picture for positive values.
+    pub roll: NodeId,
+    /// Radius of the lens; 0 is sharp everywhere.
+    pub aperture: NodeId,
+    /// Distance that is sharp; none for that of the target.
+    pub focus: Option<NodeId>,
+}
+
+/// What is seen where nothing is: functions of a direction (read where materials read the normal) and the frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sky {
+    /// Light from a direction.
+    pub color: Vec3,
+    /// Light that a surface with its normal in that direction gets from everywhere.
+    pub ambient: Vec3,
+}
+
+/// A number that a user turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Param {
+    /// Its name.
+    pub name: String,
+    /// What it is at the start; `min <= default <= max`, all finite.
+    pub default: f32,
+    /// Least value.
+    pub min: f32,
+    /// Largest value.
+    pub max: f32,
+    /// Where it was declared.
+    pub span: Span,
+}
+
+/// A picture that a scene reads.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TextureRef {
+    /// Its path below the scene's folder, with `/` between; never leads out of it.
+    pub name: String,
+    /// Where it was first asked for.
+    pub span: Span,
+}

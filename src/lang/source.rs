@@ -1,0 +1,109 @@
+//! Source texts and places in them.
+//!
+//! All files of a scene share one line of byte offsets: a file begins where the one before it ended, plus one. So a
+//! [`Span`] is two numbers and knows its file.
+
+/// A stretch of source text: byte offsets over all files of a [`Sources`], `start <= end`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
+pub struct Span {
+    /// Offset of the first byte.
+    pub start: u32,
+    /// Offset behind the last byte.
+    pub end: u32,
+}
+
+impl Span {
+    /// From `start` to before `end`.
+    pub fn new(start: u32, end: u32) -> Self {
+        Self { start, end: end.max(start) }
+    }
+
+    /// From the beginning of `self` to the end of `other`.
+    pub fn to(self, other: Self) -> Self {
+        Self::new(self.start, other.end.max(self.end))
+    }
+}
+
+/// One text with its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceFile {
+    /// What diagnostics call it.
+    pub name: String,
+    /// The text as it was given.
+    pub text: String,
+    /// Offset of its first byte.
+    base: u32,
+}
+
+/// Where an offset lies, for people.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Place<'a> {
+    /// The file.
+    pub file: &'a SourceFile,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1.
+    pub column: usize,
+    /// The line's text without its end.
+    pub text: &'a str,
+    /// Byte in `text`.
+    pub byte: usize,
+}
+
+/// The texts that a scene is made of: the first is the scene itself, the others it includes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Sources {
+    files: Vec<SourceFile>,
+}
+
+/// A byte-order mark, as editors on Windows write one.
+pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
+
+impl Sources {
+    /// Adds a text and gives its first offset; none where offsets would no longer fit 32 bits.
+    pub fn add(&mut self, name: &str, text: &str) -> Option<u32> {
+        let base = match self.files.last() {
+            Some(last) => last.base as usize + last.text.len() + 1,
+            None => 0,
+        };
+        u32::try_from(base + text.len() + 1).ok()?;
+        let base = base as u32;
+        self.files.push(SourceFile { name: name.to_owned(), text: text.to_owned(), base });
+        Some(base)
+    }
+
+    /// The files in the order in which they were read.
+    pub fn files(&self) -> &[SourceFile] {
+        &self.files
+    }
+
+    /// The text under `span`; empty where there is none.
+    pub fn text(&self, span: Span) -> &str {
+        let Some(file) = self.file_at(span.start) else { return "" };
+        let (start, end) = ((span.start - file.base) as usize, span.end.saturating_sub(file.base) as usize);
+        file.text.get(start..end.min(file.text.len())).unwrap_or("")
+    }
+
+    /// Where `offset` lies; none without any file.
+    pub fn place(&self, offset: u32) -> Option<Place<'_>> {
+        let file = self.file_at(offset)?;
+        let mut at = ((offset - file.base) as usize).min(file.text.len());
+        while !file.text.is_char_boundary(at) {
+            at -= 1;
+        }
+        let before = file.text.get(..at)?;
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        let line = 1 + before.bytes().filter(|&byte| byte == b'\n').count();
+        let rest = file.text.get(start..)?;
+        let text = rest.split('\n').next().unwrap_or("").trim_end_matches('\r');
+        let marks = usize::from(text.starts_with(BYTE_ORDER_MARK));
+        let byte = (at - start).min(text.len());
+        let column = 1 + (text.get(..byte)?.chars().count()).saturating_sub(marks);
+        Some(Place { file, line, column, text, byte })
+    }
+
+    fn file_at(&self, offset: u32) -> Option<&SourceFile> {
+        let index = self.files.partition_point(|file| file.base <= offset);
+        self.files.get(index.checked_sub(1)?)
+    }
+}

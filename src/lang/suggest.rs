@@ -1,0 +1,66 @@
+//! What somebody may have meant: the nearest of the names in scope.
+
+/// The name of `names` nearest to `typed` by edits (insert, delete, replace, swap neighbours); none where every name
+/// is too far away to be meant.
+pub(super) fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let length = typed.chars().count();
+    if length > LONGEST {
+        return None;
+    }
+    let allowed = (length / 3).max(1);
+    let mut best: Option<(usize, &str)> = None;
+    for name in names {
+        if name.len().abs_diff(typed.len()) > 4 * allowed || name.len() > 4 * LONGEST {
+            continue;
+        }
+        let distance = edits(&typed.to_lowercase(), &name.to_lowercase());
+        if distance <= allowed && best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, name));
+        }
+    }
+    best.map(|(_, name)| name)
+}
+
+/// Longer names get no suggestion: comparing would take time and nobody types them.
+const LONGEST: usize = 40;
+
+/// Optimal string alignment distance.
+fn edits(a: &str, b: &str) -> usize {
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    let mut rows = [vec![0; b.len() + 1], (0..=b.len()).collect::<Vec<usize>>(), vec![0; b.len() + 1]];
+    for i in 1..=a.len() {
+        rows[2][0] = i;
+        for j in 1..=b.len() {
+            let replace = rows[1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut least = replace.min(rows[1][j] + 1).min(rows[2][j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                least = least.min(rows[0][j - 2] + 1);
+            }
+            rows[2][j] = least;
+        }
+        rows.rotate_left(1);
+    }
+    rows[1][b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn finds_what_was_meant_and_nothing_far_fetched() {
+        let names = ["sphere", "smooth_union", "union", "box"];
+        assert_eq!(nearest("smoth_union", names), Some("smooth_union"));
+        assert_eq!(nearest("shpere", names), Some("sphere"));
+        assert_eq!(nearest("Box", names), Some("box"));
+        assert_eq!(nearest("zebra", names), None);
+        assert_eq!(nearest(&"a".repeat(1000), names), None);
+    }
+
+    #[test]
+    fn a_swap_is_one_edit() {
+        assert_eq!(edits("abcd", "abdc"), 1);
+        assert_eq!(edits("kitten", "sitting"), 3);
+        assert_eq!(edits("", "abc"), 3);
+    }
+}

@@ -1,0 +1,323 @@
+use super::super::{Fault, compile, no_includes};
+use super::broken;
+
+/// Texts, the first message about each, the text that it underlines, and what its hint contains.
+const MISTAKES: &[(&str, &str, &str, &str)] = &[
+    // Words and signs.
+    ("1 @ 2", "the character `@` is not part of the language", "@", "leave it out"),
+    ("x − 1", "the character `−` is not part of the language", "−", "`-`"),
+    ("x²", "the character `²` is not part of the language", "²", "`x^2`"),
+    ("volume[0]", "the character `[` is not part of the language", "[", "`volume.x`"),
+    ("2x", "a number runs into a name", "2x", "`2 * x`"),
+    ("1.0f", "a number runs into a name", "1.0f", "write `1.0`"),
+    ("1e999", "this number is too large", "1e999", "3.4e38"),
+    ("x /* y", "this comment is never closed", "/*", "`*/`"),
+    ("texture(\"a, p.xy)", "this text is never closed", "\"a, p.xy)", "end it"),
+    // Expressions.
+    ("1 +", "expected an expression, found the end of the text", "", ""),
+    ("sphere(p 1)", "expected `,` or `)`, found a number", "1", ""),
+    ("(x, y)", "expected `)`, found `,`", ",", "`vec2(…)`"),
+    ("x = 1", "expected an operator or the end of the expression, found `=`", "=", "`==`"),
+    ("+x", "a `+` in front of an expression means nothing", "+", "leave it out"),
+    ("x > 0 ? 1 : 2", "there is no operator `?`", "?", "`if a then b else c`"),
+    ("if x > 0 then 1", "expected `else`, found the end of the text", "", "in both cases"),
+    (
+        "if x > 0 { 1 } else { 2 }",
+        "expected `then` after the condition, found `{`",
+        "{",
+        "`if a then b else c`",
+    ),
+    (
+        "union(for i of 0..3: x)",
+        "expected `in` after the loop's variable, found `of`",
+        "of",
+        "`for i in 0..32: expression`",
+    ),
+    (
+        "union(for (int i = 0))",
+        "expected the loop's variable, found `(`",
+        "(",
+        "`union(for i in 0..32: expression)`",
+    ),
+    ("{ let a = 1 }", "expected the block's result, found `}`", "}", "last expression"),
+    ("{ a = 1  a }", "a block declares its names with `let`", "a", "`let a = …`"),
+    ("fn f(p) { return p.x }\nf(p)", "there is no `return`", "return", "last expression"),
+    ("fn f(p) { float a = 1; a }\nf(p)", "types are not written", "float", "`let a = …`"),
+    ("float f(vec3 p) { 1 }", "types are not written", "float", "`fn f(p) { … }`"),
+    ("fn f(vec3 p) = p.x\nf(p)", "a type does not stand before its name", "vec3", "`p: vec3`"),
+    ("fn f(p: vec5) = p.x\nf(p)", "there is no type `vec5`", "vec5", "`vec2`"),
+    ("x)", "expected an operator or the end of the expression, found `)`", ")", ""),
+    // Items.
+    ("objct a { shape = x }", "`objct` begins no part of a scene", "objct", "`object`"),
+    ("object { shape = x }", "expected a name, found `{`", "{", ""),
+    ("object a { shape x }", "expected a field, as in `name = value`, found `shape`", "shape", ""),
+    ("object a { shape = x, }", "expected the end of the expression, found `,`", ",", "`;`"),
+    ("object a { shape = x", "expected `}`, found the end of the text", "", ""),
+    ("param a = 1 in 2\nx", "expected `..` and the parameter's largest value, found `x`", "x", "0.1 .. 3"),
+    ("let if = 1\nx", "expected a name behind `let`, found `if`", "if", "reserved"),
+    ("include shapes\nx", "expected a file's name in quotes, found `shapes`", "shapes", "`include "),
+    // Names.
+    (
+        "smoth_union(x, y, 1)",
+        "there is no function `smoth_union`",
+        "smoth_union",
+        "did you mean `smooth_union`?",
+    ),
+    ("zebra(x)", "there is no function `zebra`", "zebra", ""),
+    ("lerp(x, y, 1)", "there is no function `lerp`", "lerp", "`mix(a, b, share)`"),
+    ("mat3(1)", "there is no function `mat3`", "mat3", "`rotate`"),
+    ("x(1)", "there is no function `x`", "x", "multiply"),
+    ("volum.x", "there is no `volum` here", "volum", "did you mean `volume`?"),
+    ("sphere", "there is no `sphere` here", "sphere", "call it"),
+    ("iTime", "there is no `iTime` here", "iTime", "`t`"),
+    ("let melt = 1\nx + mlet", "there is no `mlet` here", "mlet", "did you mean `melt`?"),
+    ("fn f(p) = zz\nx", "there is no `zz` here", "zz", ""),
+    ("let a = zz\nx", "there is no `zz` here", "zz", ""),
+    ("fn f(p) = x\nfn f(q) = y\nf(p)", "there are two functions of the name `f`", "f", "another name"),
+    ("let a = 1\nparam a = 2\nx", "there are two values of the name `a`", "a", "another name"),
+    ("let t = 1\nx", "`t` is an input of every scene", "t", "another name"),
+    (
+        "fn f(a) = g(a)\nfn g(a) = f(a)\nf(x)",
+        "these use each other in a circle: `f` → `g` → `f`",
+        "f(a)",
+        "`for`",
+    ),
+    ("fn f(a) = f(a)\nx", "`f` uses itself", "f(a)", "`for`"),
+    ("let a = b\nlet b = a\na", "these use each other in a circle: `a` → `b` → `a`", "a", "`for`"),
+    // Types.
+    ("p.xy + p", "`+` needs vectors of one size, not a vec2 and a vec3", "p.xy + p", "`p.xz`"),
+    ("min(p.xy, p).x", "`min` needs vectors of one size, not a vec2 and a vec3", "min(p.xy, p)", ""),
+    (
+        "mix(p, p.xy, 0).x",
+        "`mix` needs vectors of one size, not a vec3 and a vec2 and a number",
+        "mix(p, p.xy, 0)",
+        "",
+    ),
+    ("p.xyw.x", "a vec3 has no component `w`", "p.xyw", ""),
+    ("p.xg", "`.xg` names no components", "p.xg", "`xyzw`"),
+    ("vec3(1, 2).x", "`vec3` needs 3 numbers, and here are 2", "vec3(1, 2)", ""),
+    ("sin(1, 2)", "`sin` takes 1 argument, and here are 2", "sin(1, 2)", "`sin(a)`"),
+    ("atan()", "`atan` takes 1 to 2 arguments, and here are 0", "atan()", ""),
+    ("box(p)", "`box` takes 2 arguments, and here are 1", "box(p)", "`box(p: vec3, size: vec3)`"),
+    ("sphere(p, p)", "`sphere` takes a number as `radius`, not a vec3", "p", "`sphere(p, radius: number)`"),
+    ("box(p.xy, 1)", "`box` takes a vec3 as `p`, not a vec2", "p.xy", ""),
+    ("union()", "`union` of nothing has no value", "union()", ""),
+    (
+        "smooth_union(1)",
+        "`smooth_union` needs shapes and behind them the radius of the blend",
+        "smooth_union(1)",
+        "radius",
+    ),
+    ("if x then 1 else 2", "`if` needs a condition, and this is a number", "x", "`a > 0`"),
+    (
+        "if x > 0 then p else 1 > 2",
+        "this is a vec3 or a condition: both sides must be alike",
+        "if x > 0 then p else 1 > 2",
+        "",
+    ),
+    ("(x > 0) + 1", "`+` cannot work on a condition and a number", "(x > 0) + 1", "`if a then 1 else 0`"),
+    ("if 0 < x < 1 then 1 else 2", "`<` cannot work on a condition and a number", "0 < x < 1", "`&&`"),
+    ("if p > 0 then 1 else 2", "`>` compares numbers, not vectors", "p > 0", "components"),
+    ("sin(x > 0)", "`sin` works on numbers and vectors, and this is a condition", "x > 0", ""),
+    ("-(x > 0)", "`-` works on numbers and vectors, and this is a condition", "-(x > 0)", ""),
+    ("x / 0", "this divides by zero", "x / 0", "`if`"),
+    ("p", "a shape is a number, and this is a vec3", "p", "`length(…)`"),
+    // Loops.
+    ("for i in 0..3: x", "a loop has many values and no single one", "for i in 0..3: x", "`union(for …)`"),
+    ("vec3(for i in 0..3: i).x", "`vec3` takes no loop", "for i in 0..3: i", "`union`"),
+    ("union(for i in 0..x: y)", "a loop's bounds must be known before the scene runs", "x", "whole numbers"),
+    ("union(for i in 0..2.5: y)", "a loop counts in small whole numbers, and this is 2.5", "2.5", ""),
+    ("union(for i in 3..3: y)", "`union` of nothing has no value", "union(for i in 3..3: y)", ""),
+    ("sum(for i in -1..3: 1 / i)", "this divides by zero", "1 / i", "`if`"),
+    // Inputs.
+    ("band(32)", "there is no band 32", "band(32)", "0 to 31"),
+    ("band(0.5)", "there is no band 0.5", "band(0.5)", "0 to 31"),
+    ("n.x", "`n` is a surface's normal and has no value in a shape", "n", "materials"),
+    (
+        "camera { position = p }\nx",
+        "the camera is the same at all points, so `p` has no value here",
+        "p",
+        "shapes",
+    ),
+    (
+        "light a { position = x }\nx",
+        "a light is the same at all points, so `x` has no value here",
+        "x",
+        "shapes",
+    ),
+    ("sky { color = y }\nx", "the sky is the same at all points, so `y` has no value here", "y", "shapes"),
+    ("direction.x", "`direction` is the direction of a ray and has no value in a shape", "direction", "sky"),
+    ("texture(\"a.png\", p.xy).r", "a shape cannot read pictures", "texture(\"a.png\", p.xy)", "materials"),
+    (
+        "param a = t\nx",
+        "a parameter is fixed before the music plays, so `t` has no value here",
+        "t",
+        "write a number",
+    ),
+    ("let a = n.x\na", "`a` is a surface's normal and has no value in a shape", "a", ""),
+    // Sections.
+    ("param a = 5 in 1 .. 2\nx", "the default of `a`, 5, is outside its range 1 .. 2", "5", "widen"),
+    (
+        "param a = 5 in 6 .. 2\nx",
+        "the range of `a` is empty: 6 is not below 2",
+        "6 .. 2",
+        "smaller number first",
+    ),
+    ("object a { color = 1 }", "an object has no field `color`", "color", "`shape`"),
+    ("object a { shap = x }", "an object has no field `shap`", "shap", "did you mean `shape`?"),
+    ("object a { shape = x shape = y }", "`shape` is given twice", "shape", ""),
+    ("object a { }", "the object `a` has no shape", "object a", ""),
+    ("object a { shape = p }", "`shape` is a number, and this is a vec3", "p", ""),
+    (
+        "object a { shape = x material = wod } material wood { }",
+        "there is no material `wod`",
+        "wod",
+        "did you mean `wood`?",
+    ),
+    ("object a { shape = x material = 1 }", "an object's material is given by its name", "1", ""),
+    ("material a { color = p.xy }\nx", "`color` is a vec3, and this is a vec2", "p.xy", ""),
+    ("material a { } material a { }\nx", "there are two materials of the name `a`", "a", ""),
+    ("light a { color = 1 }\nx", "the light `a` is nowhere", "light a", "`position"),
+    (
+        "light a { position = 1 direction = 2 }\nx",
+        "the light `a` has a position and a direction",
+        "direction",
+        "sun",
+    ),
+    ("camera { }\ncamera { }\nx", "the scene has a second camera", "camera", ""),
+    ("camera a { }\nx", "expected `{`, found `a`", "a", "no names"),
+    ("x\ny", "this is a second expression for the scene's shape", "y", "`union(a, b)`"),
+    ("# nothing", "the scene has no shape", "", "`length(p) - 1`"),
+    ("", "the scene has no shape", "", ""),
+    // Files.
+    (
+        "material m { color = texture(\"../a.png\", p.xy).rgb }\nx",
+        "a scene reads nothing outside its own folder",
+        "\"../a.png\"",
+        "",
+    ),
+    (
+        "material m { color = texture(p, p.xy).rgb }\nx",
+        "`texture` takes a file's name in quotes, not a vec3",
+        "p",
+        "",
+    ),
+    ("material m { color = texture(\"a\", p).rgb }\nx", "`texture` reads at a vec2, not a vec3", "p", ""),
+    ("include \"/etc/passwd\"\nx", "a scene reads no absolute paths", "\"/etc/passwd\"", ""),
+    (
+        "include \"a\"\nx",
+        "`a` cannot be included: this scene is not a file, so there is nothing to include",
+        "\"a\"",
+        "",
+    ),
+];
+
+#[test]
+fn every_mistake_is_explained_where_it_is() {
+    let mut wrong = Vec::new();
+    for (text, message, under, hint) in MISTAKES {
+        let compiled = broken(text);
+        let first = &compiled.diagnostics[0];
+        let found = (first.message.as_str(), compiled.sources.text(first.span));
+        if found != (*message, *under) || !first.hint.as_deref().unwrap_or("").contains(hint) {
+            wrong.push(format!(
+                "{text:?} should say {message:?} of {under:?}, hint {hint:?}\n{}",
+                compiled.render(false)
+            ));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn one_mistake_is_one_message() {
+    let many = MISTAKES.iter().map(|row| broken(row.0)).filter(|compiled| compiled.diagnostics.len() > 1);
+    let many: Vec<String> = many.map(|compiled| compiled.render(false)).collect();
+    assert!(many.is_empty(), "{}", many.join("\n"));
+}
+
+#[test]
+fn several_mistakes_are_reported_at_once_in_the_order_of_the_text() {
+    let text = "param melt = 9 in 0 .. 1\nfn f(q) = sphre(q, 1) + melt\nlet a = (1 + \n\
+                object one { shape = f(p)  material = wood }\nobject two { shape = box(p, 1, 2) + b }\ncamera { position = p }";
+    let compiled = broken(text);
+    let messages: Vec<&str> = compiled.diagnostics.iter().map(|one| one.message.as_str()).collect();
+    assert_eq!(
+        messages,
+        [
+            "the default of `melt`, 9, is outside its range 0 .. 1",
+            "there is no function `sphre`",
+            "expected an expression, found `object`",
+            "there is no material `wood`",
+            "`box` takes 2 arguments, and here are 3",
+            "there is no `b` here",
+            "the camera is the same at all points, so `p` has no value here",
+        ]
+    );
+}
+
+#[test]
+fn a_diagnostic_looks_like_this() {
+    let text = "# tab and wide\r\nobject a {\r\n\tshape = /* 音 */ smoth_union(x, y, 1)\r\n}\r\n";
+    let expected = "\
+error: there is no function `smoth_union`
+ --> test.scene:3:18
+  |
+3 |     shape = /* 音 */ smoth_union(x, y, 1)
+  |                      ^^^^^^^^^^^
+  = help: did you mean `smooth_union`?
+";
+    assert_eq!(broken(text).render(false), expected);
+    let colored = broken(text).render(true);
+    assert!(colored.contains("\x1b[1;31m^^^^^^^^^^^\x1b[0m") && colored.contains("\x1b[1;34m"));
+}
+
+#[test]
+fn calls_on_the_way_and_other_places_are_shown() {
+    let text = "fn inner(q) = q + vec2(1)\nfn outer(q) = inner(q).x\n\n\n\n\n\n\n\nouter(p)";
+    let expected = "\
+error: `+` needs vectors of one size, not a vec3 and a vec2
+  --> test.scene:1:15
+   |
+ 1 | fn inner(q) = q + vec2(1)
+   |               ^^^^^^^^^^^
+  ::: test.scene:2:15
+   |
+ 2 | fn outer(q) = inner(q).x
+   |               -------- `inner` is used here
+  ::: test.scene:10:1
+   |
+10 | outer(p)
+   | -------- `outer` is used here
+   = help: take as many components of both, as in `p.xz`
+";
+    assert_eq!(broken(text).render(false), expected);
+}
+
+#[test]
+fn long_lines_are_cut_around_the_mistake() {
+    let text = format!("{}zz + {}", "x + ".repeat(1000), "y + ".repeat(1000));
+    let shown = broken(&format!("{text}1")).render(false);
+    let lines: Vec<&str> = shown.lines().collect();
+    assert_eq!(lines[1], " --> test.scene:1:4001");
+    assert!(lines.iter().all(|line| line.chars().count() < 140), "{shown}");
+    let under = lines[4].find('^').unwrap();
+    let above: String = lines[3].chars().skip(lines[4][..under].chars().count()).take(2).collect();
+    assert_eq!(above, "zz", "{shown}");
+}
+
+#[test]
+fn a_text_can_have_windows_line_ends_a_mark_and_tabs() {
+    let compiled = compile("s", "\u{feff}# a\r\n\tlet a = 1\r\n\r\nlength(p) -\ta\r\n", &mut no_includes);
+    assert!(compiled.scene.is_some(), "{}", compiled.render(false));
+    let shown = broken("\u{feff}zz").render(false);
+    assert!(shown.contains(":1:1\n") && shown.contains("\n1 | zz\n  | ^^\n"), "{shown}");
+}
+
+#[test]
+fn faults_are_told_apart() {
+    let fault = |text: &str| broken(text).diagnostics[0].fault;
+    assert_eq!(fault("1 +"), Fault::Malformed);
+    assert_eq!(fault("fn f(a) = f(a)\nx"), Fault::Unsupported);
+    assert_eq!(fault(&"(".repeat(1000)), Fault::OverLimit);
+}

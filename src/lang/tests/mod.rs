@@ -1,0 +1,51 @@
+//! The language from text to numbers, and from mistakes to messages.
+
+#[cfg(test)]
+mod bad_input;
+#[cfg(test)]
+mod fuzz;
+#[cfg(test)]
+mod meaning;
+#[cfg(test)]
+mod messages;
+#[cfg(test)]
+mod shapes;
+
+use super::{Compiled, Scene, compile, no_includes};
+use crate::graph::{FrameInputs, Point};
+
+/// A scene that has to be without mistakes.
+pub(super) fn scene(text: &str) -> Scene {
+    let compiled = compile("test.scene", text, &mut no_includes);
+    match compiled.scene {
+        Some(scene) => scene,
+        None => panic!("{}\n{text}", compiled.render(false)),
+    }
+}
+
+pub(super) fn broken(text: &str) -> Compiled {
+    let compiled = compile("test.scene", text, &mut no_includes);
+    assert!(compiled.scene.is_none() && !compiled.diagnostics.is_empty(), "no mistake found in: {text}");
+    compiled
+}
+
+/// A frame with sound that tests can tell apart: band i is i / 100.
+pub(super) fn frame(scene: &Scene) -> FrameInputs {
+    FrameInputs {
+        time: 2.0,
+        volume: [0.25, 0.5],
+        bands: std::array::from_fn(|index| index as f32 / 100.0),
+        params: scene.params.iter().map(|param| param.default).collect(),
+        ..FrameInputs::default()
+    }
+}
+
+/// The scene's distance at a point.
+pub(super) fn distance(scene: &Scene, at: [f32; 3]) -> f32 {
+    scene.graph.evaluate(&[scene.distance], &Point::at(at[0], at[1], at[2]), &frame(scene)).unwrap()[0]
+}
+
+/// A formula's value at a point.
+pub(super) fn value(text: &str, at: [f32; 3]) -> f32 {
+    distance(&scene(text), at)
+}

@@ -1,0 +1,92 @@
+//! The words of the language.
+
+use super::source::Span;
+use super::symbol::Symbol;
+
+/// What a token is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number,
+    /// A name or a reserved word: see [`RESERVED`].
+    Name,
+    /// A text in quotes; the symbol is what stands between them.
+    Text,
+    OpenParen,
+    CloseParen,
+    OpenBrace,
+    CloseBrace,
+    Comma,
+    Semicolon,
+    Colon,
+    Question,
+    Dot,
+    Range,
+    Plus,
+    Minus,
+    Star,
+    Slash,
+    Percent,
+    Caret,
+    Assign,
+    Equal,
+    NotEqual,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    And,
+    Or,
+    Not,
+    /// Characters that mean nothing and were reported.
+    Unknown,
+    /// Behind the last token.
+    End,
+}
+
+/// A word of the source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Token {
+    pub kind: Kind,
+    /// Whether a line ends between the token before and this one.
+    pub newline: bool,
+    /// Of names and texts. Of numbers the bits of the value: see [`Token::value`].
+    pub symbol: Symbol,
+    pub span: Span,
+}
+
+/// Words that cannot be names, in the order of their symbols.
+pub(super) const RESERVED: &[&str] = &["let", "fn", "for", "in", "if", "then", "else", "true", "false"];
+
+/// The symbols of [`RESERVED`], which every interner begins with.
+pub(super) mod word {
+    use super::Symbol;
+    pub const LET: Symbol = Symbol(0);
+    pub const FN: Symbol = Symbol(1);
+    pub const FOR: Symbol = Symbol(2);
+    pub const IN: Symbol = Symbol(3);
+    pub const IF: Symbol = Symbol(4);
+    pub const THEN: Symbol = Symbol(5);
+    pub const ELSE: Symbol = Symbol(6);
+    pub const TRUE: Symbol = Symbol(7);
+    pub const FALSE: Symbol = Symbol(8);
+}
+
+impl Token {
+    pub fn is_reserved(self) -> bool {
+        self.kind == Kind::Name && self.symbol.index() < RESERVED.len()
+    }
+
+    /// The value of a number; infinite where it is too large.
+    pub fn value(self) -> f32 {
+        f32::from_bits(self.symbol.0)
+    }
+
+    /// A name that is not reserved.
+    pub fn is_name(self) -> bool {
+        self.kind == Kind::Name && !self.is_reserved()
+    }
+
+    pub fn is_word(self, word: Symbol) -> bool {
+        self.kind == Kind::Name && self.symbol == word
+    }
+}

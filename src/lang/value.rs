@@ -1,0 +1,108 @@
+//! What expressions are made into: up to four scalar nodes of the graph.
+
+use super::ast::Type;
+use super::symbol::Symbol;
+use crate::graph::NodeId;
+
+/// One to four numbers: a scalar or a vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Vector {
+    len: u8,
+    /// Those from `len` on repeat the first.
+    parts: [NodeId; 4],
+}
+
+impl Vector {
+    pub fn scalar(part: NodeId) -> Self {
+        Self { len: 1, parts: [part; 4] }
+    }
+
+    pub fn of<const N: usize>(parts: [NodeId; N]) -> Option<Self> {
+        Self::from_slice(&parts)
+    }
+
+    /// None for anything but one to four parts.
+    pub fn from_slice(parts: &[NodeId]) -> Option<Self> {
+        let first = *parts.first()?;
+        let mut all = [first; 4];
+        all.get_mut(..parts.len())?.copy_from_slice(parts);
+        Some(Self { len: parts.len() as u8, parts: all })
+    }
+
+    pub fn len(self) -> usize {
+        usize::from(self.len)
+    }
+
+    pub fn parts(&self) -> &[NodeId] {
+        self.parts.get(..self.len()).unwrap_or(&self.parts)
+    }
+
+    pub fn first(self) -> NodeId {
+        self.parts[0]
+    }
+
+    /// The part at `index`; a scalar is every part of itself.
+    pub fn part(self, index: usize) -> NodeId {
+        match self.len {
+            1 => self.parts[0],
+            _ => self.parts.get(index).copied().unwrap_or(self.parts[0]),
+        }
+    }
+
+    pub fn map(self, mut change: impl FnMut(NodeId) -> NodeId) -> Self {
+        let mut parts = self.parts;
+        for part in parts.iter_mut().take(self.len()) {
+            *part = change(*part);
+        }
+        for index in self.len()..4 {
+            parts[index] = parts[0];
+        }
+        Self { len: self.len, parts }
+    }
+
+    /// With a scalar repeated up to `len` parts; none where the sizes do not fit.
+    pub fn widened(self, len: usize) -> Option<Self> {
+        match self.len() {
+            own if own == len => Some(self),
+            1 if len <= 4 => Some(Self { len: len as u8, parts: self.parts }),
+            _ => None,
+        }
+    }
+}
+
+/// The value of an expression.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Value {
+    /// Of an expression with a mistake that was reported, or of a function's unknown argument: fits everywhere.
+    Unknown,
+    Vector(Vector),
+    /// 0 or 1.
+    Bool(NodeId),
+    Text(Symbol),
+}
+
+impl Value {
+    pub fn scalar(part: NodeId) -> Self {
+        Self::Vector(Vector::scalar(part))
+    }
+
+    /// None for the unknown.
+    pub fn type_of(self) -> Option<Type> {
+        match self {
+            Self::Unknown => None,
+            Self::Vector(vector) => Some(match vector.len() {
+                1 => Type::Number,
+                2 => Type::Vec2,
+                3 => Type::Vec3,
+                _ => Type::Vec4,
+            }),
+            Self::Bool(_) => Some(Type::Bool),
+            Self::Text(_) => Some(Type::Texture),
+        }
+    }
+
+    /// For messages.
+    pub fn described(self) -> &'static str {
+        self.type_of().map_or("a mistake", Type::described)
+    }
+}

@@ -1,0 +1,40 @@
+//! Why a scene cannot be read. Mistakes in its text are diagnostics of [`crate::lang`].
+
+use std::path::PathBuf;
+
+/// A scene that cannot be read. Each message says what, where and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// A word that is no scene's name.
+    #[error("there is no scene '{name}': give a file, a formula such as \"length(p) - 1\", or one of: {shipped}")]
+    Unknown {
+        /// The word.
+        name: String,
+        /// The shipped scenes.
+        shipped: String,
+    },
+    /// The system refuses the file.
+    #[error("the scene {} cannot be read ({reason}): check the path", .path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
+    /// The file is larger than [`crate::limits::Limits::scene_bytes_max`].
+    #[error("the scene {} is larger than {max} bytes: split it, or let functions and loops repeat what is alike", .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        max: usize,
+    },
+    /// The file is not UTF-8.
+    #[error("the scene {} is no text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first byte that is not UTF-8, from 0.
+        position: usize,
+    },
+}

@@ -1,0 +1,183 @@
+//! Where scenes come from: those that are shipped, files, and formulas given in their place.
+
+mod error;
+
+use std::path::{Component, Path, PathBuf};
+
+use include_dir::{Dir, include_dir};
+
+pub use error::SceneError;
+
+use crate::lang::{self, Compiled};
+use crate::limits::LIMITS;
+
+static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets/scenes");
+
+/// The ending of scene files.
+const ENDING: &str = "scene";
+
+/// A scene that can be compiled any number of times.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneSource {
+    /// One of the shipped scenes, by its name.
+    Shipped(String),
+    /// A file.
+    File(PathBuf),
+    /// A formula in `x`, `y`, `z`, or a whole scene, as text.
+    Formula(String),
+}
+
+impl SceneSource {
+    /// What a user means by `argument`: a file that is there or that ends in `.scene`, the name of a shipped scene,
+    /// or else a formula.
+    ///
+    /// # Errors
+    /// [`SceneError::Unknown`] for a single word that is none of them.
+    pub fn find(argument: &str) -> Result<Self, SceneError> {
+        let path = Path::new(argument);
+        if path.exists() || path.extension().is_some_and(|ending| ending == ENDING) {
+            return Ok(Self::File(path.to_owned()));
+        }
+        if shipped(argument).is_some() {
+            return Ok(Self::Shipped(argument.to_owned()));
+        }
+        let starts_as_name = argument.starts_with(|c: char| c.is_alphabetic() || c == '_');
+        let word = starts_as_name && argument.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
+        let known = lang::inputs().any(|(name, _)| name == argument);
+        if word && !known {
+            return Err(SceneError::Unknown { name: argument.to_owned(), shipped: shipped_names().join(", ") });
+        }
+        Ok(Self::Formula(argument.to_owned()))
+    }
+
+    /// What messages call it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Shipped(name) => format!("{name}.{ENDING}"),
+            Self::File(path) => path.display().to_string(),
+            Self::Formula(_) => "formula".to_owned(),
+        }
+    }
+
+    /// Reads and compiles it. Mistakes in the text are in what is returned.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is too large, or is no text.
+    pub fn compile(&self) -> Result<Compiled, SceneError> {
+        let name = self.name();
+        match self {
+            Self::Formula(text) => Ok(lang::compile(&name, text, &mut lang::no_includes)),
+            Self::Shipped(shipped_name) => {
+                let text = shipped(shipped_name).ok_or_else(|| SceneError::Unknown {
+                    name: shipped_name.clone(),
+                    shipped: shipped_names().join(", "),
+                })?;
+                let mut include = |path: &str| {
+                    let file = SHIPPED.get_file(path).and_then(|file| file.contents_utf8());
+                    file.map(str::to_owned).ok_or_else(|| "no such file is shipped".to_owned())
+                };
+                Ok(lang::compile(&name, text, &mut include))
+            }
+            Self::File(path) => {
+                let text = read(path)?;
+                let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+                let mut include = |path: &str| {
+                    let inside = Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
+                    if !inside {
+                        return Err("it would leave the scene's folder".to_owned());
+                    }
+                    read(&folder.join(path)).map_err(|error| error.to_string())
+                };
+                Ok(lang::compile(&name, &text, &mut include))
+            }
+        }
+    }
+}
+
+/// The names of the shipped scenes, sorted.
+pub fn shipped_names() -> Vec<String> {
+    let mut names: Vec<String> = SHIPPED
+        .files()
+        .filter_map(|file| file.path().to_str()?.strip_suffix(&format!(".{ENDING}")).map(str::to_owned))
+        .collect();
+    names.sort();
+    names
+}
+
+fn shipped(name: &str) -> Option<&'static str> {
+    SHIPPED.get_file(format!("{name}.{ENDING}"))?.contents_utf8()
+}
+
+/// The text of a file, no longer than the limit.
+fn read(path: &Path) -> Result<String, SceneError> {
+    let unreadable =
+        |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
+    let max = LIMITS.scene_bytes_max;
+    let length = std::fs::metadata(path).map_err(unreadable)?.len();
+    if length > max as u64 {
+        return Err(SceneError::TooLarge { path: path.to_owned(), max });
+    }
+    let bytes = std::fs::read(path).map_err(unreadable)?;
+    String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        SceneError::NotText { path: path.to_owned(), position }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_scene_compiles_without_a_word() {
+        assert!(shipped_names().contains(&"speakers".to_owned()));
+        for name in shipped_names() {
+            let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
+            assert!(compiled.scene.is_some(), "{name}:\n{}", compiled.render(false));
+        }
+    }
+
+    #[test]
+    fn an_argument_is_a_file_a_name_or_a_formula() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("own.scene");
+        std::fs::write(&file, "sqrt(x*x + y*y + z*z) - 1").unwrap();
+        let argument = file.to_str().unwrap();
+        assert_eq!(SceneSource::find(argument).unwrap(), SceneSource::File(file.clone()));
+        assert_eq!(SceneSource::find("speakers").unwrap(), SceneSource::Shipped("speakers".into()));
+        for formula in ["y", "x/2", "min(y, 1)", "-x"] {
+            assert_eq!(SceneSource::find(formula).unwrap(), SceneSource::Formula(formula.into()));
+        }
+        let message = SceneSource::find("speekers").unwrap_err().to_string();
+        assert!(message.contains("speekers") && message.contains("speakers"), "{message}");
+    }
+
+    #[test]
+    fn files_that_are_missing_too_large_or_no_text_are_told_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("large.scene"), vec![b' '; LIMITS.scene_bytes_max + 1]).unwrap();
+        std::fs::write(path("binary.scene"), [b'x', 0xff, 0xfe]).unwrap();
+        let error = |name: &str| SceneSource::File(path(name)).compile().unwrap_err();
+        assert!(matches!(error("missing.scene"), SceneError::Unreadable { .. }));
+        assert!(matches!(error("large.scene"), SceneError::TooLarge { .. }));
+        assert!(matches!(error("binary.scene"), SceneError::NotText { position: 1, .. }));
+    }
+
+    #[test]
+    fn includes_are_read_from_the_scenes_folder_and_from_nowhere_else() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("in")).unwrap();
+        std::fs::write(folder.path().join("outside.scene"), "fn ball(p) { length(p) - 1 }").unwrap();
+        std::fs::write(folder.path().join("in/part.scene"), "fn ball(p) { length(p) - 1 }").unwrap();
+        let compile = |include: &str| {
+            let file = folder.path().join("in/main.scene");
+            let text = format!("include \"{include}\"\nobject o {{ shape = ball(p) }}\n");
+            std::fs::write(&file, text).unwrap();
+            SceneSource::File(file).compile().unwrap()
+        };
+        let good = compile("part.scene");
+        assert!(good.scene.is_some(), "{}", good.render(false));
+        assert!(compile("../outside.scene").scene.is_none());
+    }
+}

@@ -1,0 +1,358 @@
+//! From the graph to clauses: which value lies in which slot at which time.
+
+use super::clause::{Clause, Instruction, Operand};
+use super::{TableEntry, Tape, TapeError, TapeOptions};
+use crate::graph::{Graph, Node, NodeId, Op, Properties};
+
+/// No slot, no memory, no table entry, no further use.
+const NONE: u32 = u32::MAX;
+/// Entries of a page of the table.
+const PAGE: usize = 256;
+
+/// Builds a tape; see [`Tape::build`].
+pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {
+    if !(2..=256).contains(&options.slots) {
+        return Err(TapeError::SlotCount { count: options.slots });
+    }
+    let outputs_max = options.limits.tape_outputs_max.min(options.slots);
+    if roots.len() > outputs_max {
+        return Err(TapeError::TooManyOutputs { count: roots.len(), max: outputs_max });
+    }
+    let order = graph.order(roots)?.nodes;
+    let next_uses = next_uses(graph, &order, roots);
+    let nodes = roots.iter().max().map_or(0, |last| last.index() + 1);
+    let mut allocator = Allocator {
+        graph,
+        options,
+        tape: Tape { clauses: Vec::with_capacity(order.len() + 8), ..Tape::default() },
+        places: vec![Place::default(); nodes],
+        held: [None; 256],
+        next_use: [NONE; 256],
+        free: [u64::MAX; 4],
+        pinned: [0; 4],
+        free_memory: Vec::new(),
+        page_start: 0,
+    };
+    for (&id, &uses) in order.iter().zip(&next_uses) {
+        allocator.define(id, uses)?;
+        if allocator.tape.clauses.len() > options.limits.tape_clauses_max {
+            return Err(TapeError::TooManyClauses { max: options.limits.tape_clauses_max });
+        }
+    }
+    allocator.finish(roots)?;
+    let tape = allocator.tape;
+    if tape.clauses.len() > options.limits.tape_clauses_max {
+        return Err(TapeError::TooManyClauses { max: options.limits.tape_clauses_max });
+    }
+    Ok(tape)
+}
+
+/// For a node in the order: where its own value, its operand a and its operand b are used next.
+#[derive(Debug, Clone, Copy, Default)]
+struct NextUses {
+    own: u32,
+    a: u32,
+    b: u32,
+}
+
+fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses> {
+    let nodes = roots.iter().max().map_or(0, |last| last.index() + 1);
+    let mut upcoming = vec![NONE; nodes];
+    for root in roots {
+        upcoming[root.index()] = order.len() as u32;
+    }
+    let mut uses = vec![NextUses::default(); order.len()];
+    for (position, &id) in order.iter().enumerate().rev() {
+        let position_word = position as u32;
+        let entry = &mut uses[position];
+        entry.own = upcoming[id.index()];
+        match graph.node(id) {
+            Node::Constant(_) | Node::Input(_) => {}
+            Node::Unary(_, a) => entry.a = std::mem::replace(&mut upcoming[a.index()], position_word),
+            Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
+                // Both are read before the next use, also where they are one.
+                (entry.a, entry.b) = (upcoming[a.index()], upcoming[b.index()]);
+                upcoming[a.index()] = position_word;
+                upcoming[b.index()] = position_word;
+            }
+        }
+    }
+    uses
+}
+
+/// Where a node's value can be found.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    /// Slot, or for values of the table the entry.
+    slot_or_entry: u32,
+    memory: u32,
+}
+
+impl Default for Place {
+    fn default() -> Self {
+        Self { slot_or_entry: NONE, memory: NONE }
+    }
+}
+
+struct Allocator<'a> {
+    graph: &'a Graph,
+    options: &'a TapeOptions,
+    tape: Tape,
+    /// By node.
+    places: Vec<Place>,
+    /// By slot: the value in it.
+    held: [Option<NodeId>; 256],
+    /// By slot: where its value is used next.
+    next_use: [u32; 256],
+    /// Bits of slots.
+    free: [u64; 4],
+    /// Bits of slots that must not be spilled now.
+    pinned: [u64; 4],
+    free_memory: Vec<u16>,
+    /// First entry of the table's current page.
+    page_start: usize,
+}
+
+impl Allocator<'_> {
+    fn emit(&mut self, instruction: Instruction) {
+        self.tape.clauses.push(instruction.encode());
+    }
+
+    /// Whether the value is an entry of the table.
+    fn in_table(&self, id: NodeId) -> bool {
+        match self.graph.node(id) {
+            Node::Constant(_) => true,
+            Node::Input(input) => input.of_point().is_none(),
+            _ => false,
+        }
+    }
+
+    /// The entry of the current page that holds the value; must be asked for right before the clause that
+    /// uses it.
+    fn entry(&mut self, id: NodeId) -> u8 {
+        let known = self.places[id.index()].slot_or_entry;
+        if known != NONE && known as usize >= self.page_start {
+            return (known as usize - self.page_start) as u8;
+        }
+        if self.tape.table.len() == self.page_start + PAGE {
+            self.page_start += PAGE;
+            // At most two entries per clause and the limit on clauses keep the page's number far below 2^16.
+            self.emit(Instruction::Page((self.page_start / PAGE) as u16));
+        }
+        let entry = match self.graph.node(id) {
+            Node::Input(input) => TableEntry::Input(input),
+            node => TableEntry::Constant(node.as_constant().unwrap_or(0.0)),
+        };
+        self.places[id.index()].slot_or_entry = self.tape.table.len() as u32;
+        self.tape.table.push(entry);
+        (self.tape.table.len() - 1 - self.page_start) as u8
+    }
+
+    fn is_free(&self, slot: u8) -> bool {
+        self.free[usize::from(slot >> 6)] >> (slot & 63) & 1 == 1
+    }
+
+    fn release(&mut self, slot: u8) {
+        self.free[usize::from(slot >> 6)] |= 1 << (slot & 63);
+        if let Some(id) = self.held[usize::from(slot)].take() {
+            let place = &mut self.places[id.index()];
+            place.slot_or_entry = NONE;
+            if place.memory != NONE {
+                self.free_memory.push(place.memory as u16);
+                place.memory = NONE;
+            }
+        }
+    }
+
+    fn pin(&mut self, slot: u8) {
+        self.pinned[usize::from(slot >> 6)] |= 1 << (slot & 63);
+    }
+
+    /// The lowest free slot, made free if there is none.
+    fn take_any(&mut self) -> Result<u8, TapeError> {
+        let lowest = (0..4)
+            .find(|&part| self.free[part] != 0)
+            .map(|part| part * 64 + self.free[part].trailing_zeros() as usize);
+        let slot = match lowest {
+            Some(slot) if slot < self.options.slots => slot as u8,
+            _ => self.spill()?,
+        };
+        self.take(slot);
+        Ok(slot)
+    }
+
+    fn take(&mut self, slot: u8) {
+        self.free[usize::from(slot >> 6)] &= !(1 << (slot & 63));
+        self.tape.slots = self.tape.slots.max(usize::from(slot) + 1);
+    }
+
+    /// Frees the slot whose value is used farthest ahead.
+    #[cold]
+    fn spill(&mut self) -> Result<u8, TapeError> {
+        let mut farthest: Option<(u32, u8)> = None;
+        for slot in 0..self.options.slots {
+            let pinned = self.pinned[slot >> 6] >> (slot & 63) & 1 == 1;
+            if !pinned && farthest.is_none_or(|(next, _)| self.next_use[slot] > next) {
+                farthest = Some((self.next_use[slot], slot as u8));
+            }
+        }
+        // Two operands, or all outputs but the one that is fetched, are pinned at most.
+        let Some((_, slot)) = farthest else {
+            return Err(TapeError::SlotCount { count: self.options.slots });
+        };
+        if let Some(id) = self.held[usize::from(slot)].take() {
+            let again = matches!(self.graph.node(id), Node::Input(_)) || self.in_table(id);
+            if !again && self.places[id.index()].memory == NONE {
+                let memory = self.take_memory()?;
+                self.places[id.index()].memory = u32::from(memory);
+                self.emit(Instruction::Store { slot, memory });
+            }
+            if !self.in_table(id) {
+                self.places[id.index()].slot_or_entry = NONE;
+            }
+        }
+        Ok(slot)
+    }
+
+    fn take_memory(&mut self) -> Result<u16, TapeError> {
+        if let Some(memory) = self.free_memory.pop() {
+            return Ok(memory);
+        }
+        let max = self.options.limits.tape_memory_max.min(1 << 16);
+        if self.tape.memory >= max {
+            return Err(TapeError::TooMuchMemory { max });
+        }
+        self.tape.memory += 1;
+        Ok((self.tape.memory - 1) as u16)
+    }
+
+    /// The slot of a value, fetched into one if it is in none; pinned.
+    fn fetch(&mut self, id: NodeId) -> Result<u8, TapeError> {
+        if self.in_table(id) {
+            let output = self.take_any()?;
+            let entry = self.entry(id);
+            self.emit(Instruction::Load { output, entry });
+            self.pin(output);
+            return Ok(output);
+        }
+        let place = self.places[id.index()];
+        let slot = if place.slot_or_entry != NONE {
+            place.slot_or_entry as u8
+        } else {
+            let output = self.take_any()?;
+            match self.graph.node(id) {
+                Node::Input(input) => {
+                    let place = input.of_point().unwrap_or(0) as u8;
+                    self.emit(Instruction::Input { output, place });
+                }
+                _ => self.emit(Instruction::Reload { output, memory: place.memory as u16 }),
+            }
+            self.hold(output, id);
+            output
+        };
+        self.pin(slot);
+        Ok(slot)
+    }
+
+    fn hold(&mut self, slot: u8, id: NodeId) {
+        self.held[usize::from(slot)] = Some(id);
+        self.places[id.index()].slot_or_entry = u32::from(slot);
+    }
+
+    /// After its last use a value's slot is free; a slot that only carried an entry of the table always is.
+    fn used(&mut self, slot: u8, next_use: u32) {
+        self.next_use[usize::from(slot)] = next_use;
+        if next_use == NONE || self.held[usize::from(slot)].is_none() {
+            self.release(slot);
+        }
+    }
+
+    /// A slot for a result: that of operand b or a if it is free now.
+    fn result(&mut self, a: Option<u8>, b: Option<u8>) -> Result<u8, TapeError> {
+        self.pinned = [0; 4];
+        for slot in [b, a].into_iter().flatten() {
+            if self.is_free(slot) {
+                self.take(slot);
+                return Ok(slot);
+            }
+        }
+        self.take_any()
+    }
+
+    fn define(&mut self, id: NodeId, uses: NextUses) -> Result<(), TapeError> {
+        let output = match self.graph.node(id) {
+            Node::Constant(_) => return Ok(()),
+            Node::Input(input) => {
+                let Some(place) = input.of_point() else { return Ok(()) };
+                let output = self.take_any()?;
+                self.emit(Instruction::Input { output, place: place as u8 });
+                output
+            }
+            Node::Unary(op, a) => {
+                let a = self.fetch(a)?;
+                self.used(a, uses.a);
+                let output = self.result(Some(a), None)?;
+                self.emit(Instruction::Unary { op, output, a });
+                output
+            }
+            Node::Binary(op, a, b) => self.binary(op, a, b, uses)?,
+            Node::Texture { texture, channel, u, v } => {
+                let first = self.fetch(u)?;
+                let second = if u == v { first } else { self.fetch(v)? };
+                self.used(first, uses.a);
+                self.used(second, uses.b);
+                let output = self.result(Some(first), Some(second))?;
+                self.emit(Instruction::SelectTexture { texture, channel });
+                self.emit(Instruction::Texture { output, u: first, v: second });
+                output
+            }
+        };
+        self.next_use[usize::from(output)] = uses.own;
+        self.hold(output, id);
+        Ok(())
+    }
+
+    fn binary(&mut self, op: Op, mut a: NodeId, mut b: NodeId, mut uses: NextUses) -> Result<u8, TapeError> {
+        if op.properties().has(Properties::COMMUTATIVE) && self.in_table(a) && !self.in_table(b) {
+            std::mem::swap(&mut a, &mut b);
+            std::mem::swap(&mut uses.a, &mut uses.b);
+        }
+        // The only form of a clause that takes two values of the table has the first one in a slot.
+        let (left, right) = match (self.in_table(a), self.in_table(b)) {
+            (true, false) => (None, Some(self.fetch(b)?)),
+            (_, true) => (Some(self.fetch(a)?), None),
+            (false, false) => {
+                let left = self.fetch(a)?;
+                (Some(left), Some(if a == b { left } else { self.fetch(b)? }))
+            }
+        };
+        if let Some(slot) = left {
+            self.used(slot, uses.a);
+        }
+        if let Some(slot) = right {
+            self.used(slot, uses.b);
+        }
+        let output = self.result(left, right)?;
+        let left = left.map_or_else(|| Operand::Immediate(self.entry(a)), Operand::Slot);
+        let right = right.map_or_else(|| Operand::Immediate(self.entry(b)), Operand::Slot);
+        self.emit(Instruction::Binary { op, output, a: left, b: right });
+        Ok(output)
+    }
+
+    /// Every root into a slot.
+    fn finish(&mut self, roots: &[NodeId]) -> Result<(), TapeError> {
+        self.pinned = [0; 4];
+        for (place, &root) in roots.iter().enumerate() {
+            let same = roots[..place].iter().position(|&earlier| earlier == root);
+            let slot = match same {
+                Some(earlier) => self.tape.outputs[earlier],
+                None => self.fetch(root)?,
+            };
+            self.tape.outputs.push(slot);
+        }
+        Ok(())
+    }
+}
+
+/// What [`Clause`] promises.
+const _: () = assert!(std::mem::size_of::<Clause>() == 4);

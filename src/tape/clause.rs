@@ -1,0 +1,208 @@
+//! Clauses: four bytes each, and what they mean.
+
+use crate::graph::{FIRST_BINARY, Input, Op};
+
+/// Opcodes that are no operators.
+pub mod opcode {
+    /// The tape ends here.
+    pub const END: u8 = 0;
+    /// Immediates index the page of the table with the number in the last two bytes from here on.
+    pub const PAGE: u8 = 1;
+    /// Copies an entry of the table's page into a slot.
+    pub const LOAD: u8 = 2;
+    /// Copies a slot into memory.
+    pub const STORE: u8 = 3;
+    /// Copies memory into a slot.
+    pub const RELOAD: u8 = 4;
+    /// Names the texture and the channel that the next TEXTURE clause reads.
+    pub const SELECT_TEXTURE: u8 = 5;
+    /// Reads a texture.
+    pub const TEXTURE: u8 = 6;
+    /// The first of the six inputs of the point, X.
+    pub const FIRST_INPUT: u8 = 8;
+    /// Added to a two-operand operator's number where operand b is an immediate.
+    pub const REGISTER_IMMEDIATE: u8 = 64;
+    /// Added to a two-operand operator's number where operand a is an immediate.
+    pub const IMMEDIATE_REGISTER: u8 = 128;
+}
+
+/// One clause (thesis, section 4.3).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(C)]
+pub struct Clause {
+    /// What to do.
+    pub opcode: u8,
+    /// The slot that is written.
+    pub output: u8,
+    /// First operand.
+    pub input_a: u8,
+    /// Second operand.
+    pub input_b: u8,
+}
+
+/// An operand of a two-operand operator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Operand {
+    /// A slot.
+    Slot(u8),
+    /// An immediate: an entry of the table's current page.
+    Immediate(u8),
+}
+
+/// A clause, read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Instruction {
+    /// The tape ends here.
+    End,
+    /// Immediates index this page of the table from here on.
+    Page(u16),
+    /// slot := table
+    Load {
+        /// Slot written.
+        output: u8,
+        /// Entry of the page.
+        entry: u8,
+    },
+    /// memory := slot
+    Store {
+        /// Slot read.
+        slot: u8,
+        /// Memory written.
+        memory: u16,
+    },
+    /// slot := memory
+    Reload {
+        /// Slot written.
+        output: u8,
+        /// Memory read.
+        memory: u16,
+    },
+    /// Chooses what the TEXTURE that follows at once reads.
+    SelectTexture {
+        /// Number of the texture in the scene.
+        texture: u16,
+        /// 0 red .. 3 alpha.
+        channel: u8,
+    },
+    /// slot := texture at (u, v)
+    Texture {
+        /// Slot written.
+        output: u8,
+        /// Slot of u.
+        u: u8,
+        /// Slot of v.
+        v: u8,
+    },
+    /// slot := input of the point, by its place in [`Input::OF_POINT`]
+    Input {
+        /// Slot written.
+        output: u8,
+        /// Place of the input, 0..6.
+        place: u8,
+    },
+    /// slot := op(slot)
+    Unary {
+        /// The operator.
+        op: Op,
+        /// Slot written.
+        output: u8,
+        /// Slot read.
+        a: u8,
+    },
+    /// slot := op(a, b), at most one of them an immediate
+    Binary {
+        /// The operator.
+        op: Op,
+        /// Slot written.
+        output: u8,
+        /// First operand.
+        a: Operand,
+        /// Second operand.
+        b: Operand,
+    },
+}
+
+impl Clause {
+    /// The clause as a word; see the table of [`crate::tape`].
+    #[inline]
+    pub const fn word(self) -> u32 {
+        u32::from_le_bytes([self.opcode, self.output, self.input_a, self.input_b])
+    }
+
+    /// The clause of a word.
+    pub const fn from_word(word: u32) -> Self {
+        let [opcode, output, input_a, input_b] = word.to_le_bytes();
+        Self { opcode, output, input_a, input_b }
+    }
+
+    /// What the clause means; none for an opcode that does not exist.
+    #[inline]
+    pub const fn decode(self) -> Option<Instruction> {
+        let Self { opcode, output, input_a, input_b } = self;
+        let wide = u16::from_le_bytes([input_a, input_b]);
+        Some(match opcode {
+            opcode::END => Instruction::End,
+            opcode::PAGE => Instruction::Page(wide),
+            opcode::LOAD => Instruction::Load { output, entry: input_a },
+            opcode::STORE => Instruction::Store { slot: output, memory: wide },
+            opcode::RELOAD => Instruction::Reload { output, memory: wide },
+            opcode::SELECT_TEXTURE => Instruction::SelectTexture { texture: wide, channel: output },
+            opcode::TEXTURE => Instruction::Texture { output, u: input_a, v: input_b },
+            opcode::FIRST_INPUT..=13 => Instruction::Input { output, place: opcode - opcode::FIRST_INPUT },
+            _ => {
+                let form = opcode & 0xC0;
+                let number = if form == 0 { opcode } else { opcode & 0x3F | FIRST_BINARY };
+                let Some(op) = Op::from_number(number) else { return None };
+                let (a, b) = (input_a, input_b);
+                match form {
+                    0 => Instruction::Unary { op, output, a },
+                    0x40 => Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Slot(b) },
+                    0x80 => Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Immediate(b) },
+                    _ => Instruction::Binary { op, output, a: Operand::Immediate(a), b: Operand::Slot(b) },
+                }
+            }
+        })
+    }
+}
+
+impl Instruction {
+    /// The four bytes. Two immediates at once have no form: the second is taken for a slot.
+    #[inline]
+    pub const fn encode(self) -> Clause {
+        const fn wide(opcode: u8, output: u8, wide: u16) -> Clause {
+            let [input_a, input_b] = wide.to_le_bytes();
+            Clause { opcode, output, input_a, input_b }
+        }
+        const fn clause(opcode: u8, output: u8, input_a: u8, input_b: u8) -> Clause {
+            Clause { opcode, output, input_a, input_b }
+        }
+        match self {
+            Instruction::End => clause(opcode::END, 0, 0, 0),
+            Instruction::Page(page) => wide(opcode::PAGE, 0, page),
+            Instruction::Load { output, entry } => clause(opcode::LOAD, output, entry, 0),
+            Instruction::Store { slot, memory } => wide(opcode::STORE, slot, memory),
+            Instruction::Reload { output, memory } => wide(opcode::RELOAD, output, memory),
+            Instruction::SelectTexture { texture, channel } => wide(opcode::SELECT_TEXTURE, channel, texture),
+            Instruction::Texture { output, u, v } => clause(opcode::TEXTURE, output, u, v),
+            Instruction::Input { output, place } => clause(opcode::FIRST_INPUT + place, output, 0, 0),
+            Instruction::Unary { op, output, a } => clause(op.number(), output, a, 0),
+            Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Slot(b) } => {
+                clause(op.number(), output, a, b)
+            }
+            Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Immediate(b) } => {
+                clause(op.number() + opcode::REGISTER_IMMEDIATE, output, a, b)
+            }
+            Instruction::Binary {
+                op,
+                output,
+                a: Operand::Immediate(a),
+                b: Operand::Slot(b) | Operand::Immediate(b),
+            } => clause(op.number() + opcode::IMMEDIATE_REGISTER, output, a, b),
+        }
+    }
+}
+
+/// The input of the point with the given place.
+pub(super) fn input_of_place(place: u8) -> Input {
+    Input::OF_POINT[usize::from(place) % Input::OF_POINT.len()]
+}

@@ -1,0 +1,402 @@
+//! Tapes on the CPU: one machine, run over numbers, batches of numbers, intervals or dual numbers.
+
+use super::Tape;
+use super::clause::{Instruction, Operand};
+use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
+
+/// Points that a batch evaluates at once.
+const LANES: usize = 64;
+
+/// What a tape is run over.
+trait Domain {
+    type Value: Copy;
+    fn constant(&self, value: f32) -> Self::Value;
+    fn input(&self, place: usize) -> Self::Value;
+    fn unary(&mut self, op: Op, a: &Self::Value) -> Self::Value;
+    fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value;
+    fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value;
+}
+
+/// The slots, the memory and the table of one run.
+#[derive(Debug, Clone)]
+struct Machine<V> {
+    slots: Vec<V>,
+    memory: Vec<V>,
+    table: Vec<f32>,
+}
+
+impl<V: Copy> Machine<V> {
+    fn new(tape: &Tape, frame: &FrameInputs, zero: V) -> Self {
+        let mut table = Vec::new();
+        tape.table_values(frame, &mut table);
+        Self { slots: vec![zero; tape.slots.max(1)], memory: vec![zero; tape.memory], table }
+    }
+
+    #[inline(always)]
+    fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V>) {
+        let Self { slots, memory, table } = self;
+        let mut page = 0;
+        let mut selected = (0, 0);
+        for clause in &tape.clauses {
+            let Some(instruction) = clause.decode() else { continue };
+            match instruction {
+                Instruction::End => break,
+                Instruction::Page(number) => page = usize::from(number) * 256,
+                Instruction::Load { output, entry } => {
+                    slots[usize::from(output)] = domain.constant(table[page + usize::from(entry)]);
+                }
+                Instruction::Store { slot, memory: to } => memory[usize::from(to)] = slots[usize::from(slot)],
+                Instruction::Reload { output, memory: from } => {
+                    slots[usize::from(output)] = memory[usize::from(from)];
+                }
+                Instruction::SelectTexture { texture, channel } => selected = (texture, channel),
+                Instruction::Texture { output, u, v } => {
+                    let value = domain.texture(
+                        selected.0,
+                        selected.1,
+                        &slots[usize::from(u)],
+                        &slots[usize::from(v)],
+                    );
+                    slots[usize::from(output)] = value;
+                }
+                Instruction::Input { output, place } => {
+                    slots[usize::from(output)] = domain.input(usize::from(place));
+                }
+                Instruction::Unary { op, output, a } => {
+                    slots[usize::from(output)] = domain.unary(op, &slots[usize::from(a)]);
+                }
+                Instruction::Binary { op, output, a, b } => {
+                    let value = match (a, b) {
+                        (Operand::Slot(a), Operand::Slot(b)) => {
+                            domain.binary(op, &slots[usize::from(a)], &slots[usize::from(b)])
+                        }
+                        (Operand::Slot(a), Operand::Immediate(b)) => {
+                            let b = domain.constant(table[page + usize::from(b)]);
+                            domain.binary(op, &slots[usize::from(a)], &b)
+                        }
+                        (Operand::Immediate(a), Operand::Slot(b)) => {
+                            let a = domain.constant(table[page + usize::from(a)]);
+                            domain.binary(op, &a, &slots[usize::from(b)])
+                        }
+                        (Operand::Immediate(_), Operand::Immediate(_)) => continue,
+                    };
+                    slots[usize::from(output)] = value;
+                }
+            }
+        }
+    }
+}
+
+struct Numbers<'a> {
+    inputs: [f32; 6],
+    frame: &'a FrameInputs,
+}
+
+impl Domain for Numbers<'_> {
+    type Value = f32;
+    #[inline(always)]
+    fn constant(&self, value: f32) -> f32 {
+        value
+    }
+    #[inline(always)]
+    fn input(&self, place: usize) -> f32 {
+        self.inputs[place]
+    }
+    #[inline(always)]
+    fn unary(&mut self, op: Op, a: &f32) -> f32 {
+        op.value(*a, 0.0, self.frame)
+    }
+    #[inline(always)]
+    fn binary(&mut self, op: Op, a: &f32, b: &f32) -> f32 {
+        op.value(*a, *b, self.frame)
+    }
+    #[inline(always)]
+    fn texture(&mut self, texture: u16, channel: u8, u: &f32, v: &f32) -> f32 {
+        self.frame.texture(texture, channel, *u, *v)
+    }
+}
+
+/// Evaluates a tape at one point after the other, within one frame.
+#[derive(Debug, Clone)]
+pub struct PointEvaluator<'a> {
+    tape: &'a Tape,
+    frame: &'a FrameInputs,
+    machine: Machine<f32>,
+    outputs: Vec<f32>,
+}
+
+impl<'a> PointEvaluator<'a> {
+    /// An evaluator of the tape with a frame's inputs.
+    pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
+        let outputs = vec![0.0; tape.outputs.len()];
+        Self { tape, frame, machine: Machine::new(tape, frame, 0.0), outputs }
+    }
+
+    /// The outputs at a point, bit for bit those of the graph.
+    pub fn at(&mut self, point: &Point) -> &[f32] {
+        let mut domain = Numbers { inputs: point.inputs(), frame: self.frame };
+        self.machine.run(self.tape, &mut domain);
+        for (value, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
+            *value = self.machine.slots[usize::from(slot)] + 0.0;
+        }
+        &self.outputs
+    }
+}
+
+/// Many points, a slice per coordinate; the shortest slice decides how many.
+#[derive(Debug, Clone, Copy)]
+pub struct Points<'a> {
+    /// x, y and z of the positions.
+    pub position: [&'a [f32]; 3],
+    /// x, y and z of the normals; none where they are 0.
+    pub normal: Option<[&'a [f32]; 3]>,
+}
+
+impl Points<'_> {
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        let slices = self.position.iter().chain(self.normal.iter().flatten());
+        slices.map(|slice| slice.len()).min().unwrap_or(0)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// One coordinate of the points from `start` on, 0 beyond the end.
+    fn lanes(&self, place: usize, start: usize) -> [f32; LANES] {
+        let slice = match place {
+            0..=2 => self.position[place],
+            _ => self.normal.map_or(&[][..], |normal| normal[place - 3]),
+        };
+        let mut lanes = [0.0; LANES];
+        let part = slice.get(start..).unwrap_or(&[]);
+        for (lane, value) in lanes.iter_mut().zip(part) {
+            *lane = *value;
+        }
+        lanes
+    }
+}
+
+struct Lanes<'a> {
+    points: Points<'a>,
+    start: usize,
+    frame: &'a FrameInputs,
+}
+
+struct LaneKernel<'a> {
+    a: &'a [f32; LANES],
+    b: &'a [f32; LANES],
+    result: [f32; LANES],
+    frame: &'a FrameInputs,
+}
+
+impl Kernel for LaneKernel<'_> {
+    #[inline(always)]
+    fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy) {
+        for lane in 0..LANES {
+            self.result[lane] = meaning(self.a[lane], self.b[lane], self.frame);
+        }
+    }
+}
+
+impl Domain for Lanes<'_> {
+    type Value = [f32; LANES];
+    #[inline(always)]
+    fn constant(&self, value: f32) -> Self::Value {
+        [value; LANES]
+    }
+    fn input(&self, place: usize) -> Self::Value {
+        self.points.lanes(place, self.start)
+    }
+    #[inline(always)]
+    fn unary(&mut self, op: Op, a: &Self::Value) -> Self::Value {
+        self.binary(op, a, a)
+    }
+    #[inline(always)]
+    fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value {
+        let mut kernel = LaneKernel { a, b, result: [0.0; LANES], frame: self.frame };
+        op.with_value(&mut kernel);
+        kernel.result
+    }
+    fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value {
+        std::array::from_fn(|lane| self.frame.texture(texture, channel, u[lane], v[lane]))
+    }
+}
+
+/// Evaluates a tape at many points at once, within one frame.
+#[derive(Debug, Clone)]
+pub struct Batch<'a> {
+    tape: &'a Tape,
+    frame: &'a FrameInputs,
+    machine: Machine<[f32; LANES]>,
+}
+
+impl<'a> Batch<'a> {
+    /// An evaluator of the tape with a frame's inputs.
+    pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
+        Self { tape, frame, machine: Machine::new(tape, frame, [0.0; LANES]) }
+    }
+
+    /// The values at the points, a vector per output of the tape; bit for bit those of [`PointEvaluator`].
+    pub fn run(&mut self, points: Points<'_>) -> Vec<Vec<f32>> {
+        let count = points.len();
+        let mut outputs: Vec<Vec<f32>> =
+            self.tape.outputs.iter().map(|_| Vec::with_capacity(count)).collect();
+        for start in (0..count).step_by(LANES) {
+            let mut domain = Lanes { points, start, frame: self.frame };
+            self.machine.run(self.tape, &mut domain);
+            let lanes = LANES.min(count - start);
+            for (values, &slot) in outputs.iter_mut().zip(&self.tape.outputs) {
+                let row = &self.machine.slots[usize::from(slot)];
+                values.extend(row[..lanes].iter().map(|value| value + 0.0));
+            }
+        }
+        outputs
+    }
+}
+
+struct Intervals<'a> {
+    inputs: [Interval; 6],
+    frame: &'a FrameInputs,
+    choices: &'a mut Vec<Choice>,
+}
+
+impl Domain for Intervals<'_> {
+    type Value = Interval;
+    #[inline(always)]
+    fn constant(&self, value: f32) -> Interval {
+        Interval::point(value)
+    }
+    #[inline(always)]
+    fn input(&self, place: usize) -> Interval {
+        self.inputs[place]
+    }
+    #[inline(always)]
+    fn unary(&mut self, op: Op, a: &Interval) -> Interval {
+        op.bounds(*a, Interval::point(0.0), self.frame)
+    }
+    #[inline(always)]
+    fn binary(&mut self, op: Op, a: &Interval, b: &Interval) -> Interval {
+        if op.chooses() {
+            self.choices.push(op.choice(*a, *b));
+        }
+        op.bounds(*a, *b, self.frame)
+    }
+    fn texture(&mut self, _texture: u16, _channel: u8, _u: &Interval, _v: &Interval) -> Interval {
+        Interval::UNIT
+    }
+}
+
+/// Bounds a tape over boxes, within one frame.
+#[derive(Debug, Clone)]
+pub struct IntervalEvaluator<'a> {
+    tape: &'a Tape,
+    frame: &'a FrameInputs,
+    machine: Machine<Interval>,
+    outputs: Vec<Interval>,
+    choices: Vec<Choice>,
+}
+
+impl<'a> IntervalEvaluator<'a> {
+    /// An evaluator of the tape with a frame's inputs.
+    pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
+        let machine = Machine::new(tape, frame, Interval::point(0.0));
+        let outputs = vec![Interval::point(0.0); tape.outputs.len()];
+        Self { tape, frame, machine, outputs, choices: Vec::new() }
+    }
+
+    /// Bounds of the outputs over a box of positions and of normals: every value that [`PointEvaluator`]
+    /// computes in it is inside.
+    pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Interval] {
+        let ([x, y, z], [nx, ny, nz]) = (position, normal);
+        self.choices.clear();
+        let inputs = [x, y, z, nx, ny, nz];
+        let mut domain = Intervals { inputs, frame: self.frame, choices: &mut self.choices };
+        self.machine.run(self.tape, &mut domain);
+        for (bounds, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
+            *bounds = self.machine.slots[usize::from(slot)];
+        }
+        &self.outputs
+    }
+
+    /// Of the last box: which operand decided, for each MIN, MAX and MASK in the order of the tape.
+    pub fn choices(&self) -> &[Choice] {
+        &self.choices
+    }
+}
+
+/// A value and its derivatives by x, y and z.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Dual {
+    /// The value.
+    pub value: f32,
+    /// The gradient.
+    pub gradient: [f32; 3],
+}
+
+struct Duals<'a> {
+    inputs: [f32; 6],
+    frame: &'a FrameInputs,
+}
+
+impl Domain for Duals<'_> {
+    type Value = Dual;
+    fn constant(&self, value: f32) -> Dual {
+        Dual { value, gradient: [0.0; 3] }
+    }
+    fn input(&self, place: usize) -> Dual {
+        let gradient = std::array::from_fn(|axis| if axis == place { 1.0 } else { 0.0 });
+        Dual { value: self.inputs[place], gradient }
+    }
+    fn unary(&mut self, op: Op, a: &Dual) -> Dual {
+        let value = op.value(a.value, 0.0, self.frame);
+        let (slope, _) = op.slopes(a.value, 0.0, value, self.frame);
+        Dual { value, gradient: a.gradient.map(|d| along(slope, d)) }
+    }
+    fn binary(&mut self, op: Op, a: &Dual, b: &Dual) -> Dual {
+        let value = op.value(a.value, b.value, self.frame);
+        let (by_a, by_b) = op.slopes(a.value, b.value, value, self.frame);
+        let gradient =
+            std::array::from_fn(|axis| along(by_a, a.gradient[axis]) + along(by_b, b.gradient[axis]));
+        Dual { value, gradient }
+    }
+    fn texture(&mut self, texture: u16, channel: u8, u: &Dual, v: &Dual) -> Dual {
+        self.constant(self.frame.texture(texture, channel, u.value, v.value))
+    }
+}
+
+/// The chain rule; what does not change passes no slope on, however steep.
+#[inline(always)]
+fn along(slope: f32, change: f32) -> f32 {
+    if change == 0.0 || slope == 0.0 { 0.0 } else { slope * change }
+}
+
+/// Evaluates a tape and its gradient by forward dual numbers, within one frame. Textures count as flat.
+#[derive(Debug, Clone)]
+pub struct GradientEvaluator<'a> {
+    tape: &'a Tape,
+    frame: &'a FrameInputs,
+    machine: Machine<Dual>,
+    outputs: Vec<Dual>,
+}
+
+impl<'a> GradientEvaluator<'a> {
+    /// An evaluator of the tape with a frame's inputs.
+    pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
+        let outputs = vec![Dual::default(); tape.outputs.len()];
+        Self { tape, frame, machine: Machine::new(tape, frame, Dual::default()), outputs }
+    }
+
+    /// The outputs and their derivatives by the position, at a point.
+    pub fn at(&mut self, point: &Point) -> &[Dual] {
+        let mut domain = Duals { inputs: point.inputs(), frame: self.frame };
+        self.machine.run(self.tape, &mut domain);
+        for (dual, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
+            *dual = self.machine.slots[usize::from(slot)];
+            dual.value += 0.0;
+        }
+        &self.outputs
+    }
+}

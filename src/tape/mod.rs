@@ -1,0 +1,188 @@
+//! The tape: an expression as a list of four-byte clauses (thesis, section 4.3; Keeter 2020, section 3).
+//!
+//! A clause is an opcode, an output and two inputs, each a byte. Slots (registers) hold values; the table
+//! holds the constants and the inputs that are the same all over a frame, which clauses take as immediates.
+//!
+//! **Words.** A clause is one `u32`; [`Tape::words`] adds END and fills up with END to a multiple of four, so
+//! that one fetch of an RGBA32UI texel brings four clauses.
+//!
+//! | opcode | clause | bits 8..16 | bits 16..24 | bits 24..32 |
+//! |---|---|---|---|---|
+//! | 0 | END | 0 | 0 | 0 |
+//! | 1 | PAGE: immediates index `table[256 * page + byte]` from here on; page 0 at the start | 0 | page, low byte | page, high byte |
+//! | 2 | LOAD: slot := table | slot | table | 0 |
+//! | 3 | STORE: memory := slot | slot | memory, low byte | memory, high byte |
+//! | 4 | RELOAD: slot := memory | slot | memory, low byte | memory, high byte |
+//! | 5 | SELECT_TEXTURE: what the next clause, always a TEXTURE, reads | channel | texture, low byte | texture, high byte |
+//! | 6 | TEXTURE: slot := texture(u, v) | slot | slot of u | slot of v |
+//! | 8..=13 | X, Y, Z, NX, NY, NZ: slot := input of the point | slot | 0 | 0 |
+//! | 16..64 | one-operand operator with this number | slot | slot a | 0 |
+//! | 64..128 | two-operand operator with this number: op(slot, slot) | slot | slot a | slot b |
+//! | 128..192 | the operator with the number opcode - 64: op(slot, table) | slot | slot a | table |
+//! | 192..256 | the operator with the number opcode - 128: op(table, slot) | slot | table | slot b |
+//!
+//! So an interpreter reads the form of the operands from the top two bits, fetches them, and switches over
+//! 16..64 or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its
+//! output.
+//!
+//! **Slots.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
+//! graph's order of evaluation. A slot is free after the last use of its value; the output takes the slot of
+//! operand b if it became free, else that of operand a, else the lowest free one. Where all are taken, the
+//! value whose next use lies farthest ahead is spilled (Belady 1966) and read again when it is needed; inputs
+//! of the point are read anew.
+
+mod allocate;
+mod clause;
+mod evaluate;
+pub mod glsl;
+mod print;
+
+pub use clause::{Clause, Instruction, Operand, opcode};
+pub use evaluate::{Batch, Dual, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points};
+
+use std::collections::BTreeSet;
+
+use crate::graph::{FrameInputs, Graph, GraphError, Input, NodeId, Op};
+use crate::limits::{LIMITS, Limits};
+
+/// Why no tape was built.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TapeError {
+    /// The graph cannot be used.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// The expression takes more clauses than the limit.
+    #[error("the tape needs more than {max} clauses; make the scene smaller")]
+    TooManyClauses {
+        /// [`Limits::tape_clauses_max`].
+        max: usize,
+    },
+    /// More outputs than the limit or than there are slots.
+    #[error(
+        "a tape with {count} outputs was asked for, but at most {max} can be kept at once; ask for fewer"
+    )]
+    TooManyOutputs {
+        /// Outputs asked for.
+        count: usize,
+        /// Most outputs possible.
+        max: usize,
+    },
+    /// A number of slots that no tape can have.
+    #[error("a tape cannot work with {count} slots; give it 2 to 256")]
+    SlotCount {
+        /// Slots asked for.
+        count: usize,
+    },
+    /// More values must be kept in memory than the limit.
+    #[error(
+        "the tape must spill more than {max} values to memory; give it more slots or make the scene smaller"
+    )]
+    TooMuchMemory {
+        /// The memory there is, in values.
+        max: usize,
+    },
+}
+
+/// How a tape is built.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TapeOptions {
+    /// Slots there are, 2 to 256.
+    pub slots: usize,
+    /// The ceilings.
+    pub limits: Limits,
+}
+
+impl Default for TapeOptions {
+    fn default() -> Self {
+        Self { slots: 256, limits: LIMITS }
+    }
+}
+
+/// An entry of the table that immediates index.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TableEntry {
+    /// A constant.
+    Constant(f32),
+    /// An input that is the same all over a frame.
+    Input(Input),
+}
+
+/// An expression, or several that share parts, as clauses.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tape {
+    clauses: Vec<Clause>,
+    table: Vec<TableEntry>,
+    outputs: Vec<u8>,
+    slots: usize,
+    memory: usize,
+}
+
+impl Tape {
+    /// The tape that computes the roots, in their order.
+    ///
+    /// # Errors
+    /// See [`TapeError`].
+    pub fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Self, TapeError> {
+        allocate::build(graph, roots, options)
+    }
+
+    /// The clauses, without END.
+    pub fn clauses(&self) -> &[Clause] {
+        &self.clauses
+    }
+
+    /// The clauses, read.
+    pub fn instructions(&self) -> impl Iterator<Item = Instruction> + '_ {
+        self.clauses.iter().filter_map(|clause| clause.decode())
+    }
+
+    /// What immediates index: pages of 256 entries, the last one not filled up.
+    pub fn table(&self) -> &[TableEntry] {
+        &self.table
+    }
+
+    /// The table's numbers in a frame, written over `values`.
+    pub fn table_values(&self, frame: &FrameInputs, values: &mut Vec<f32>) {
+        values.clear();
+        values.extend(self.table.iter().map(|entry| match *entry {
+            TableEntry::Constant(value) => value,
+            TableEntry::Input(input) => frame.value(input),
+        }));
+    }
+
+    /// The slots that hold the values of the roots at the end.
+    pub fn outputs(&self) -> &[u8] {
+        &self.outputs
+    }
+
+    /// Number of slots used.
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
+    /// Number of values of memory used; 0 if nothing was spilled.
+    pub fn memory(&self) -> usize {
+        self.memory
+    }
+
+    /// The clauses as words, with END, filled up with END to a multiple of four.
+    pub fn words(&self) -> Vec<u32> {
+        let mut words = Vec::with_capacity(self.clauses.len() / 4 * 4 + 4);
+        words.extend(self.clauses.iter().map(|clause| clause.word()));
+        words.resize(self.clauses.len() / 4 * 4 + 4, Instruction::End.encode().word());
+        words
+    }
+
+    /// The operators that occur, which is what an interpreter's switch needs.
+    pub fn operators(&self) -> BTreeSet<Op> {
+        self.instructions()
+            .filter_map(|instruction| match instruction {
+                Instruction::Unary { op, .. } | Instruction::Binary { op, .. } => Some(op),
+                _ => None,
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,66 @@
+//! The tape as text, in the form of the thesis' Table 1.
+
+use std::fmt;
+
+use super::clause::{Instruction, Operand, input_of_place};
+use super::{TableEntry, Tape};
+
+impl fmt::Display for TableEntry {
+    /// A constant as `1.0f`, an input by its name.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            TableEntry::Constant(value) => write!(f, "{value:?}f"),
+            TableEntry::Input(input) => write!(f, "{input}"),
+        }
+    }
+}
+
+impl fmt::Display for Tape {
+    /// A header and a line per clause: opcode, input_A, input_B, output.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |opcode: &str, a: &str, b: &str, output: &str| {
+            writeln!(f, "{opcode:<14} {a:<14} {b:<14} {output}")
+        };
+        row("opcode", "input_A", "input_B", "output")?;
+        let mut page = 0;
+        let slot = |slot: u8| format!("slot {slot}");
+        for instruction in self.instructions() {
+            let immediate = |entry: u8| {
+                self.table
+                    .get(page + usize::from(entry))
+                    .map_or_else(|| "?".to_owned(), TableEntry::to_string)
+            };
+            let operand = |operand: Operand| match operand {
+                Operand::Slot(number) => slot(number),
+                Operand::Immediate(entry) => immediate(entry),
+            };
+            match instruction {
+                Instruction::End => row("END", "-", "-", "-")?,
+                Instruction::Page(number) => {
+                    page = usize::from(number) * 256;
+                    row("PAGE", &number.to_string(), "-", "-")?;
+                }
+                Instruction::Load { output, entry } => row("LOAD", &immediate(entry), "-", &slot(output))?,
+                Instruction::Store { slot: from, memory } => {
+                    row("STORE", &slot(from), "-", &format!("memory {memory}"))?;
+                }
+                Instruction::Reload { output, memory } => {
+                    row("RELOAD", &format!("memory {memory}"), "-", &slot(output))?;
+                }
+                Instruction::SelectTexture { texture, channel } => {
+                    let channel = ["red", "green", "blue", "alpha"][usize::from(channel & 3)];
+                    row("SELECT_TEXTURE", &texture.to_string(), channel, "-")?;
+                }
+                Instruction::Texture { output, u, v } => row("TEXTURE", &slot(u), &slot(v), &slot(output))?,
+                Instruction::Input { output, place } => {
+                    row(&input_of_place(place).to_string(), "-", "-", &slot(output))?;
+                }
+                Instruction::Unary { op, output, a } => row(op.name(), &slot(a), "-", &slot(output))?,
+                Instruction::Binary { op, output, a, b } => {
+                    row(op.name(), &operand(a), &operand(b), &slot(output))?;
+                }
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,453 @@
+//! The tape's promises: Table 1, the words, values bit for bit, bounds, gradients, limits.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::graph::random::{build, frame, number, same, steps};
+use crate::graph::{Choice, Interval, Point};
+
+fn config(cases: u32) -> ProptestConfig {
+    let cases = ProptestConfig::default().cases.max(cases);
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+/// max(sqrt(x*x+y*y)-1, 0.5-sqrt(x*x+y*y))
+fn ring(graph: &mut Graph) -> NodeId {
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let (xx, yy) = (graph.mul(x, x), graph.mul(y, y));
+    let sum = graph.add(xx, yy);
+    let radius = graph.sqrt(sum);
+    let (one, half) = (graph.constant(1.0), graph.constant(0.5));
+    let (outer, inner) = (graph.sub(radius, one), graph.sub(half, radius));
+    graph.max(outer, inner)
+}
+
+fn tape_of(graph: &Graph, roots: &[NodeId], slots: usize) -> Tape {
+    Tape::build(graph, roots, &TapeOptions { slots, ..TapeOptions::default() }).unwrap()
+}
+
+/// The thesis, section 4.3, Table 1.
+const TABLE_1: [[&str; 4]; 9] = [
+    ["X", "-", "-", "slot 0"],
+    ["Y", "-", "-", "slot 1"],
+    ["SQUARE", "slot 0", "-", "slot 0"],
+    ["SQUARE", "slot 1", "-", "slot 1"],
+    ["ADD", "slot 0", "slot 1", "slot 1"],
+    ["SQRT", "slot 1", "-", "slot 1"],
+    ["SUB", "slot 1", "1.0f", "slot 0"],
+    ["SUB", "0.5f", "slot 1", "slot 1"],
+    ["MAX", "slot 0", "slot 1", "slot 1"],
+];
+
+#[test]
+fn table_1_of_the_thesis() {
+    let mut graph = Graph::new();
+    let root = ring(&mut graph);
+    for slots in [2, 256] {
+        let tape = tape_of(&graph, &[root], slots);
+        let text = tape.to_string();
+        let mut lines = text.lines();
+        assert_eq!(
+            lines.next().unwrap().split_whitespace().collect::<Vec<_>>(),
+            ["opcode", "input_A", "input_B", "output"]
+        );
+        let rows: Vec<Vec<String>> = lines
+            .map(|line| {
+                line.replace("slot ", "slot~").split_whitespace().map(|cell| cell.replace('~', " ")).collect()
+            })
+            .collect();
+        assert_eq!(rows, TABLE_1);
+        assert_eq!((tape.slots(), tape.memory(), tape.outputs()), (2, 0, &[1][..]));
+    }
+}
+
+#[test]
+fn words_are_those_of_the_module_s_table() {
+    let mut graph = Graph::new();
+    let root = ring(&mut graph);
+    let words = tape_of(&graph, &[root], 256).words();
+    // Bytes from the highest: input_b, input_a, output, opcode.
+    let expected = [
+        0x00_00_00_08, // X
+        0x00_00_01_09, // Y
+        0x00_00_00_18, // SQUARE = 24
+        0x00_01_01_18,
+        0x01_00_01_40, // ADD = 64
+        0x00_01_01_19, // SQRT = 25
+        0x00_01_00_81, // SUB = 65, + 64: slot 1 - table 0
+        0x01_01_01_C1, // SUB = 65, + 128: table 1 - slot 1
+        0x01_00_01_45, // MAX = 69
+        0,
+        0,
+        0,
+    ];
+    assert_eq!(words, expected);
+    let op = Op::Less;
+    for (instruction, word) in [
+        (Instruction::End, 0),
+        (Instruction::Page(0x1234), 0x12_34_00_01),
+        (Instruction::Load { output: 7, entry: 9 }, 0x00_09_07_02),
+        (Instruction::Store { slot: 7, memory: 0x1234 }, 0x12_34_07_03),
+        (Instruction::Reload { output: 7, memory: 0x1234 }, 0x12_34_07_04),
+        (Instruction::SelectTexture { texture: 0x1234, channel: 3 }, 0x12_34_03_05),
+        (Instruction::Texture { output: 7, u: 8, v: 9 }, 0x09_08_07_06),
+        (Instruction::Input { output: 7, place: 5 }, 0x00_00_07_0D),
+        (Instruction::Binary { op, output: 7, a: Operand::Slot(8), b: Operand::Slot(9) }, 0x09_08_07_4A),
+        (Instruction::Binary { op, output: 7, a: Operand::Slot(8), b: Operand::Immediate(9) }, 0x09_08_07_8A),
+        (Instruction::Binary { op, output: 7, a: Operand::Immediate(8), b: Operand::Slot(9) }, 0x09_08_07_CA),
+    ] {
+        assert_eq!(instruction.encode().word(), word, "{instruction:?}");
+        assert_eq!(Clause::from_word(word).decode(), Some(instruction));
+    }
+}
+
+#[test]
+fn every_word_with_a_meaning_decodes_to_one_that_encodes_to_it() {
+    let mut meanings = 0;
+    for opcode in 0..=255 {
+        let clause = Clause { opcode, output: 1, input_a: 2, input_b: 3 };
+        let Some(instruction) = clause.decode() else { continue };
+        meanings += 1;
+        assert_eq!(instruction.encode().decode(), Some(instruction));
+        assert_eq!(instruction.encode().opcode, opcode);
+    }
+    let binary = Op::ALL.iter().filter(|op| op.arity() == 2).count();
+    assert_eq!(meanings, 7 + 6 + (Op::ALL.len() - binary) + 3 * binary);
+}
+
+#[test]
+fn a_multiple_of_four_words_always_ends_with_end() {
+    let mut graph = Graph::new();
+    let mut node = graph.input(Input::X);
+    for length in 1..=9 {
+        let words = tape_of(&graph, &[node], 256).words();
+        assert_eq!((words.len() % 4, words[length], words.len() > length), (0, 0, true));
+        node = graph.unary(Op::Sin, node);
+    }
+}
+
+fn point(values: [f32; 6]) -> Point {
+    let [x, y, z, nx, ny, nz] = values;
+    Point { position: [x, y, z], normal: [nx, ny, nz] }
+}
+
+proptest! {
+    #![proptest_config(config(1_000))]
+
+    #[test]
+    fn tapes_give_what_the_graph_gives_bit_for_bit(
+        steps in steps(120),
+        values in proptest::collection::vec(proptest::array::uniform6(number()), 1..70),
+        slots in prop_oneof![2usize..8, Just(256usize)],
+        simplify: bool,
+        outputs in 1usize..4,
+    ) {
+        let mut graph = Graph::new();
+        let built = build(&mut graph, &steps, simplify);
+        let roots: Vec<NodeId> = built.iter().rev().copied().take(outputs.min(slots)).collect();
+        let tape = tape_of(&graph, &roots, slots);
+        prop_assert!(tape.slots() <= slots);
+        let frame = frame();
+        let mut evaluator = PointEvaluator::new(&tape, &frame);
+        let mut duals = GradientEvaluator::new(&tape, &frame);
+        let columns: [Vec<f32>; 6] = std::array::from_fn(|place| values.iter().map(|v| v[place]).collect());
+        let [x, y, z, nx, ny, nz] = &columns;
+        let points = Points { position: [x, y, z], normal: Some([nx, ny, nz]) };
+        let batch = Batch::new(&tape, &frame).run(points);
+        for (row, &values) in values.iter().enumerate() {
+            let point = point(values);
+            let expected = graph.evaluate(&roots, &point, &frame).unwrap();
+            let found = evaluator.at(&point);
+            let gradient = duals.at(&point);
+            for place in 0..roots.len() {
+                prop_assert!(same(expected[place], found[place]), "{} is not {}\n{tape}", found[place], expected[place]);
+                prop_assert!(same(expected[place], batch[place][row]), "batch: {} {}", batch[place][row], expected[place]);
+                prop_assert!(same(expected[place], gradient[place].value));
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_of_tapes_hold_every_value(
+        steps in steps(40),
+        ends in proptest::array::uniform6([number(), number()]),
+        along in proptest::collection::vec(proptest::array::uniform6(0.0f32..=1.0), 8),
+    ) {
+        let mut graph = Graph::new();
+        let root = *build(&mut graph, &steps, true).last().unwrap();
+        let tape = tape_of(&graph, &[root], 8);
+        let frame = frame();
+        let sides = ends.map(|[a, b]| Interval::new(a.min(b), a.max(b)));
+        let [x, y, z, nx, ny, nz] = sides;
+        let mut evaluator = IntervalEvaluator::new(&tape, &frame);
+        let bounds = evaluator.over([x, y, z], [nx, ny, nz])[0];
+        let mut points = PointEvaluator::new(&tape, &frame);
+        for along in along {
+            let inside = std::array::from_fn(|place| {
+                let (side, t): (Interval, f32) = (sides[place], along[place]);
+                let value = (side.lo * (1.0 - t) + side.hi * t).max(side.lo).min(side.hi);
+                if t < 0.1 || value.is_nan() { side.lo } else { value }
+            });
+            let value = points.at(&point(inside))[0];
+            prop_assert!(bounds.contains(value), "{value:?} is not in {bounds:?} at {inside:?} of {sides:?}\n{tape}");
+        }
+    }
+}
+
+#[test]
+fn choices_are_recorded_in_the_order_of_the_tape() {
+    let mut graph = Graph::new();
+    let (x, y, z) = (graph.input(Input::X), graph.input(Input::Y), graph.input(Input::Z));
+    let least = graph.min(x, y);
+    let root = graph.max(least, z);
+    let tape = tape_of(&graph, &[root], 256);
+    let frame = FrameInputs::default();
+    let mut evaluator = IntervalEvaluator::new(&tape, &frame);
+    let zero = [Interval::point(0.0); 3];
+    let i = Interval::new;
+    evaluator.over([i(0.0, 1.0), i(2.0, 3.0), i(5.0, 6.0)], zero);
+    // The operands of MAX stand in the order of their age: z, then the minimum.
+    assert_eq!(evaluator.choices(), [Choice::Left, Choice::Left]);
+    let bounds = evaluator.over([i(0.0, 3.0), i(2.0, 4.0), i(2.5, 6.0)], zero)[0];
+    assert_eq!((evaluator.choices(), bounds), (&[Choice::Both, Choice::Both][..], i(2.5, 6.0)));
+    evaluator.over([i(4.0, 5.0), i(2.0, 4.0), i(-1.0, 2.0)], zero);
+    assert_eq!(evaluator.choices(), [Choice::Right, Choice::Right]);
+}
+
+/// A sphere's gradient is its direction; a gyroid's is known; both also through spilled slots.
+#[test]
+fn gradients_are_known_ones() {
+    let mut g = Graph::new();
+    let p = [Input::X, Input::Y, Input::Z].map(|input| g.input(input));
+    let length = g.length(&p);
+    let one = g.constant(1.0);
+    let sphere = g.sub(length, one);
+    let sines = p.map(|v| g.unary(Op::Sin, v));
+    let cosines = p.map(|v| g.unary(Op::Cos, v));
+    let gyroid = g.dot(&sines, &[cosines[1], cosines[2], cosines[0]]);
+    let frame = FrameInputs::default();
+    for slots in [2, 256] {
+        let tape = tape_of(&g, &[sphere, gyroid], slots);
+        let mut evaluator = GradientEvaluator::new(&tape, &frame);
+        for [x, y, z] in [[1.0f32, 2.0, 2.0], [-0.3, 0.4, 1.2], [3.0, -4.0, 0.0]] {
+            let found = evaluator.at(&Point::at(x, y, z)).to_vec();
+            let r = (x * x + y * y + z * z).sqrt();
+            let (sin, cos) = ([x, y, z].map(f32::sin), [x, y, z].map(f32::cos));
+            let expected = [
+                [x / r, y / r, z / r],
+                [
+                    cos[0] * cos[1] - sin[2] * sin[0],
+                    cos[1] * cos[2] - sin[0] * sin[1],
+                    cos[2] * cos[0] - sin[1] * sin[2],
+                ],
+            ];
+            for (found, expected) in found.iter().zip(expected) {
+                for axis in 0..3 {
+                    assert!((found.gradient[axis] - expected[axis]).abs() < 1e-5, "{found:?} {expected:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The sum of x * c over many constants, checked against the graph and for how its immediates are addressed.
+fn with_constants(count: usize) -> Tape {
+    let mut graph = Graph::new();
+    let x = graph.input(Input::X);
+    let mut sum = x;
+    for i in 0..count {
+        let constant = graph.constant(1.5 + i as f32);
+        let product = graph.mul(x, constant);
+        sum = graph.max(sum, product);
+    }
+    let tape = tape_of(&graph, &[sum], 256);
+    let frame = FrameInputs::default();
+    let found = PointEvaluator::new(&tape, &frame).at(&Point::at(2.0, 0.0, 0.0))[0];
+    assert_eq!(found, 2.0 * (0.5 + count as f32));
+    tape
+}
+
+#[test]
+fn any_number_of_constants() {
+    let pages = |tape: &Tape| tape.instructions().filter(|i| matches!(i, Instruction::Page(_))).count();
+    assert_eq!(pages(&with_constants(256)), 0);
+    assert_eq!(pages(&with_constants(257)), 1);
+    let tape = with_constants(70_000);
+    assert_eq!((pages(&tape), tape.table().len()), (273, 70_000));
+    assert_eq!(tape.slots(), 3);
+}
+
+#[test]
+fn deep_expressions_need_no_stack_and_few_slots() {
+    let mut graph = Graph::new();
+    let x = graph.input(Input::X);
+    let (mut left, mut right) = (x, x);
+    for i in 0..100_000 {
+        let offset = graph.constant(i as f32 + 0.5);
+        let leaf = graph.sub(x, offset);
+        left = graph.min(left, leaf);
+        let inner = graph.unary(Op::Sin, right);
+        let leaf = graph.add(x, offset);
+        right = graph.binary(Op::Atan2, leaf, inner);
+    }
+    let tape = tape_of(&graph, &[left, right], 256);
+    assert!(
+        tape.clauses().len() >= 400_000 && tape.slots() <= 8,
+        "{} {}",
+        tape.clauses().len(),
+        tape.slots()
+    );
+    let frame = FrameInputs::default();
+    let point = Point::at(0.25, 0.0, 0.0);
+    let expected = graph.evaluate(&[left, right], &point, &frame).unwrap();
+    assert_eq!(PointEvaluator::new(&tape, &frame).at(&point), expected);
+    assert!(glsl::function(&graph, &[left], "deep").unwrap().lines().count() > 200_000);
+}
+
+/// A balanced tree over 2^10 leaves of x, y and z takes a slot per level, and spills below that.
+#[test]
+fn spilling_uses_memory_only_where_slots_run_out() {
+    let mut graph = Graph::new();
+    let inputs = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
+    let mut row: Vec<NodeId> = (0..1024)
+        .map(|i| {
+            let offset = graph.constant(i as f32);
+            let shifted = graph.sub(inputs[i % 3], offset);
+            graph.unary(Op::Sin, shifted)
+        })
+        .collect();
+    while row.len() > 1 {
+        row = row.chunks(2).map(|pair| graph.binary(Op::Pow, pair[0], pair[1])).collect();
+    }
+    let frame = FrameInputs::default();
+    let point = Point::at(0.1, 0.2, 0.3);
+    let expected = graph.evaluate(&row, &point, &frame).unwrap()[0];
+    for (slots, memory) in [(256, 0), (16, 0), (14, 0), (5, 1), (2, 1)] {
+        let tape = tape_of(&graph, &row, slots);
+        assert!(
+            tape.slots() <= slots && (tape.memory() > 0) == (memory > 0),
+            "{} {}",
+            tape.slots(),
+            tape.memory()
+        );
+        assert!(tape.memory() <= 11);
+        // A tree of height h needs h + 1 slots: above that height every node keeps one operand in memory.
+        let least = (1 << (11 - slots.min(11))) - 1;
+        let reloads = tape.instructions().filter(|i| matches!(i, Instruction::Reload { .. })).count();
+        assert!(
+            (least..=2 * least + 1).contains(&reloads),
+            "{slots} slots: {reloads} reloads, {least} at least"
+        );
+        assert!(same(PointEvaluator::new(&tape, &frame).at(&point)[0], expected));
+    }
+}
+
+#[test]
+fn constants_and_inputs_of_the_frame_can_be_roots() {
+    let mut graph = Graph::new();
+    let (two, t, x) = (graph.constant(2.0), graph.input(Input::T), graph.input(Input::X));
+    let sine = graph.unary(Op::Sin, t);
+    let roots = [two, t, x, sine, two];
+    let tape = tape_of(&graph, &roots, 5);
+    let frame = frame();
+    let found = PointEvaluator::new(&tape, &frame).at(&Point::at(9.0, 0.0, 0.0)).to_vec();
+    assert_eq!(found, [2.0, 12.5, 9.0, 12.5f32.sin(), 2.0]);
+}
+
+#[test]
+fn limits_are_reached() {
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let values: Vec<NodeId> = (0..20)
+        .map(|i| {
+            let constant = graph.constant(i as f32 + 0.5);
+            let sum = graph.add(x, constant);
+            graph.binary(Op::Atan2, sum, y)
+        })
+        .collect();
+    // A tree in which every value is needed again.
+    let forward = values[1..].iter().fold(values[0], |all, &v| graph.binary(Op::Pow, all, v));
+    let backward = values[..19].iter().rev().fold(values[19], |all, &v| graph.binary(Op::Pow, all, v));
+    let root = graph.add(forward, backward);
+    let options = TapeOptions::default();
+    let with = |slots: usize, limits: Limits| Tape::build(&graph, &[root], &TapeOptions { slots, limits });
+    for count in [0, 1, 257] {
+        assert_eq!(with(count, LIMITS), Err(TapeError::SlotCount { count }));
+    }
+    let clauses = with(256, LIMITS).unwrap().clauses().len();
+    assert!(with(256, Limits { tape_clauses_max: clauses, ..LIMITS }).is_ok());
+    let max = clauses - 1;
+    assert_eq!(with(256, Limits { tape_clauses_max: max, ..LIMITS }), Err(TapeError::TooManyClauses { max }));
+    let memory = with(3, LIMITS).unwrap().memory();
+    assert!(memory > 2 && with(3, Limits { tape_memory_max: memory, ..LIMITS }).is_ok());
+    let max = memory - 1;
+    assert_eq!(with(3, Limits { tape_memory_max: max, ..LIMITS }), Err(TapeError::TooMuchMemory { max }));
+    let outputs = |count: usize, options: &TapeOptions| Tape::build(&graph, &values[..count], options);
+    let max = LIMITS.tape_outputs_max;
+    assert!(outputs(max, &options).is_ok());
+    assert_eq!(outputs(max + 1, &options), Err(TapeError::TooManyOutputs { count: max + 1, max }));
+    let few = TapeOptions { slots: 2, ..options };
+    assert!(outputs(2, &few).is_ok());
+    assert_eq!(outputs(3, &few), Err(TapeError::TooManyOutputs { count: 3, max: 2 }));
+    let mut full = Graph::with_limits(&Limits { graph_nodes_max: 1, ..LIMITS });
+    full.constant(1.0);
+    let root = full.constant(2.0);
+    let error = GraphError::TooManyNodes { max: 1 };
+    assert_eq!(Tape::build(&full, &[root], &options), Err(TapeError::Graph(error)));
+}
+
+#[test]
+fn glsl_is_written_from_the_operators() {
+    let mut graph = Graph::new();
+    let root = ring(&mut graph);
+    let text = glsl::function(&graph, &[root], "distance_to_scene").unwrap();
+    let expected = "float distance_to_scene(vec3 p, vec3 n) {
+    float v2 = (p.x * p.x);
+    float v3 = (p.y * p.y);
+    float v4 = (v2 + v3);
+    float v5 = sqrt(max(v4, 0.0));
+    float v8 = (v5 - 1.0);
+    float v9 = (0.5 - v5);
+    float v10 = max(v8, v9);
+    return v10;
+}
+";
+    assert_eq!(text, expected);
+    let tape = tape_of(&graph, &[root], 256);
+    assert_eq!(
+        glsl::switch_cases(tape.operators()),
+        "case 24: r = (a * a); break;\ncase 25: r = sqrt(max(a, 0.0)); break;\ncase 64: r = (a + b); break;\n\
+         case 65: r = (a - b); break;\ncase 69: r = max(a, b); break;\n"
+    );
+    let texel = graph.input(Input::Param(6));
+    let texel = graph.texture(2, 1, root, texel);
+    let text = glsl::function(&graph, &[texel, root], "colours").unwrap();
+    assert!(text.starts_with("void colours(vec3 p, vec3 n, out float r0, out float r1) {"), "{text}");
+    assert!(text.contains("= read_texture(2, v10, frame_params[1].z).y;\n"), "{text}");
+    assert!(text.ends_with("    r0 = v12;\n    r1 = v10;\n}\n"), "{text}");
+}
+
+#[test]
+fn glsl_guards_divisions_only_by_what_may_be_zero() {
+    let mut graph = Graph::new();
+    let (x, y, three) = (graph.input(Input::X), graph.input(Input::Y), graph.constant(3.0));
+    let (by_three, by_y) = (graph.div(x, three), graph.div(x, y));
+    assert!(glsl::function(&graph, &[by_three], "f").unwrap().contains("= (p.x / 3.0);"));
+    assert!(glsl::function(&graph, &[by_y], "f").unwrap().contains("= (p.y == 0.0 ? 0.0 : p.x / p.y);"));
+}
+
+proptest! {
+    #[test]
+    fn literals_read_back_as_they_were(bits in any::<u32>()) {
+        let value = f32::from_bits(bits);
+        let text = glsl::literal(value);
+        let bare = text.trim_start_matches('(').trim_end_matches(')');
+        if value.is_finite() {
+            prop_assert_eq!(bare.parse::<f32>().unwrap().to_bits(), bits);
+            prop_assert!(bare.contains(['.', 'e']), "{} is no float in GLSL", bare);
+            prop_assert_eq!(text.starts_with('('), value.is_sign_negative());
+        } else {
+            prop_assert_eq!(text, format!("uintBitsToFloat(0x{bits:08X}u)"));
+        }
+    }
+}
