@@ -167,6 +167,8 @@ impl<'a> Lowering<'a> {
 
     fn declare(&mut self, items: &'a [Item]) {
         let mut taken: Vec<(Section, Name)> = Vec::new();
+        let limits = self.limits;
+        let named_max = limits.scene_objects_max + limits.scene_materials_max + limits.scene_lights_max;
         for item in items {
             match item {
                 Item::Param { name, value, range } => self.param(*name, *value, *range),
@@ -189,7 +191,8 @@ impl<'a> Lowering<'a> {
                     self.functions.push(GlobalFunction { function, called: false, open: false });
                     self.globals[index].function = self.functions.len() as u32;
                 }
-                Item::Section { section, name: Some(name), .. } => {
+                // Beyond the limits for all of them together, which are reported later, names need no comparing.
+                Item::Section { section, name: Some(name), .. } if taken.len() < named_max => {
                     let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
                     if let Some((_, first)) = first {
                         let span = first.span;
