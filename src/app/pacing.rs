@@ -1,4 +1,4 @@
-//! When the next frame is due: a frame limiter for drivers whose vertical sync does not hold (STACK: Xvfb).
+//! When the next frame is due: a frame limiter for drivers whose vertical sync does not hold, as under a virtual display.
 
 use std::time::{Duration, Instant};
 
