@@ -1,5 +1,7 @@
 //! Text to words: what an edit of a scene costs before the GPU sees it. Divide by the clauses that are printed.
 
+#![allow(clippy::expect_used)]
+
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};

@@ -42,9 +42,9 @@ Material speaker_material(vec3 p, vec3 normal, Footprint print) {
     Material m = Material(grain * grain * vec3(0.80, 1.02, 1.25) + 0.24 * grain, vec3(0.0), 0.45, 50.0);
 
     // The mallard on the front, each looking at the other speaker. Its picture looks to the left.
-    vec2 uv = vec2(-side * -1.0, -1.0) * vec2(q.x, q.y - MALLARD_Y) / MALLARD_SIZE + 0.5;
+    vec2 scale = vec2(side, -1.0) / MALLARD_SIZE;
+    vec2 uv = scale * vec2(q.x, q.y - MALLARD_Y) + 0.5;
     if (normal.z < -0.8 && q.z < -1.9 && all(lessThan(abs(uv - 0.5), vec2(0.5)))) {
-        vec2 scale = vec2(side, -1.0) / MALLARD_SIZE;
         vec4 picture = textureGrad(mallard, uv, print.dx.xy * scale, print.dy.xy * scale);
         m.albedo = mix(m.albedo, picture.rgb, picture.a);
         m.gloss = mix(m.gloss, 0.15, picture.a);
@@ -54,7 +54,6 @@ Material speaker_material(vec3 p, vec3 normal, Footprint print) {
     float r = woofer_radius(side);
     float rim = sqrt(r * r - WOOFER_LEAD * WOOFER_LEAD);
     float from_axis = length(q.xy - vec2(0.0, WOOFER_Y));
-    float front = -CABINET_HALF.z - CABINET_ROUNDING;
     if (from_axis < rim + 0.22 && q.z < -0.2 && abs(p.x) > 2.9) {
         float pixel = length(print.dx) + length(print.dy);
         float inside = 1.0 - smoothstep(rim - 0.02 - pixel, rim - 0.02 + pixel, from_axis);

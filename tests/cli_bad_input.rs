@@ -345,3 +345,19 @@ fn what_was_there_outlives_every_failure() {
     assert_eq!(place.read("good.png"), b"a good picture");
     assert_eq!(place.read("good.mp4"), b"a good video");
 }
+
+/// What went wrong: ffmpeg's complaints about a damaged song filled a pipe that nobody read, and the video never ended.
+#[test]
+fn a_video_of_a_damaged_song_ends() {
+    let place = Workplace::new();
+    place.ffmpeg(&["-f", "lavfi", "-i", "sine=300:duration=150", "-b:a", "128k"], "good.mp3");
+    let mut bytes = place.read("good.mp3");
+    for (index, byte) in bytes.iter_mut().enumerate().skip(4096) {
+        if index % 97 == 0 {
+            *byte ^= 0x5a;
+        }
+    }
+    place.write("bad.mp3", bytes);
+    let outcome = place.run(&["video", "bad.mp3", "--fps", "1", "--size", "16x16", "-o", "bad.mkv"]);
+    assert!(outcome.code == 0 || outcome.code == 1, "{outcome:?}");
+}

@@ -74,7 +74,8 @@ fn every_mistake_is_shown_where_it_is_with_a_hint() {
     let checked = place.run(&["check", "bad.scene", "speakers"]);
     assert_eq!(checked.code, 1, "{checked:?}");
     checked.assert_advises();
-    for part in ["bad.scene:2:11", "smoth_union(sphere(p, 1)", "^^^^", "did you mean `smooth_union`?", "foo"] {
+    for part in ["bad.scene:2:11", "smoth_union(sphere(p, 1)", "^^^^", "did you mean `smooth_union`?", "foo"]
+    {
         assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
     }
     assert!(checked.stdout.contains("speakers.scene: "), "the good one is checked too: {checked:?}");

@@ -23,8 +23,8 @@ const FILL: f32 = 0.76;
 const TO_CAMERA: Vec3 = Vec3::new(0.47, 0.42, -0.78);
 const TO_LIGHT: Vec3 = Vec3::new(-0.46, 0.74, -0.50);
 const LIGHT: Vec3 = Vec3::new(2.9, 2.75, 2.5);
-const COPPER: Vec3 = Vec3::new(0.80, 0.34, 0.11);
-const BACKGROUND: Vec3 = Vec3::new(0.022, 0.023, 0.026);
+const COPPER: Vec3 = Vec3::new(0.72, 0.245, 0.062);
+const BACKGROUND: Vec3 = Vec3::splat(0.023);
 const GROUND: Vec3 = Vec3::splat(0.034);
 
 struct Camera {
@@ -46,8 +46,7 @@ impl Camera {
             along.fold((f32::MAX, f32::MIN), |(low, high), at| (low.min(at), high.max(at)))
         };
         let (x, y, z) = (range(right), range(up), range(forward));
-        let middle =
-            right * ((x.0 + x.1) * 0.5) + up * ((y.0 + y.1) * 0.5) + forward * ((z.0 + z.1) * 0.5);
+        let middle = right * ((x.0 + x.1) * 0.5) + up * ((y.0 + y.1) * 0.5) + forward * ((z.0 + z.1) * 0.5);
         let wide = (x.1 - x.0) * HEIGHT as f32 / WIDTH as f32;
         let distance = wide.max(y.1 - y.0) * 0.5 / (LENS * FILL) + 0.25 * (z.1 - z.0);
         Self { eye: middle - forward * distance, forward, right, up }
@@ -104,7 +103,7 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
             copper(normals[index], -rays[pixel], light[index], open[index])
         } else {
             let away = (point - middle).with_y(0.0).length() / (2.2 * size);
-            let lit = GROUND * (LIGHT * TO_LIGHT.normalize().y * light[index] + 0.55) * open[index];
+            let lit = GROUND * (LIGHT.y * TO_LIGHT.normalize().y * light[index] + 0.55) * open[index];
             BACKGROUND.lerp(lit, (-away * away).exp())
         };
     }
@@ -112,17 +111,12 @@ pub fn draw(field: &mut Field<'_>) -> Option<Vec<u8>> {
 }
 
 /// How far each ray goes until it meets the shape; none beyond its end.
-fn march(
-    field: &mut Field<'_>,
-    starts: &[Vec3],
-    rays: &[Vec3],
-    from: f32,
-    ends: &[f32],
-) -> Vec<Option<f32>> {
+fn march(field: &mut Field<'_>, starts: &[Vec3], rays: &[Vec3], from: f32, ends: &[f32]) -> Vec<Option<f32>> {
     let mut hits = vec![None; rays.len()];
     let mut under_way: Vec<(usize, f32)> = (0..rays.len()).map(|index| (index, from)).collect();
     for _ in 0..STEPS {
-        let points: Vec<Vec3> = under_way.iter().map(|&(index, at)| starts[index] + rays[index] * at).collect();
+        let points: Vec<Vec3> =
+            under_way.iter().map(|&(index, at)| starts[index] + rays[index] * at).collect();
         let distances = field.distances(&points);
         let mut still = Vec::with_capacity(under_way.len());
         for (&(index, at), distance) in under_way.iter().zip(distances) {
@@ -149,8 +143,10 @@ fn march(
 fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32> {
     let ray = TO_LIGHT.normalize();
     let mut light = vec![1.0_f32; points.len()];
-    let mut under_way: Vec<(usize, f32)> =
-        (0..points.len()).filter(|&index| normals[index].dot(ray) > 0.0).map(|index| (index, 0.012)).collect();
+    let mut under_way: Vec<(usize, f32)> = (0..points.len())
+        .filter(|&index| normals[index].dot(ray) > 0.0)
+        .map(|index| (index, 0.012))
+        .collect();
     for _ in 0..STEPS {
         let at: Vec<Vec3> = under_way
             .iter()
@@ -159,10 +155,10 @@ fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32>
         let distances = field.distances(&at);
         let mut still = Vec::with_capacity(under_way.len());
         for (&(index, way), distance) in under_way.iter().zip(distances) {
-            let distance = distance * field.step;
-            light[index] = light[index].min(0.5 + 0.5 * distance / (0.07 * way));
-            if distance > -0.07 * way && way < 5.0 {
-                still.push((index, way + distance.clamp(0.008, 0.12)));
+            let near = distance * field.scale;
+            light[index] = light[index].min(0.5 + 0.5 * near / (0.07 * way));
+            if near > -0.07 * way && way < 5.0 {
+                still.push((index, way + (distance * field.step).clamp(0.008, 0.12)));
             }
         }
         under_way = still;
@@ -182,15 +178,12 @@ fn shadows(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3]) -> Vec<f32>
 /// How open the surroundings of each point are, 0..1, from distances along its normal.
 fn openness(field: &mut Field<'_>, points: &[Vec3], normals: &[Vec3], size: f32) -> Vec<f32> {
     let mut closed = vec![0.0_f32; points.len()];
-    let scale = field.step;
     for (tap, weight) in [(0.04, 0.30), (0.09, 0.26), (0.16, 0.24), (0.26, 0.20), (0.40, 0.18)] {
         let reach = tap * size;
         let at: Vec<Vec3> =
             points.iter().zip(normals).map(|(point, normal)| point + normal * reach).collect();
         for (closed, distance) in closed.iter_mut().zip(field.distances(&at)) {
-            // A bound of a steep function is no measure of what is near: take it at its word at most once.
-            let near = 1.0 - (distance * scale.max(0.5) / reach).clamp(0.0, 1.0);
-            *closed += weight * near;
+            *closed += weight * (1.0 - (distance * field.scale / reach).clamp(0.0, 1.0));
         }
     }
     closed.into_iter().map(|closed| (1.0 - 0.85 * closed).clamp(0.12, 1.0)).collect()
@@ -204,7 +197,7 @@ fn copper(normal: Vec3, to_eye: Vec3, light: f32, open: f32) -> Vec3 {
     let glint = normal.dot(half).max(0.0).powf(48.0) * facing;
     let sky = Vec3::new(0.20, 0.24, 0.32) * (0.5 + 0.5 * normal.y) + Vec3::new(0.16, 0.10, 0.07);
     let rim = (1.0 - normal.dot(to_eye).clamp(0.0, 1.0)).powf(3.5);
-    COPPER * (LIGHT * facing * 0.52 + sky * open * 0.85)
+    COPPER * (LIGHT * facing * 0.44 + sky * open * 0.85)
         + LIGHT * glint * 0.16
         + Vec3::new(0.50, 0.55, 0.66) * rim * open * 0.35
 }
@@ -222,12 +215,14 @@ fn develop(colors: &[Vec3]) -> Vec<u8> {
                 sum += Vec3::ONE - (-1.35 * color).exp();
             }
             let color = (sum / (SAMPLES * SAMPLES) as f32).powf(1.0 / 2.2) * 255.0;
-            // Brightness in steps of 3, the differences of red and blue from it in steps of 8.
-            let bright = (color.dot(Vec3::new(0.25, 0.5, 0.25)) / 3.0).round() * 3.0;
-            let red = ((color.x - bright) / 8.0).round() * 8.0;
-            let blue = ((color.z - bright) / 8.0).round() * 8.0;
+            // Brightness in steps of 2, the differences of red and blue from it in steps of 4.
+            let bright = (color.dot(Vec3::new(0.25, 0.5, 0.25)) / 2.0).round() * 2.0;
+            let red = ((color.x - bright) / 4.0).round() * 4.0;
+            let blue = ((color.z - bright) / 4.0).round() * 4.0;
             let green = bright - 0.5 * (red + blue);
-            pixels.extend([bright + red, green, bright + blue].map(|part| part.round().clamp(0.0, 255.0) as u8));
+            pixels.extend(
+                [bright + red, green, bright + blue].map(|part| part.round().clamp(0.0, 255.0) as u8),
+            );
         }
     }
     pixels

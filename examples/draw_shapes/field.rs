@@ -26,6 +26,9 @@ pub struct Field<'a> {
     batch: Batch<'a>,
     /// What to multiply a distance by so that it is no more than the way to the surface.
     pub step: f32,
+    /// What to multiply a distance near the surface by so that it is about the way to it: more than 1 for
+    /// functions that keep far below it.
+    pub scale: f32,
     coordinates: [Vec<f32>; 3],
 }
 
@@ -40,13 +43,18 @@ pub struct Extent {
 impl<'a> Field<'a> {
     /// The distance function of a tape, with its steepest slope measured.
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        let mut field = Self { batch: Batch::new(tape, frame), step: 1.0, coordinates: Default::default() };
+        let batch = Batch::new(tape, frame);
+        let mut field = Self { batch, step: 1.0, scale: 1.0, coordinates: Default::default() };
         let points = grid();
         let slopes = field.gradients(&points, 4e-3);
         let distances = field.distances(&points);
         let outside = slopes.iter().zip(&distances).filter(|(_, distance)| **distance > 0.0);
         let steepest = outside.fold(1.0_f32, |steepest, (slope, _)| steepest.max(slope.length()));
         field.step = 0.95 / steepest;
+        let near = slopes.iter().zip(&distances).filter(|(_, distance)| distance.abs() < 0.05);
+        let mut near: Vec<f32> = near.map(|(slope, _)| slope.length()).collect();
+        near.sort_by(f32::total_cmp);
+        field.scale = near.get(near.len() / 2).map_or(1.0, |typical| 1.0 / typical.clamp(0.1, 10.0));
         field
     }
 
@@ -78,7 +86,7 @@ impl<'a> Field<'a> {
         let cell = 2.0 * REACH / (GRID - 1) as f32;
         let all = grid();
         let distances = self.distances(&all);
-        let near = all.into_iter().zip(distances).filter(|(_, distance)| *distance < 0.5 * cell);
+        let near = all.into_iter().zip(distances).filter(|(_, distance)| *distance * self.scale < 0.4 * cell);
         let points: Vec<Vec3> = near.map(|(point, _)| point).collect();
         let lowest = points.iter().map(|point| point.y).reduce(f32::min)?;
         // A plane rises until it touches the shape.
@@ -88,11 +96,12 @@ impl<'a> Field<'a> {
             let at = |index: usize| REACH * (2.0 * index as f32 / (fine - 1) as f32 - 1.0);
             let plane: Vec<Vec3> =
                 (0..fine * fine).map(|i| Vec3::new(at(i % fine), floor, at(i / fine))).collect();
-            let least = self.distances(&plane).into_iter().fold(f32::MAX, f32::min) * self.step;
-            if least < 3e-3 {
+            let least =
+                self.distances(&plane).into_iter().fold(f32::MAX, f32::min) * self.scale.max(self.step);
+            if least < 2e-3 {
                 break;
             }
-            floor += (0.5 * least).max(1e-3);
+            floor += (0.4 * least).max(1e-3);
         }
         Some(Extent { points, floor })
     }

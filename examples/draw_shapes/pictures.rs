@@ -30,10 +30,7 @@ pub const PICTURES: &[(&str, &str)] = &[
     ("cut_hollow_sphere", "cut_hollow_sphere(p, 0.9, 0.3, 0.06)"),
     ("death_star", "death_star(p, 1, 0.7, 1.05)"),
     ("triangle", "triangle(p, vec3(-0.9, 0, 0.2), vec3(0.9, 0, -0.2), vec3(0.1, 1.2, 0.3)) - 0.03"),
-    (
-        "quad",
-        "quad(p, vec3(-0.9, 0, 0), vec3(0.9, 0, 0), vec3(0.6, 0.9, 0.5), vec3(-0.6, 0.9, 0.5)) - 0.03",
-    ),
+    ("quad", "quad(p, vec3(-0.9, 0, 0), vec3(0.9, 0, 0), vec3(0.6, 0.9, 0.5), vec3(-0.6, 0.9, 0.5)) - 0.03"),
     ("gyroid", "intersect(gyroid(p, 0.9, 0.035), sphere(p, 1))"),
     // Shapes in the plane.
     ("circle", "extrude(circle(p.xy, 0.8), p.z, 0.2)"),
@@ -60,11 +57,14 @@ pub const PICTURES: &[(&str, &str)] = &[
     // Changing space and shapes.
     ("translate", "union(box(p, 0.35), sphere(translate(p, vec3(1.1, 0.5, 0)), 0.35))"),
     ("rotate_x", "box(rotate_x(p, 0.5), vec3(0.9, 0.35, 0.55))"),
-    ("rotate_y", "box(rotate_y(p, 1), vec3(0.9, 0.35, 0.4))"),
+    ("rotate_y", "box(rotate_y(p, 0.3), vec3(0.9, 0.35, 0.55))"),
     ("rotate_z", "box(rotate_z(p, 0.5), vec3(0.9, 0.35, 0.55))"),
     ("rotate", "box(rotate(p, vec3(1, 1, 0), 0.9), vec3(0.9, 0.35, 0.55))"),
     ("rotate_2d", "extrude(rectangle(rotate_2d(p.xy, 0.5), vec2(0.9, 0.4)), p.z, 0.2)"),
-    ("scale", "union(for i in 0..4: octahedron(scale(p - vec3(i - 0.1 * i * i, 0, 0), 0.8 ^ i), 0.5) * 0.8 ^ i)"),
+    (
+        "scale",
+        "union(for i in 0..4: octahedron(scale(p - vec3(i - 0.1 * i * i, 0, 0), 0.8 ^ i), 0.5) * 0.8 ^ i)",
+    ),
     ("repeat", "intersect(round_box(repeat(p, vec3(0.6, 0, 0.6)), 0.15, 0.05), length(p.xz) - 1.7)"),
     ("repeat_limited", "sphere(repeat_limited(p, 0.5, vec3(2, 1, 1)), 0.2)"),
     ("mirror", "capsule(mirror(p, vec3(1, 0.4, 0)), vec3(0.3, -0.4, 0), vec3(1, 0.7, 0), 0.2)"),
@@ -86,6 +86,6 @@ pub const PICTURES: &[(&str, &str)] = &[
         "union(for i in 0..6: for j in 0..6: box(p - 0.3 * vec3(i, 0, j), vec3(0.12, 0.1 + 0.5 * hash(vec3(i, j, 0)), 0.12)))",
     ),
     ("noise", "displace(sphere(p, 0.8), 0.35 * noise(4 * p), 3.6)"),
-    ("noise_2d", "displace(box(p, vec3(1, 0.1, 1)), 0.4 * noise_2d(4 * p.xz), 3.5)"),
-    ("fbm", "displace(sphere(p, 0.7), 0.7 * fbm(2.5 * p, 5), 5)"),
+    ("noise_2d", "displace(box(p, vec3(1, 0.1, 1)), 0.4 * noise_2d(3 * p.xz), 2.7)"),
+    ("fbm", "displace(sphere(p, 0.7), 0.5 * fbm(2 * p, 5), 5.2 * 0.5)"),
 ];

@@ -33,6 +33,9 @@ pub enum AppError {
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The song that should go on cannot: it was damaged or taken away.
+    #[error("the song cannot go on: {0}")]
+    SongLost(String),
     /// The song cannot be played.
     #[error(transparent)]
     Player(#[from] PlayerError),

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// Keeps frames at least an interval apart, without drift.
+/// Keeps frames an interval apart on average, without drift.
 #[derive(Debug, Clone)]
 pub struct Pacing {
     interval: Duration,
@@ -22,9 +22,10 @@ impl Pacing {
     }
 
     /// Notes a frame that was begun at `now`. A frame that came late moves the following ones: no burst makes up
-    /// for it.
+    /// for it. Frames drawn beside the rhythm, as while a window is resized, put the next one off by an interval at
+    /// the most.
     pub fn begun(&mut self, now: Instant) {
-        self.due = (self.due + self.interval).max(now);
+        self.due = (self.due + self.interval).clamp(now, now + self.interval);
     }
 }
 
@@ -47,5 +48,15 @@ mod tests {
         assert_eq!(pacing.due(), ms(95));
         pacing.begun(ms(95));
         assert_eq!(pacing.due(), ms(105));
+    }
+
+    #[test]
+    fn many_redraws_of_a_resize_do_not_freeze_the_picture() {
+        let start = Instant::now();
+        let mut pacing = Pacing::new(2.0, start);
+        for _ in 0..30 {
+            pacing.begun(start);
+        }
+        assert_eq!(pacing.due(), start + Duration::from_millis(500));
     }
 }

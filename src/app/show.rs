@@ -148,8 +148,8 @@ impl Show {
 
     fn draw(&mut self) -> Result<(), AppError> {
         let Some(stage) = &mut self.stage else { return Ok(()) };
-        let Some(size) = stage.window.size() else { return Ok(()) };
         stage.pacing.begun(Instant::now());
+        let Some(size) = stage.window.size() else { return Ok(()) };
         let moment = stage.player.now(self.settings.latency);
         // A window beyond the driver's textures is drawn smaller and enlarged.
         let limit = stage.window.gl().info().texture_side_max;
@@ -206,10 +206,12 @@ impl Show {
                 Some(reason) if !self.settings.silent => {
                     tell(&format!("the song runs without sound: {reason}"));
                 }
-                Some(_) => {}
-                None => tell(&format!("the sound is back: {}", status.output)),
+                Some(_) | None => {}
             }
             stage.told_silent.clone_from(&status.silent);
+        }
+        if let (true, false, Some(error)) = (status.ended, self.settings.once, &status.source_error) {
+            return self.fail(AppError::SongLost(error.clone()), event_loop);
         }
         if status.source_error != stage.told_source {
             if let Some(error) = &status.source_error {

@@ -61,7 +61,7 @@ pub struct PlayerStatus {
     pub volume: f32,
     /// Runs without sound on demand.
     pub muted: bool,
-    /// The last frame was heard and nothing follows.
+    /// The last frame was heard (and shown, with a shift) and nothing follows.
     pub ended: bool,
     /// The output in words.
     pub output: String,
@@ -107,6 +107,8 @@ pub struct Player {
     picture_clock: Clock,
     position: f64,
     moment: Moment,
+    /// How much later the sound was said to be heard, in seconds, when the picture last asked.
+    shift: f64,
 }
 
 impl Player {
@@ -151,6 +153,7 @@ impl Player {
             picture_clock: Clock::default(),
             position: 0.0,
             moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
+            shift: 0.0,
         })
     }
 
@@ -184,10 +187,11 @@ impl Player {
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let audible = self.position_clock.at(output.history.as_deref(), Instant::now(), 0.0);
-        let mut ended = false;
+        // The picture ends the song: with a shift it is later than the device.
+        let shown = self.picture_clock.at(output.history.as_deref(), Instant::now(), self.shift);
+        let ended = shown.is_some_and(|shown| self.timeline.lock().is_end(shown));
         if let Some(audible) = audible {
             let timeline = self.timeline.lock();
-            ended = timeline.is_end(audible);
             self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
         }
         PlayerStatus {
@@ -208,12 +212,13 @@ impl Player {
 
     /// What is audible now. `latency_shift` seconds (within the limits' `latency_ms_max`) are added to the latency
     /// that the device tells: more than 0 where the sound is heard later than the device knows. Less than 0
-    /// looks ahead, as far as is decoded (0.3 s).
+    /// looks ahead, as far as is decoded (0.3 to 0.4 s).
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         let limit = LIMITS.latency_ms_max / 1000.0;
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
+        self.shift = shift.max(0.0);
         let history = self.supervisor.as_ref().and_then(Supervisor::history);
-        if let Some(audible) = self.picture_clock.at(history.as_deref(), Instant::now(), shift.max(0.0))
+        if let Some(audible) = self.picture_clock.at(history.as_deref(), Instant::now(), self.shift)
             && let Some(place) = self.timeline.lock().place(audible, (-shift).max(0.0))
         {
             let segment = audible.segment;

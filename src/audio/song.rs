@@ -45,9 +45,28 @@ impl Song {
 /// What a song is called: artist and title where the file tells them, else the file's name.
 pub fn display_name(decoder: &Decoder) -> String {
     let info = decoder.info();
-    match (&info.artist, &info.title) {
+    let tag = |tag: &Option<String>| tag.as_deref().map(one_line).filter(|tag| !tag.is_empty());
+    match (tag(&info.artist), tag(&info.title)) {
         (Some(artist), Some(title)) => format!("{artist} - {title}"),
-        (None, Some(title)) => title.clone(),
-        _ => info.name.clone(),
+        (None, Some(title)) => title,
+        _ => one_line(&info.name),
+    }
+}
+
+/// The text without control characters, which files may hold: a title with a NUL stops window systems.
+fn one_line(text: &str) -> String {
+    let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    plain.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    #[test]
+    fn a_nul_or_an_escape_in_a_tag_reaches_no_title() {
+        assert_eq!(one_line("AAA\0BBBB"), "AAA BBBB");
+        assert_eq!(one_line(" \u{1b}[31mred\r\nline "), "[31mred line");
+        assert_eq!(one_line("\0\n"), "");
     }
 }

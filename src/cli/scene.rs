@@ -82,8 +82,10 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
 
 pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
     let scene = require(&SceneSource::find(&arguments.scene)?)?;
-    let mut frame =
-        FrameInputs { params: scene.params.iter().map(|param| param.default).collect(), ..Default::default() };
+    let mut frame = FrameInputs {
+        params: scene.params.iter().map(|param| param.default).collect(),
+        ..Default::default()
+    };
     for setting in &arguments.set {
         set_input(&scene, &mut frame, setting)?;
     }
@@ -114,7 +116,11 @@ fn require(source: &SceneSource) -> anyhow::Result<Scene> {
     let compiled = source.compile()?;
     let diagnostics = compiled.render(std::io::stderr().is_terminal());
     compiled.scene.ok_or_else(|| {
-        anyhow::anyhow!("{} has mistakes: correct what is underlined\n{}", source.name(), diagnostics.trim_end())
+        anyhow::anyhow!(
+            "{} has mistakes: correct what is underlined\n{}",
+            source.name(),
+            diagnostics.trim_end()
+        )
     })
 }
 
@@ -195,7 +201,8 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
         },
     };
     let known = "t, volume.x, volume.y, band(0) to band(31), bass, mid, treble, beat, tempo, phase, and the scene's params";
-    *place.with_context(|| format!("--set '{setting}': there is no input '{name}'; there are {known}"))? = value;
+    *place.with_context(|| format!("--set '{setting}': there is no input '{name}'; there are {known}"))? =
+        value;
     Ok(())
 }
 

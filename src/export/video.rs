@@ -1,7 +1,8 @@
 //! A stretch of a song as a video (by ffmpeg) or as numbered stills.
 
 use std::ffi::OsString;
-use std::io::{Read, Write};
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -110,12 +111,17 @@ impl<'a> Sink<'a> {
     }
 }
 
+/// How much of the end of ffmpeg's complaints is looked at.
+const COMPLAINT_BYTES: u64 = 4096;
+
 /// ffmpeg, fed with raw frames.
 struct Encoder {
     child: Child,
     /// Taken when it is put in its place.
     pending: Option<Pending>,
     path: PathBuf,
+    /// What it complains of. A file, since a pipe that nobody reads would stop it.
+    complaints: File,
     /// Keeps the demo track's file alive while ffmpeg reads it.
     _sound: Option<tempfile::NamedTempFile>,
 }
@@ -145,9 +151,11 @@ impl Encoder {
         // Most players take 4:2:0 only, which needs even sides.
         command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-crf", "18"]);
         command.arg(file_url(pending.temporary()));
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let complaints = tempfile::tempfile().map_err(unwritable)?;
+        let heard = complaints.try_clone().map_err(unwritable)?;
+        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
         let child = command.spawn().map_err(ExportError::NoEncoder)?;
-        Ok(Self { child, pending: Some(pending), path: request.output.clone(), _sound: sound })
+        Ok(Self { child, pending: Some(pending), path: request.output.clone(), complaints, _sound: sound })
     }
 
     fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
@@ -166,12 +174,14 @@ impl Encoder {
     /// What ffmpeg complained of.
     fn last_words(&mut self) -> ExportError {
         drop(self.child.stdin.take());
-        let mut message = String::new();
-        if let Some(pipe) = &mut self.child.stderr {
-            // Whatever can be read is the best that is known.
-            let _ = pipe.read_to_string(&mut message);
-        }
-        let message = message.lines().last().unwrap_or("it ended without a word");
+        let _ = self.child.wait();
+        let mut tail = Vec::new();
+        // Whatever can be read is the best that is known.
+        let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
+        let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
+        let _ = self.complaints.read_to_end(&mut tail);
+        let tail = String::from_utf8_lossy(&tail);
+        let message = tail.lines().last().unwrap_or("it ended without a word");
         // It complains of the file that it writes for now.
         let temporary = self.pending.as_ref().map(|pending| file_url(pending.temporary()));
         let message = match temporary.as_ref().and_then(|url| url.to_str()) {

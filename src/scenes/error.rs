@@ -6,7 +6,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// A word that is no scene's name.
-    #[error("there is no scene '{name}': give a file, a formula such as \"length(p) - 1\", or one of: {shipped}")]
+    #[error(
+        "there is no scene '{name}': give a file, a formula such as \"length(p) - 1\", or one of: {shipped}"
+    )]
     Unknown {
         /// The word.
         name: String,

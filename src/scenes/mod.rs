@@ -45,7 +45,10 @@ impl SceneSource {
         let word = starts_as_name && argument.chars().all(|c| c.is_alphanumeric() || "_-".contains(c));
         let known = lang::inputs().any(|(name, _)| name == argument);
         if word && !known {
-            return Err(SceneError::Unknown { name: argument.to_owned(), shipped: shipped_names().join(", ") });
+            return Err(SceneError::Unknown {
+                name: argument.to_owned(),
+                shipped: shipped_names().join(", "),
+            });
         }
         Ok(Self::Formula(argument.to_owned()))
     }
@@ -82,7 +85,8 @@ impl SceneSource {
                 let text = read(path)?;
                 let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
                 let mut include = |path: &str| {
-                    let inside = Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
+                    let inside =
+                        Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
                     if !inside {
                         return Err("it would leave the scene's folder".to_owned());
                     }

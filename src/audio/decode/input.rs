@@ -1,8 +1,9 @@
 //! Where the bytes come from, and how they become a demuxer.
 
 use std::fs::File;
-use std::io::{self, Cursor, Read, SeekFrom};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use symphonia::core::common::Limit;
 use symphonia::core::errors::Error;
@@ -23,8 +24,10 @@ const TAG_BYTES_MAX: usize = 1 << 16;
 pub(super) enum Input {
     /// A file on disk.
     File {
-        /// Where it lies.
+        /// Where it lay when it was opened.
         path: PathBuf,
+        /// Kept open, so that a song that is moved or deleted while it plays goes on.
+        file: Arc<File>,
     },
     /// Bytes in the program.
     Bytes {
@@ -42,11 +45,30 @@ pub(super) struct Opened {
     pub(super) fragmented: bool,
 }
 
+/// The file again, at its first byte. Both share one position: the one before must not be read any more.
+fn from_start(file: &File) -> io::Result<File> {
+    let mut again = file.try_clone()?;
+    again.rewind()?;
+    Ok(again)
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+fn path_error(path: &Path, source: io::Error) -> DecodeError {
+    match source.kind() {
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => DecodeError::NotFound { path: path.into() },
+        io::ErrorKind::PermissionDenied => DecodeError::NoPermission { path: path.into() },
+        _ => DecodeError::Read { name: file_name(path), source },
+    }
+}
+
 impl Input {
     /// A file that exists, is one, and is not empty.
     pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
-        let input = Self::File { path: path.to_path_buf() };
-        let metadata = std::fs::metadata(path).map_err(|e| input.read_error(e))?;
+        let failed = |error| path_error(path, error);
+        let metadata = std::fs::metadata(path).map_err(failed)?;
         if metadata.is_dir() {
             return Err(DecodeError::IsFolder { path: path.into() });
         }
@@ -54,41 +76,32 @@ impl Input {
             return Err(DecodeError::NotAFile { path: path.into() });
         }
         if metadata.len() == 0 {
-            return Err(DecodeError::Empty { name: input.name() });
+            return Err(DecodeError::Empty { name: file_name(path) });
         }
-        Ok(input)
+        let file = Arc::new(File::open(path).map_err(failed)?);
+        Ok(Self::File { path: path.to_path_buf(), file })
     }
 
     /// What to call the stream in messages: the file's name without its folders.
     pub(super) fn name(&self) -> String {
         match self {
-            Self::File { path } => {
-                path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-            }
+            Self::File { path, .. } => file_name(path),
             Self::Bytes { name, .. } => name.clone(),
         }
     }
 
     /// The error for a failed system call.
     pub(super) fn read_error(&self, source: io::Error) -> DecodeError {
-        match (self, source.kind()) {
-            (Self::File { path }, io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
-                DecodeError::NotFound { path: path.clone() }
-            }
-            (Self::File { path }, io::ErrorKind::PermissionDenied) => {
-                DecodeError::NoPermission { path: path.clone() }
-            }
-            _ => DecodeError::Read { name: self.name(), source },
+        match self {
+            Self::File { path, .. } => path_error(path, source),
+            Self::Bytes { name, .. } => DecodeError::Read { name: name.clone(), source },
         }
     }
 
     /// Finds the container and reads its headers.
     pub(super) fn open(&self) -> Result<Opened, DecodeError> {
         match self {
-            Self::File { path } => {
-                let source = File::open(path).map_err(|e| self.read_error(e))?;
-                self.probe(source)
-            }
+            Self::File { file, .. } => self.probe(from_start(file).map_err(|e| self.read_error(e))?),
             Self::Bytes { bytes, .. } => self.probe(Cursor::new(*bytes)),
         }
     }
@@ -135,8 +148,8 @@ impl Input {
             // Many demuxers look for more at the end, or hold lengths against that of the file, which fails where
             // it is cut short; without the means to jump they do not.
             let source: Box<dyn MediaSource> = match self {
-                Self::File { path } => {
-                    Box::new(ReadOnlySource::new(File::open(path).map_err(|e| self.read_error(e))?))
+                Self::File { file, .. } => {
+                    Box::new(ReadOnlySource::new(from_start(file).map_err(|e| self.read_error(e))?))
                 }
                 Self::Bytes { bytes, .. } => Box::new(ReadOnlySource::new(Cursor::new(*bytes))),
             };

@@ -76,7 +76,7 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
-    /// Starts. Each output that becomes ready is handed to `deliver`; the one before has then ended.
+    /// Starts. Each output that becomes ready is handed to `deliver`; the one before is given up then.
     pub fn start(
         request: OutputRequest,
         controls: Arc<Controls>,
