@@ -2,6 +2,7 @@
 //! show.
 
 #![cfg(unix)]
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
