@@ -202,11 +202,8 @@ impl Show {
         stage.status_due = now + STATUS_INTERVAL;
         let status = PlayerStatus { paused: stage.paused, ..stage.player.status() };
         if status.silent != stage.told_silent {
-            match &status.silent {
-                Some(reason) if !self.settings.silent => {
-                    tell(&format!("the song runs without sound: {reason}"));
-                }
-                Some(_) | None => {}
+            if let Some(reason) = status.silent.as_ref().filter(|_| !self.settings.silent) {
+                tell(&format!("the song runs without sound: {reason}"));
             }
             stage.told_silent.clone_from(&status.silent);
         }
