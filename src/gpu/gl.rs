@@ -4,6 +4,7 @@
 
 use std::ffi::{CStr, c_void};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use glow::HasContext;
 use serde::Serialize;
@@ -15,7 +16,7 @@ use super::error::GpuError;
 /// Objects made from it hold a clone, so that they can free themselves while the context lives.
 #[derive(Clone)]
 pub struct Gl {
-    functions: Rc<glow::Context>,
+    functions: Arc<glow::Context>,
     info: Rc<GlInfo>,
 }
 
@@ -84,7 +85,12 @@ impl Gl {
             }
         }
         let info = Rc::new(read_info(&functions));
-        Ok(Self { functions: Rc::new(functions), info })
+        Ok(Self { functions: Arc::new(functions), info })
+    }
+
+    /// The functions, for a library that draws with them too. They are of this thread's context, as `self` is.
+    pub fn shared(&self) -> Arc<glow::Context> {
+        self.functions.clone()
     }
 
     /// What the driver said of itself.
