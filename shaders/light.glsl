@@ -1,80 +1,107 @@
-// How much light arrives: soft shadows and ambient occlusion.
-
-const vec3 LAMP_POSITION = vec3(-9.0, 12.5, -2.5);
-const vec3 LAMP_COLOR = vec3(1.0, 0.90, 0.74) * 1500.0;
+// How much light arrives, and what a surface throws back of it.
 
 const int SHADOW_STEPS_MAX = 96;
 // Longest step near the scene: longer ones draw the steps into the penumbra.
 const float SHADOW_STEP_MAX = 0.6;
 const float SHADOW_STEP_MIN = 0.03;
-// Sharpness of the penumbra: distance over this is the radius of the lamp.
-const float SHADOW_SHARPNESS = 16.0;
 // Shadow rays also feel what they pass at this distance outside the scene's bounds.
 const float SHADOW_MARGIN = 0.7;
+// Sharpness of the penumbra, the distance of a light over its radius, is brought into this range.
+const float SHARPNESS_MIN = 2.0;
+const float SHARPNESS_MAX = 64.0;
+// Range of a light that is infinitely far away.
+const float SUN_DISTANCE = 1000.0;
 
-// Share of the lamp that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest
+// Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest
 // pass between two steps estimated by triangulation (Aaltonen 2018; thesis section 3.4, Abb. 11).
-float lamp_visibility(vec3 p, vec3 normal, float cone) {
+float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = p + normal * max(0.012, 2.0 * cone);
-    vec3 to_lamp = LAMP_POSITION - origin;
-    float lamp_t = length(to_lamp);
-    vec3 direction = to_lamp / lamp_t;
-    vec2 span = box_span(origin, direction, BOUNDS_MIN - SHADOW_MARGIN, BOUNDS_MAX + SHADOW_MARGIN);
-    float end = min(span.y, lamp_t);
+    if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
+    vec2 span = traced_span(origin, to_light, SHADOW_MARGIN);
+    float end = min(span.y, light_t);
     float t = max(span.x, 0.02);
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         if (t >= end) break;
-        Nearest nearest = scene_nearest(origin + t * direction, t / SHADOW_SHARPNESS);
-        float d = nearest.estimate;
+        vec2 nearest = scene_distance(origin + t * to_light, t / sharpness);
+        float d = nearest.y;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        if (d < 0.002) return 0.0;
+        if (!(d >= 0.002)) return 0.0;
         // Where the unbounded spheres of the last two points meet: so far behind this point, so far off the ray.
         // A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
-        visible = min(visible, SHADOW_SHARPNESS * closest / max(t - behind, 1e-3));
+        visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
         if (visible < 0.004) return 0.0;
         previous = d;
-        stride = clamp(nearest.bound, SHADOW_STEP_MIN, SHADOW_STEP_MAX);
+        stride = clamp(nearest.x, SHADOW_STEP_MIN, SHADOW_STEP_MAX);
         t += stride;
     }
     return visible * visible * (3.0 - 2.0 * visible);
 }
 
-const int OCCLUSION_TAPS = 5;
+// Highest probe of the occlusion.
 const float OCCLUSION_REACH = 1.1;
 
 // Ambient occlusion: how much nearer the scene is than a probe along the normal is high (Quilez 2008; thesis
-// section 3.5), 1 is open. Acts on ambient light only.
+// section 3.5), 1 is open. Four probes; acts on ambient light only.
 float ambient_occlusion(vec3 p, vec3 normal) {
-    // A probe of height h is unaffected by a distance above h: nothing to do far from the scene's bounds.
-    vec3 outside = max(max(BOUNDS_MIN - p, p - BOUNDS_MAX), 0.0);
-    float floor_reach = 2.0 * OCCLUSION_REACH;
-    bool scene_near = dot(outside, outside) < OCCLUSION_REACH * OCCLUSION_REACH;
-    if (!scene_near && p.y > floor_reach) return 1.0;
-    float sum = 0.0;
-    float weight = 1.0;
-    float total = 0.0;
-    for (int i = 1; i <= OCCLUSION_TAPS; i++) {
-        float share = float(i) / float(OCCLUSION_TAPS);
-        float height = OCCLUSION_REACH * share * share;
-        vec3 probe = p + normal * height;
-        float d = probe.y - FLOOR_HEIGHT;
-        if (scene_near) {
-            d = min(d, scene_nearest(probe, 0.0).estimate);
-            COUNT(occlusion);
-        }
-        sum += weight * clamp((height - d) / height, 0.0, 1.0);
-        total += weight;
-        weight *= 0.8;
+    const vec4 share = vec4(0.25, 0.5, 0.75, 1.0);
+    const vec4 weight = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
+    vec4 height = OCCLUSION_REACH * share * share;
+    vec4 x = p.x + normal.x * height;
+    vec4 y = p.y + normal.y * height;
+    vec4 z = p.z + normal.z * height;
+    vec4 d = height;
+    for (int i = 0; i < PLANES_MAX; i++) {
+        vec4 above = planes[i].x * x + planes[i].y * y + planes[i].z * z + planes[i].w;
+        if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));
     }
-    float open = 1.0 - sum / total;
-    return clamp(open, 0.0, 1.0);
+    // A probe of height h is unaffected by a distance above h: nothing to do far from the scene's bounds.
+    vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
+    bool near = bounds_high.w < 0.5 || dot(outside, outside) < OCCLUSION_REACH * OCCLUSION_REACH;
+    if (near && bounds_low.w > 0.5) {
+        d = min(d, scene_estimates(x, y, z));
+        COUNT_N(occlusion, 4);
+    }
+    float closed = dot(weight, clamp((height - d) / height, 0.0, 1.0));
+    return clamp(1.0 - closed, 0.0, 1.0);
+}
+
+const float PI = 3.14159265;
+
+// GGX (Walter et al. 2007) with Smith's height-correlated masking (Heitz 2014, Hammon's approximation 2017) and Schlick's
+// Fresnel; `alpha` is the roughness squared, `f0` the reflectance straight on.
+vec3 highlight(float alpha, vec3 f0, float facing, float seen, vec3 normal, vec3 halfway, float grazing) {
+    float a2 = alpha * alpha;
+    float nh = clamp(dot(normal, halfway), 0.0, 1.0);
+    float k = nh * nh * (a2 - 1.0) + 1.0;
+    float spread = a2 / (PI * k * k);
+    float masking = 0.5 / max(mix(2.0 * facing * seen, facing + seen, alpha), 1e-4);
+    return (f0 + (1.0 - f0) * grazing) * (spread * masking);
+}
+
+// What a surface throws towards the eye of light that arrives from `to_light`, per light on a surface at right angles.
+// `widening` is the half angle of the light: no highlight is smaller than the light's mirror image.
+vec3 thrown_back(Material m, vec3 normal, vec3 to_light, vec3 direction, float facing, float widening) {
+    float seen = max(dot(normal, -direction), 1e-3);
+    vec3 halfway = normalize(to_light - direction);
+    float grazing = pow(1.0 - clamp(dot(halfway, to_light), 0.0, 1.0), 5.0);
+    float alpha = clamp(m.roughness * m.roughness + 0.5 * widening, 0.02, 1.0);
+    vec3 f0 = mix(vec3(0.04), m.color, m.metalness);
+    vec3 diffuse = m.color * ((1.0 - m.metalness) / PI);
+    vec3 light = diffuse + highlight(alpha, f0, facing, seen, normal, halfway, grazing);
+    if (m.coat > 0.0) {
+        float coat_alpha = clamp(0.01 + 0.5 * widening, 0.02, 1.0);
+        float share = m.coat * (0.04 + 0.96 * grazing);
+        light = light * (1.0 - share)
+              + m.coat * highlight(coat_alpha, vec3(0.04), facing, seen, normal, halfway, grazing);
+    }
+    return light * facing;
 }

@@ -1,64 +1,59 @@
-// One sample of the scene for each pixel: primary ray, light, and the mirror's reflection (LD?S*E, thesis 3.3).
+// One sample of the scene for each pixel: primary ray, light, and what mirrors show (LD?S*E, thesis 3.3).
 // Writes colour tone-mapped to 0..1, still linear, and in alpha a key of the surfaces seen.
 
 #include "frame_block.glsl"
-#include "speakers.glsl"
-#include "sky.glsl"
+#include "material.glsl"
+#include "scene_inputs.glsl"
+#include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "light.glsl"
-#include "materials.glsl"
 #include "tone_map.glsl"
 
 layout(location = 0) out vec4 sample_color;         // alpha: a whole number below 2048
 #ifdef COUNT_EVALUATIONS
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
-layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, 0, 0
+layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, 0
 #endif
-
-const float HORIZON_DISTANCE = 55.0;
-
-Footprint pixel_footprint(vec3 direction, vec3 normal, float distance) {
-    float along = dot(direction, normal);
-    along = abs(along) < 0.05 ? (along < 0.0 ? -0.05 : 0.05) : along;
-    vec3 dx = camera_right.xyz * (2.0 * viewport.z * distance);
-    vec3 dy = camera_up.xyz * (2.0 * viewport.w * distance);
-    return Footprint(dx - direction * (dot(dx, normal) / along), dy - direction * (dot(dy, normal) / along));
-}
 
 // Light from the surface at p towards the eye, without what it mirrors.
 vec3 shade(Material m, vec3 p, vec3 normal, vec3 direction, float cone) {
-    vec3 to_lamp = LAMP_POSITION - p;
-    float lamp_distance2 = dot(to_lamp, to_lamp);
-    vec3 lamp = to_lamp * inversesqrt(lamp_distance2);
-    float facing = dot(normal, lamp);
     vec3 light = m.emission;
-    if (facing > 0.0) {
-        float visible = lamp_visibility(p, normal, cone);
-        if (visible > 0.0) {
-            vec3 incoming = LAMP_COLOR * (visible * facing / lamp_distance2);
-            vec3 halfway = normalize(lamp - direction);
-            float highlight = m.gloss * (m.shine + 8.0) / 25.0 * pow(max(dot(normal, halfway), 0.0), m.shine);
-            light += incoming * (m.albedo * 0.3183 + highlight * 0.04);
+    for (int i = 0; i < LIGHTS_MAX; i++) {
+        vec4 place = lights[2 * i];
+        vec4 color = lights[2 * i + 1];
+        if (place.w < 0.5) break;
+        bool sun = place.w > 1.5;
+        vec3 to_light = sun ? -place.xyz : place.xyz - p;
+        float distance2 = dot(to_light, to_light);
+        to_light *= inversesqrt(max(distance2, 1e-12));
+        float light_t = sun ? SUN_DISTANCE : sqrt(distance2);
+        float widening = sun ? color.w : color.w / max(light_t, 1e-3);
+        float facing = dot(normal, to_light);
+        if (facing > 0.0) {
+            float sharpness = clamp(1.0 / max(widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
+            float visible = light_visibility(p, normal, to_light, light_t, sharpness, cone);
+            if (visible > 0.0) {
+                vec3 incoming = color.rgb * (sun ? visible : visible / max(distance2, 1e-4));
+                light += incoming * thrown_back(m, normal, to_light, direction, facing, widening);
+            }
         }
     }
-    float open = ambient_occlusion(p, normal);
-    // From above the sky, from below what the teal floor throws back.
-    vec3 ambient = mix(vec3(0.012, 0.050, 0.056), vec3(0.060, 0.075, 0.110), 0.5 + 0.5 * normal.y);
-    ambient += vec3(0.045, 0.036, 0.034) * max(-normal.z, 0.0);
-    light += m.albedo * ambient * open;
-    return light;
+    vec3 ambient = light_of(sky_ambient(normal, vec3(0.0), vec3(0.0)));
+    return light + m.color * ambient * ambient_occlusion(p, normal);
 }
 
 // A number for the surfaces of a path: where neighbours differ in it, an edge of the geometry lies between them.
 float surface_key = 0.0;
+// A prime: keys stay whole and below 2048, which 16-bit floats hold exactly.
+const float KEYS = 1021.0;
 
-void add_to_key(int object, vec3 normal) {
+void add_to_key(int object, bool flat_surface, vec3 normal) {
     vec3 cell = floor(normal * 1.49 + 1.5);
-    float facing = object == FLOOR ? 0.0 : cell.x + 3.0 * cell.y + 9.0 * cell.z;
-    surface_key = surface_key * 4.0 + float(object) + 16.0 * facing;
+    float facing = flat_surface ? 0.0 : cell.x + 3.0 * cell.y + 9.0 * cell.z;
+    surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// The most surfaces that a path meets: the mirror and what it shows.
+// The most surfaces that a path meets: a mirror and what it shows.
 const int SURFACES_MAX = 2;
 
 // Light along a ray from the eye. One loop over the surfaces of the path, so that a driver compiles tracing and
@@ -71,35 +66,45 @@ vec3 scene_color(vec3 origin, vec3 direction) {
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        if (hit.object == SKY) return color + throughput * sky_color(direction);
-        travelled += hit.t;
-        cone = spread * travelled;
-        vec3 p = origin + hit.t * direction;
-
-        float reflectance = 0.0;
-        vec3 normal = vec3(0.0, 1.0, 0.0);
-        if (hit.object == FLOOR) {
-            p.y = FLOOR_HEIGHT;
-            // The floor fades into the horizon, far from the speakers and from the eye.
-            vec2 from_speakers = p.xz - vec2(0.0, SPEAKER_CENTRE.z);
-            vec2 from_eye = p.xz - camera_position.xz;
-            float away = min(dot(from_speakers, from_speakers), dot(from_eye, from_eye));
-            float haze = 1.0 - exp(-away / (HORIZON_DISTANCE * HORIZON_DISTANCE));
-            color += throughput * haze * sky_color(vec3(direction.x, 0.0, direction.z));
-            throughput *= 1.0 - haze;
-            if (throughput < 0.004) return color;
+        // How the point moves for the pixel to the right and the one above, before the surface cuts the rays.
+        float reached = travelled + (hit.met ? hit.t : 1.0);
+        vec3 dx = camera_right.xyz * (2.0 * viewport.z * reached);
+        vec3 dy = camera_up.xyz * (2.0 * viewport.w * reached);
+        float sky_share = throughput;
+        vec3 mirrored = direction;
+        if (hit.met) {
+            travelled = reached;
+            cone = spread * travelled;
+            vec3 p = origin + hit.t * direction;
+            int object;
+            vec3 normal;
+            if (hit.plane != NOTHING) {
+                normal = planes[hit.plane].xyz;
+                object = int(plane_objects[hit.plane] + 0.5);
+                p -= normal * (dot(normal, p) + planes[hit.plane].w);
+            } else {
+                normal = surface_normal(p, cone);
+                object = scene_object(p);
+            }
+            add_to_key(object, hit.plane != NOTHING, normal);
+            float along = dot(direction, normal);
+            along = abs(along) < 0.05 ? (along < 0.0 ? -0.05 : 0.05) : along;
+            vec3 dpx = dx - direction * (dot(dx, normal) / along);
+            vec3 dpy = dy - direction * (dot(dy, normal) / along);
+            Material m = within_ranges(scene_material(object, p, normal, dpx, dpy));
+            sky_share = throughput * m.haze;
+            float kept = throughput * (1.0 - m.haze);
             // Schlick's approximation of Fresnel's reflectance.
-            reflectance = FLOOR_MIRROR + (1.0 - FLOOR_MIRROR) * pow(1.0 - max(-direction.y, 0.0), 5.0);
-        } else {
-            normal = surface_normal(p, cone);
+            float grazing = pow(1.0 - clamp(-along, 0.0, 1.0), 5.0);
+            float reflectance = m.reflect > 0.0 ? m.reflect + (1.0 - m.reflect) * grazing : 0.0;
+            if (kept > 0.004) color += kept * (1.0 - reflectance) * shade(m, p, normal, direction, cone);
+            throughput = kept * reflectance;
+            origin = p + normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
+            mirrored = direction - 2.0 * dot(direction, normal) * normal;
         }
-        add_to_key(hit.object, normal);
-        Material m = material_at(hit.object, p, normal, pixel_footprint(direction, normal, travelled));
-        color += throughput * (1.0 - reflectance) * shade(m, p, normal, direction, cone);
-        throughput *= reflectance;
-        if (throughput < 0.004) return color;
-        origin = p;
-        direction = vec3(direction.x, -direction.y, direction.z);
+        if (sky_share > 0.0) color += sky_share * light_of(sky_color(direction, dx / reached, dy / reached));
+        if (!hit.met || throughput < 0.004) return color;
+        direction = mirrored;
     }
     return color;
 }
@@ -113,6 +118,6 @@ void main() {
     sample_color = vec4(tone_map(color), pass_kind > 0.5 ? 1.0 : surface_key);
 #ifdef COUNT_EVALUATIONS
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
-    more_evaluations = vec4(count_occlusion, count_capped, 0.0, 0.0);
+    more_evaluations = vec4(count_occlusion, count_capped, count_clauses, 0.0);
 #endif
 }

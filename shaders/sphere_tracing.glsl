@@ -1,4 +1,4 @@
-// Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. The floor is solved exactly.
+// Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. Planes are solved exactly.
 
 #include "counters.glsl"
 
@@ -7,10 +7,15 @@ const int STEPS_MAX = 128;
 // ends there.
 const float HIT_SHARE = 0.7;
 const float HIT_SHARE_GROWTH = 0.015;
+// As far as rays go where a scene has no bounds.
+const float FAR = 1000.0;
+
+const int NOTHING = -1;
 
 struct Hit {
     float t;        // along the ray
-    int object;     // SKY, FLOOR, SPEAKER or BAR
+    int plane;      // number of the plane, or NOTHING
+    bool met;       // whether there is a surface at all
 };
 
 // Entry and exit of the ray into the box; empty where entry > exit.
@@ -24,46 +29,56 @@ vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// Distance along the ray to the floor, or a large number.
-float floor_span(vec3 origin, vec3 direction) {
-    if (direction.y > -1e-5) return 1e9;
-    return (FLOOR_HEIGHT - origin.y) / direction.y;
+// Where along the ray what is traced may lie, with a margin around it; empty where entry > exit.
+vec2 traced_span(vec3 origin, vec3 direction, float margin) {
+    if (bounds_low.w < 0.5) return vec2(1.0, 0.0);
+    if (bounds_high.w < 0.5) return vec2(0.0, FAR);
+    return box_span(origin, direction, bounds_low.xyz - margin, bounds_high.xyz + margin);
+}
+
+// The first plane that the ray meets from its upper side.
+Hit trace_planes(vec3 origin, vec3 direction, float start) {
+    Hit hit = Hit(1e9, NOTHING, false);
+    for (int i = 0; i < PLANES_MAX; i++) {
+        float approach = -dot(planes[i].xyz, direction);
+        float height = dot(planes[i].xyz, origin) + planes[i].w;
+        float t = height / max(approach, 1e-9);
+        if (approach > 1e-5 && height >= 0.0 && t >= start && t < hit.t) hit = Hit(t, i, true);
+    }
+    return hit;
 }
 
 // First surface along the ray. `cone` is the radius of the pixel's cone at t = 0 and `spread` its growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
-    float floor_t = floor_span(origin, direction);
-    Hit miss = Hit(floor_t, floor_t < 1e8 ? FLOOR : SKY);
-    vec2 span = box_span(origin, direction, BOUNDS_MIN, BOUNDS_MAX);
-    float end = min(span.y, floor_t);
+    Hit behind = trace_planes(origin, direction, start);
+    vec2 span = traced_span(origin, direction, 0.0);
+    float end = min(span.y, behind.t);
     float t = max(span.x, start);
-    if (t >= end) return miss;
-    int object = SKY;
+    if (t >= end) return behind;
     for (int i = 0; i < STEPS_MAX; i++) {
-        Nearest nearest = scene_nearest(origin + t * direction, 0.0);
-        float d = nearest.bound;
-        object = nearest.object;
+        float d = scene_distance(origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEPS_MAX - 1) COUNT(capped);
 #endif
         float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(i);
-        if (d < reach * (cone + spread * t)) return Hit(t, object);
+        // Not d >= reach: what is no number ends the ray, too.
+        if (!(d >= reach * (cone + spread * t))) break;
         t += d;
-        if (t >= end) return miss;
+        if (t >= end) return behind;
     }
-    return Hit(t, object);
+    return Hit(t, NOTHING, true);
 }
 
 // Normal by central differences on a tetrahedron, four taps; the step follows the pixel's cone (thesis 3.1).
 vec3 surface_normal(vec3 p, float cone) {
     float h = max(0.6 * cone, 4e-4);
-    vec3 sum = vec3(0.0);
-    for (int i = 0; i < 4; i++) {
-        vec3 e = 2.0 * vec3(float(((i + 3) >> 1) & 1), float((i >> 1) & 1), float(i & 1)) - 1.0;
-        sum += e * scene_nearest(p + h * e, 0.0).estimate;
-    }
+    const vec4 ex = vec4(1.0, -1.0, -1.0, 1.0);
+    const vec4 ey = vec4(-1.0, -1.0, 1.0, 1.0);
+    const vec4 ez = vec4(-1.0, 1.0, -1.0, 1.0);
+    vec4 d = scene_estimates(p.x + h * ex, p.y + h * ey, p.z + h * ez);
     COUNT_N(normal, 4);
+    vec3 sum = vec3(dot(ex, d), dot(ey, d), dot(ez, d));
     float size = length(sum);
-    return size > 1e-12 ? sum / size : vec3(0.0, 1.0, 0.0);
+    return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
 }

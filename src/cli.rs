@@ -13,14 +13,16 @@ use crate::app;
 use crate::audio::decode::quiet_contained_panics;
 use crate::audio::devices::list_devices;
 use crate::audio::song::Song;
-use crate::config::PlaySettings;
+use crate::config::{PlaySettings, SdfChoice};
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
+use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::limits::LIMITS;
+use crate::scenes::{SceneError, SceneSource};
 
 /// A music visualizer whose worlds are formulas: plays a song and shows it.
 #[derive(Parser)]
@@ -83,12 +85,29 @@ struct PlayArguments {
 
 #[derive(Args)]
 struct CommonArguments {
+    /// What is shown: a scene's file, the name of a shipped one, or a formula such as "length(p) - 1"
+    #[arg(long, value_name = "SCENE", default_value = DEFAULT_SCENE, allow_hyphen_values = true)]
+    scene: String,
+    /// How the scene's formulas are run; auto interprets at once and compiles in the background
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    sdf: Sdf,
     /// Read the shaders from this folder, for work on them
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
     /// Log what happens; twice for more
     #[arg(short, long, action = clap::ArgAction::Count)]
     verbose: u8,
+}
+
+/// The scene that is shown without being told otherwise.
+const DEFAULT_SCENE: &str = "speakers";
+
+/// See [`SdfChoice`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Sdf {
+    Interpreted,
+    Compiled,
+    Auto,
 }
 
 #[derive(Subcommand)]
@@ -217,7 +236,25 @@ struct BenchArguments {
 /// What the job could not do; usage errors end the program with code 2 before.
 pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
-    let Arguments { command, play } = Arguments::parse();
+    dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
+}
+
+/// A scene's mistakes in colours, where they can be seen.
+fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
+    let mistakes = error.chain().find_map(|cause| match cause.downcast_ref() {
+        Some(SceneError::Mistakes { name, colored, .. }) => {
+            Some(format!("{name} has mistakes: correct what is underlined\n{}", colored.trim_end()))
+        }
+        _ => None,
+    });
+    match mistakes {
+        Some(text) if std::io::stderr().is_terminal() => anyhow::Error::msg(text),
+        _ => error,
+    }
+}
+
+fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
+    let Arguments { command, play } = arguments;
     match command {
         None => run_play(play),
         Some(Command::Still(arguments)) => run_still(arguments),
@@ -242,11 +279,9 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         fps_cap: arguments.fps_cap,
         fullscreen: arguments.fullscreen,
         size: arguments.size,
-        shaders: common.shaders,
         gl_info: arguments.gl_info,
-        verbose: common.verbose > 0,
     };
-    app::run(&song(arguments.file.as_deref()), settings)
+    app::run(&song(arguments.file.as_deref()), settings, common.scene()?)
 }
 
 fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
@@ -256,8 +291,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
         at: arguments.at,
         size: arguments.size,
         output: arguments.output,
-        shaders: common.library(),
-        verbose: common.verbose > 0,
+        scene: common.scene()?,
     })?;
     Ok(())
 }
@@ -271,8 +305,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
         fps: arguments.fps,
         size: arguments.size,
         output: arguments.output,
-        shaders: common.library(),
-        verbose: common.verbose > 0,
+        scene: common.scene()?,
     };
     let on_terminal = std::io::stderr().is_terminal();
     let mut progress = |done: u64, expected: Option<u64>| {
@@ -309,7 +342,7 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         at: arguments.at,
         size: arguments.size,
         frames: arguments.frames.into(),
-        shaders: common.library(),
+        scene: common.scene()?,
     })?;
     if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
@@ -345,8 +378,17 @@ impl CommonArguments {
         self
     }
 
-    fn library(&self) -> ShaderLibrary {
-        self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk)
+    fn scene(&self) -> anyhow::Result<SceneChoice> {
+        Ok(SceneChoice {
+            source: SceneSource::find(&self.scene)?,
+            sdf: match self.sdf {
+                Sdf::Interpreted => SdfChoice::Interpreted,
+                Sdf::Compiled => SdfChoice::Compiled,
+                Sdf::Auto => SdfChoice::Auto,
+            },
+            shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
+            verbose: self.verbose > 0,
+        })
     }
 }
 

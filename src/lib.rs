@@ -17,3 +17,4 @@ pub mod lang;
 pub mod limits;
 pub mod scenes;
 pub mod tape;
+pub mod world;

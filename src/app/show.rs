@@ -16,11 +16,11 @@ use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
 use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
+use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::frame::Frame;
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::shader_source::ShaderLibrary;
 
 /// Frame cap where the monitor tells no rate.
 const FPS_DEFAULT: f64 = 60.0;
@@ -35,7 +35,7 @@ const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 ///
 /// # Errors
 /// The song cannot be opened or the window cannot show it.
-pub fn run(song: &Song, settings: PlaySettings) -> anyhow::Result<()> {
+pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
     let decoder = song.open()?;
     let event_loop = match EventLoop::new() {
@@ -51,6 +51,7 @@ pub fn run(song: &Song, settings: PlaySettings) -> anyhow::Result<()> {
         name: display_name(&decoder),
         source: Some(Box::new(decoder)),
         settings,
+        scene,
         started,
         stage: None,
         error: None,
@@ -73,6 +74,7 @@ struct Show {
     /// Taken by the player when the window stands.
     source: Option<Box<dyn FrameSource>>,
     settings: PlaySettings,
+    scene: SceneChoice,
     started: Instant,
     stage: Option<Stage>,
     error: Option<AppError>,
@@ -84,6 +86,8 @@ struct Stage {
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     renderer: Renderer,
+    program: crate::gpu::program::Program,
+    resources: crate::gpu::scene_resources::SceneResources,
     pacing: Pacing,
     /// What the last frame showed; a show that stands still is not drawn again.
     shown: Option<(Moment, (u32, u32))>,
@@ -104,7 +108,7 @@ impl Show {
         let settings = &self.settings;
         let title = title(&self.name, None, settings.silent);
         let window =
-            GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, settings.verbose)?;
+            GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
         if settings.gl_info {
             event_loop.exit();
             return Ok(print_line(&window.gl().info().to_string())?);
@@ -112,9 +116,19 @@ impl Show {
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
-        let library =
-            settings.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk);
-        let renderer = Renderer::new(window.gl(), &library, Counting::Off)?;
+        let library = &self.scene.shaders;
+        let renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+        let world = std::sync::Arc::new(self.scene.source.world().map_err(crate::export::ExportError::from)?);
+        let buffers = std::sync::Arc::new(world.tape_buffers().map_err(crate::gpu::error::GpuError::from)?);
+        let variant = crate::gpu::scene_program::variant_of(
+            &world,
+            &buffers,
+            crate::gpu::scene_program::Mode::Compiled,
+            window.gl().info(),
+            Counting::Off,
+        )?;
+        let program = crate::gpu::scene_program::link_scene(window.gl(), library, &variant)?;
+        let resources = crate::gpu::scene_resources::SceneResources::upload(window.gl(), world, buffers)?;
         let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
@@ -131,6 +145,8 @@ impl Show {
             player,
             paused: false,
             renderer,
+            program,
+            resources,
             pacing: Pacing::new(fps, now),
             shown: None,
             frames: 0,
@@ -155,7 +171,8 @@ impl Show {
         let limit = stage.window.gl().info().texture_side_max;
         let drawn = (size.0.min(limit), size.1.min(limit));
         if stage.shown != Some((moment, drawn)) {
-            stage.renderer.draw(&Frame::new(moment.song_time, moment.features, drawn))?;
+            let frame = Frame::new(stage.resources.world(), moment.song_time, moment.features, drawn);
+            stage.renderer.draw(&frame, &stage.resources, &stage.program)?;
         }
         stage.renderer.show(size)?;
         stage.window.swap()?;

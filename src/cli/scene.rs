@@ -71,7 +71,12 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
     let scene = require(&SceneSource::find(&arguments.scene)?)?;
     let root = scene.distance;
     let text = if arguments.glsl {
-        crate::tape::glsl::function(&scene.graph, &[root], "scene_distance")?
+        crate::tape::glsl::function(
+            &scene.graph,
+            &[root],
+            "scene_distance",
+            crate::tape::glsl::Sampling::None,
+        )?
     } else if arguments.dot {
         scene.graph.to_dot(root)?
     } else {

@@ -1,6 +1,16 @@
 //! Settings of a run: what the command line chooses, with the defaults. A settings file comes later.
 
-use std::path::PathBuf;
+/// How a scene's expressions are run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SdfChoice {
+    /// From the tape, by the interpreter shader.
+    Interpreted,
+    /// As GLSL that the driver compiles.
+    Compiled,
+    /// Interpreted at once, compiled as soon as the driver is ready.
+    #[default]
+    Auto,
+}
 
 /// How the window plays and shows a song.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,10 +31,6 @@ pub struct PlaySettings {
     pub fullscreen: bool,
     /// Size of the window in pixels at the start.
     pub size: (u32, u32),
-    /// Shaders from a folder instead of the embedded ones.
-    pub shaders: Option<PathBuf>,
     /// Print what OpenGL was got, and end.
     pub gl_info: bool,
-    /// Log the driver's debug output.
-    pub verbose: bool,
 }

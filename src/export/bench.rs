@@ -1,19 +1,25 @@
-//! Measurements without a window: frame times, CPU time, distance evaluations.
+//! Measurements without a window: frame times, CPU time, evaluations and clauses, a row for each mode.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
 use serde::Serialize;
 
 use super::error::ExportError;
+use super::painter::SceneChoice;
 use super::song_features::SongFeatures;
 use crate::audio::song::Song;
+use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::gpu::gl::GlInfo;
 use crate::gpu::headless::Headless;
+use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
-use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
+use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::timer::GpuTimer;
+use crate::world::Cost;
 
 /// What to measure.
 #[derive(Debug, Clone)]
@@ -24,10 +30,10 @@ pub struct BenchRequest {
     pub at: f64,
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Number of frames that are timed.
+    /// Number of frames that are timed in each mode.
     pub frames: usize,
-    /// The shaders.
-    pub shaders: ShaderLibrary,
+    /// The scene; `auto` measures both modes.
+    pub scene: SceneChoice,
 }
 
 /// What was measured.
@@ -35,16 +41,33 @@ pub struct BenchRequest {
 pub struct BenchReport {
     /// The driver.
     pub gl: GlInfo,
+    /// The scene.
+    pub scene: String,
+    /// Clauses of its programs.
+    pub clauses: Cost,
     /// Width and height in pixels.
     pub size: (u32, u32),
     /// The moment, in seconds.
     pub at: f64,
-    /// Frames that were timed.
+    /// Frames that were timed in each mode.
     pub frames: usize,
     /// From the start of the measurement to a finished context, in ms.
     pub context_ms: f64,
-    /// From there to compiled shaders and loaded textures, in ms.
-    pub shaders_ms: f64,
+    /// From text to tapes and bounds, in ms.
+    pub scene_ms: f64,
+    /// A row for each mode that was measured.
+    pub modes: Vec<ModeReport>,
+    /// What kept a mode from being measured.
+    pub notes: Vec<String>,
+}
+
+/// What was measured of one mode.
+#[derive(Debug, Serialize)]
+pub struct ModeReport {
+    /// Interpreted or compiled.
+    pub mode: Mode,
+    /// Assembling, compiling and linking its program, in ms.
+    pub shader_ms: f64,
     /// The first draw, in which drivers compile once more, in ms.
     pub first_draw_ms: f64,
     /// Wall time of a frame, median, in ms.
@@ -55,102 +78,181 @@ pub struct BenchReport {
     pub cpu_p50_ms: f64,
     /// Time that the GPU spent for a frame, median, in ms; none where its timer tells nothing.
     pub gpu_p50_ms: Option<f64>,
-    /// Distance evaluations per pixel by kind of ray.
+    /// Distance evaluations and clauses per pixel.
     pub evaluations_per_pixel: Evaluations,
-    /// Those of all kinds.
+    /// Evaluations of all kinds.
     pub evaluations_per_pixel_total: f64,
 }
 
-/// Measures.
+/// Measures. The modes take turns, frame by frame, so that both meet the same disturbances.
 ///
 /// # Errors
-/// The song cannot be decoded or the driver refuses.
+/// The song cannot be decoded, the scene has mistakes, or the driver refuses.
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
-    let frame = Frame::new(request.at, features, request.size);
+    let start = Instant::now();
+    let world = Arc::new(request.scene.source.world()?);
+    let buffers = Arc::new(world.tape_buffers()?);
+    let scene_ms = milliseconds(start.elapsed());
+    let frame = Frame::new(&world, request.at, features, request.size);
 
     let start = Instant::now();
-    let context = Headless::new(false)?;
+    let context = Headless::new(request.scene.verbose)?;
     let gl = context.gl();
     let context_ms = milliseconds(start.elapsed());
-    let start = Instant::now();
-    let mut renderer = Renderer::new(gl, &request.shaders, Counting::Off)?;
-    let shaders_ms = milliseconds(start.elapsed());
-    let start = Instant::now();
-    renderer.draw(&frame)?;
-    gl.finish();
-    let first_draw_ms = milliseconds(start.elapsed());
+    let (mut modes, mut notes) = (Vec::new(), Vec::new());
+    if request.scene.sdf != SdfChoice::Compiled {
+        match Interpreter::fits(&buffers, gl.info()) {
+            Ok(()) => modes.push(Mode::Interpreted),
+            Err(error) => notes.push(error.to_string()),
+        }
+    }
+    if request.scene.sdf != SdfChoice::Interpreted || modes.is_empty() {
+        modes.push(Mode::Compiled);
+    }
+    let library = &request.scene.shaders;
+    let resources = SceneResources::upload(gl, world.clone(), buffers.clone())?;
+    let mut renderer = Renderer::new(gl, library, Counting::Off)?;
+    let mut runs = Vec::with_capacity(modes.len());
+    for mode in modes {
+        let start = Instant::now();
+        let variant = variant_of(&world, &buffers, mode, gl.info(), Counting::Off)?;
+        let program = link_scene(gl, library, &variant)?;
+        let shader_ms = milliseconds(start.elapsed());
+        let start = Instant::now();
+        renderer.draw(&frame, &resources, &program)?;
+        gl.finish();
+        let first_draw_ms = milliseconds(start.elapsed());
+        let (wall, cpu, gpu) = Default::default();
+        runs.push(Run { mode, program, shader_ms, first_draw_ms, wall, cpu, gpu });
+    }
 
     let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
-    let (mut wall, mut cpu, mut gpu) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..request.frames.max(1) {
-        let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
-        let drawn = match &timer {
-            Some(timer) => {
-                let (drawn, duration) = timer.time(|| renderer.draw(&frame));
-                gpu.push(milliseconds(duration));
-                drawn
-            }
-            None => renderer.draw(&frame),
-        };
-        drawn?;
-        gl.finish();
-        wall.push(milliseconds(wall_start.elapsed()));
-        cpu.push(milliseconds(cpu_start.elapsed()));
+        for run in &mut runs {
+            let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
+            let drawn = match &timer {
+                Some(timer) => {
+                    let (drawn, duration) = timer.time(|| renderer.draw(&frame, &resources, &run.program));
+                    run.gpu.push(milliseconds(duration));
+                    drawn
+                }
+                None => renderer.draw(&frame, &resources, &run.program),
+            };
+            drawn?;
+            gl.finish();
+            run.wall.push(milliseconds(wall_start.elapsed()));
+            run.cpu.push(milliseconds(cpu_start.elapsed()));
+        }
     }
     drop(renderer);
 
-    let mut counter = Renderer::new(gl, &request.shaders, Counting::On)?;
-    counter.draw(&frame)?;
+    let mut counter = Renderer::new(gl, library, Counting::On)?;
     let pixels = f64::from(request.size.0) * f64::from(request.size.1);
-    let evaluations = counter.evaluations().per_pixel(pixels);
+    let mut reports = Vec::with_capacity(runs.len());
+    for mut run in runs {
+        let variant = variant_of(&world, &buffers, run.mode, gl.info(), Counting::On)?;
+        let program = link_scene(gl, library, &variant)?;
+        counter.draw(&frame, &resources, &program)?;
+        let evaluations = counter.evaluations().per_pixel(pixels);
+        reports.push(run.report(evaluations));
+    }
     Ok(BenchReport {
         gl: gl.info().clone(),
+        scene: world.name.clone(),
+        clauses: buffers.cost,
         size: request.size,
         at: request.at,
-        frames: wall.len(),
+        frames: request.frames.max(1),
         context_ms,
-        shaders_ms,
-        first_draw_ms,
-        wall_p50_ms: percentile(&mut wall, 0.5),
-        wall_p99_ms: percentile(&mut wall, 0.99),
-        cpu_p50_ms: percentile(&mut cpu, 0.5),
-        gpu_p50_ms: (!gpu.is_empty()).then(|| percentile(&mut gpu, 0.5)),
-        evaluations_per_pixel: evaluations,
-        evaluations_per_pixel_total: evaluations.total(),
+        scene_ms,
+        modes: reports,
+        notes,
     })
+}
+
+/// One mode while it is measured.
+struct Run {
+    mode: Mode,
+    program: Program,
+    shader_ms: f64,
+    first_draw_ms: f64,
+    wall: Vec<f64>,
+    cpu: Vec<f64>,
+    gpu: Vec<f64>,
+}
+
+impl Run {
+    fn report(&mut self, evaluations: Evaluations) -> ModeReport {
+        ModeReport {
+            mode: self.mode,
+            shader_ms: self.shader_ms,
+            first_draw_ms: self.first_draw_ms,
+            wall_p50_ms: percentile(&mut self.wall, 0.5),
+            wall_p99_ms: percentile(&mut self.wall, 0.99),
+            cpu_p50_ms: percentile(&mut self.cpu, 0.5),
+            gpu_p50_ms: (!self.gpu.is_empty()).then(|| percentile(&mut self.gpu, 0.5)),
+            evaluations_per_pixel: evaluations,
+            evaluations_per_pixel_total: evaluations.total(),
+        }
+    }
 }
 
 impl std::fmt::Display for BenchReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let per_pixel = &self.evaluations_per_pixel;
         writeln!(f, "{} ({})", self.gl.renderer, self.gl.version)?;
-        writeln!(f, "{}x{}, t = {} s, {} frames", self.size.0, self.size.1, self.at, self.frames)?;
-        writeln!(f)?;
         writeln!(
             f,
-            "start           context {:.0} ms, shaders and textures {:.0} ms, first draw {:.0} ms",
-            self.context_ms, self.shaders_ms, self.first_draw_ms
+            "{}: {} clauses for the distance, {} in all; {}x{}, t = {} s, {} frames in each mode",
+            self.scene,
+            self.clauses.distance,
+            self.clauses.total,
+            self.size.0,
+            self.size.1,
+            self.at,
+            self.frames
         )?;
-        writeln!(f, "frame, wall     p50 {:.2} ms, p99 {:.2} ms", self.wall_p50_ms, self.wall_p99_ms)?;
-        writeln!(f, "frame, CPU      p50 {:.2} ms over all cores", self.cpu_p50_ms)?;
-        match self.gpu_p50_ms {
-            Some(gpu) => writeln!(f, "frame, GPU      p50 {gpu:.2} ms")?,
-            None => writeln!(f, "frame, GPU      not measured: a software renderer's timer tells nothing")?,
+        writeln!(f, "start: scene {:.1} ms, context {:.0} ms", self.scene_ms, self.context_ms)?;
+        for note in &self.notes {
+            writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        writeln!(f, "distance evaluations per pixel   {:7.2}", self.evaluations_per_pixel_total)?;
-        for (kind, value) in [
-            ("primary", per_pixel.primary),
-            ("reflection", per_pixel.reflection),
-            ("normal", per_pixel.normal),
-            ("shadow", per_pixel.shadow),
-            ("occlusion", per_pixel.occlusion),
-        ] {
-            writeln!(f, "  {kind:<30} {value:7.2}")?;
+        let columns: [(&str, &dyn Fn(&ModeReport) -> String); 15] = [
+            ("", &|row| row.mode.to_string()),
+            ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
+            ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
+            ("frame, wall, p50, ms", &|row| format!("{:.2}", row.wall_p50_ms)),
+            ("frame, wall, p99, ms", &|row| format!("{:.2}", row.wall_p99_ms)),
+            ("frame, CPU, all cores, p50, ms", &|row| format!("{:.2}", row.cpu_p50_ms)),
+            ("frame, GPU, p50, ms", &|row| {
+                // A software renderer's timer tells nothing.
+                row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |gpu| format!("{gpu:.2}"))
+            }),
+            ("clauses per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
+            ("evaluations per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel_total)),
+            ("  primary", &|row| format!("{:.2}", row.evaluations_per_pixel.primary)),
+            ("  reflection", &|row| format!("{:.2}", row.evaluations_per_pixel.reflection)),
+            ("  normal", &|row| format!("{:.2}", row.evaluations_per_pixel.normal)),
+            ("  shadow", &|row| format!("{:.2}", row.evaluations_per_pixel.shadow)),
+            ("  occlusion", &|row| format!("{:.2}", row.evaluations_per_pixel.occlusion)),
+            ("rays at their step cap, %", &|row| {
+                format!("{:.4}", 100.0 * row.evaluations_per_pixel.capped_rays)
+            }),
+        ];
+        for (title, value) in columns {
+            write!(f, "{title:<32}")?;
+            for row in &self.modes {
+                write!(f, "{:>14}", value(row))?;
+            }
+            writeln!(f)?;
         }
-        writeln!(f, "rays at their step cap           {:7.4} %", 100.0 * per_pixel.capped_rays)?;
-        write!(f, "pixels with an edge's samples    {:7.2} %", 100.0 * per_pixel.edge_pixels)
+        let edge = self.modes.first().map_or(0.0, |row| row.evaluations_per_pixel.edge_pixels);
+        write!(f, "{:<32}{:>14}", "pixels with an edge's samples, %", format!("{:.2}", 100.0 * edge))?;
+        if let [interpreted, compiled] = self.modes.as_slice() {
+            let (slow, fast) = (interpreted.cpu_p50_ms, compiled.cpu_p50_ms.max(1e-9));
+            write!(f, "\n{:<32}{:>14}", "interpreted over compiled, CPU", format!("{:.2}", slow / fast))?;
+        }
+        Ok(())
     }
 }
 

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use crate::audio::decode::DecodeError;
 use crate::gpu::error::GpuError;
+use crate::scenes::SceneError;
+use crate::world::WorldError;
 
 /// An error of an export.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +16,12 @@ pub enum ExportError {
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// The scene cannot be read or has mistakes.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene cannot be made ready.
+    #[error(transparent)]
+    World(#[from] WorldError),
     /// A moment after the song's end.
     #[error("{name} ends at {end:.2} s: ask for a time before that instead of {asked} s")]
     AfterTheEnd {

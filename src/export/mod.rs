@@ -4,6 +4,7 @@ pub mod analyze;
 pub mod atomic_file;
 pub mod bench;
 pub mod error;
+pub mod painter;
 pub mod print;
 pub mod song_features;
 pub mod still;

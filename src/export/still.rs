@@ -7,12 +7,9 @@ use image::{ColorType, ImageFormat};
 
 use super::atomic_file::AtomicFile;
 use super::error::ExportError;
+use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use crate::audio::song::Song;
-use crate::frame::Frame;
-use crate::gpu::headless::Headless;
-use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::shader_source::ShaderLibrary;
 
 /// Which still to make.
 #[derive(Debug, Clone)]
@@ -25,10 +22,8 @@ pub struct StillRequest {
     pub size: (u32, u32),
     /// The PNG.
     pub output: PathBuf,
-    /// The shaders.
-    pub shaders: ShaderLibrary,
-    /// Log the driver's debug output.
-    pub verbose: bool,
+    /// The scene.
+    pub scene: SceneChoice,
 }
 
 /// Makes the still: the same bytes at every run on one machine.
@@ -40,10 +35,9 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     refuse_the_song(&request.song, &request.output)?;
     let file = AtomicFile::create(&request.output)?;
     let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
-    let context = Headless::new(request.verbose)?;
-    let mut renderer = Renderer::new(context.gl(), &request.shaders, Counting::Off)?;
-    renderer.draw(&Frame::new(request.at, features, request.size))?;
-    file.write(&png(&renderer.read(), request.size)?)
+    let mut painter = Painter::open(&request.scene)?;
+    painter.draw(request.at, features, request.size)?;
+    file.write(&png(&painter.read(), request.size)?)
 }
 
 /// An output that would replace the song it is made of is a slip.

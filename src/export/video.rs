@@ -8,13 +8,10 @@ use std::process::{Child, Command, Stdio};
 
 use super::atomic_file::{AtomicFile, Pending};
 use super::error::ExportError;
+use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use super::still::{refuse_the_song, write_png};
 use crate::audio::song::Song;
-use crate::frame::Frame;
-use crate::gpu::headless::Headless;
-use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::shader_source::ShaderLibrary;
 
 /// Which video to make.
 #[derive(Debug, Clone)]
@@ -31,10 +28,8 @@ pub struct VideoRequest {
     pub size: (u32, u32),
     /// The video; or, ending in a slash or being a folder, where numbered stills go.
     pub output: PathBuf,
-    /// The shaders.
-    pub shaders: ShaderLibrary,
-    /// Log the driver's debug output.
-    pub verbose: bool,
+    /// The scene.
+    pub scene: SceneChoice,
 }
 
 /// Makes the video or the stills and returns how many frames it has. `progress` hears the frames done and, where
@@ -54,8 +49,7 @@ pub fn write_video(
         (asked, song) => asked.or(song.map(|song| song - request.start)),
     };
     let expected = length.map(|seconds| (seconds * request.fps).ceil() as u64);
-    let context = Headless::new(request.verbose)?;
-    let mut renderer = Renderer::new(context.gl(), &request.shaders, Counting::Off)?;
+    let mut painter = Painter::open(&request.scene)?;
     let mut sink = Sink::open(request)?;
     let mut frames = 0;
     loop {
@@ -65,8 +59,8 @@ pub fn write_video(
         }
         let time = request.start + offset;
         let Some(features) = song.at(time)? else { break };
-        renderer.draw(&Frame::new(time, features, request.size))?;
-        sink.take(frames, &renderer.read())?;
+        painter.draw(time, features, request.size)?;
+        sink.take(frames, &painter.read())?;
         frames += 1;
         progress(frames, expected);
     }

@@ -3,66 +3,141 @@
 
 use super::Frame;
 use crate::dsp::BAND_COUNT;
+use crate::limits::LIMITS;
+use crate::world::{PLANES_MAX, World};
+
+const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
+
+/// Vectors before the arrays of the block.
+const HEAD: usize = 11;
+const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
+const BAND_QUADS: usize = BAND_COUNT.div_ceil(4);
+const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
 
 /// Number of vec4 in the block.
-pub const FRAME_BLOCK_VECTORS: usize = 6 + BAND_COUNT / 4;
+pub const FRAME_BLOCK_VECTORS: usize = HEAD + PLANES_MAX + 2 * LIGHTS_MAX + BAND_QUADS + PARAM_QUADS;
 
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
+/// The lengths of the block's arrays, as the defines that `shaders/frame_block.glsl` needs.
+pub fn block_defines() -> [String; 4] {
+    [
+        format!("PLANES_MAX {PLANES_MAX}"),
+        format!("LIGHTS_MAX {LIGHTS_MAX}"),
+        format!("BAND_QUADS {BAND_QUADS}"),
+        format!("PARAM_QUADS {PARAM_QUADS}"),
+    ]
+}
+
+/// Steepest and flattest slope with which a plane counts as one.
+const SLOPE: (f32, f32) = (1e-4, 1e4);
+
 impl Frame {
-    /// Packs the frame for the shaders. Every number is finite.
-    pub fn block(&self) -> FrameBlock {
+    /// Packs the frame of a world for the shaders. Every number is finite.
+    pub fn block(&self, world: &World) -> FrameBlock {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let camera = &self.camera;
         let (right, up) = (camera.right * camera.tan_half.0, camera.up * camera.tan_half.1);
         // Half the width of a pixel at distance 1: the radius of its cone.
         let pixel_radius = camera.tan_half.1 / height;
-        let volume = self.features.volume;
-        let mut block = [[0.0; 4]; FRAME_BLOCK_VECTORS];
-        let head = [
-            [width, height, 1.0 / width, 1.0 / height],
-            [camera.position.x, camera.position.y, camera.position.z, pixel_radius],
-            [right.x, right.y, right.z, self.time],
-            [up.x, up.y, up.z, 0.0],
-            [camera.forward.x, camera.forward.y, camera.forward.z, 0.0],
-            [f64::from(volume[0]), f64::from(volume[1]), 0.0, 0.0],
-        ];
-        for (to, from) in block.iter_mut().zip(head) {
-            *to = from.map(|value| finite(value as f32));
+        let inputs = &self.inputs;
+        let xyz = |v: glam::DVec3, w: f64| [v.x, v.y, v.z, w].map(|value| value as f32);
+        let planes = self.planes();
+        let lights = self.values.lights.iter().take(LIGHTS_MAX);
+        let (low, high) = world.bounds.map_or(([0.0; 3], [0.0; 3]), |bounds| (bounds.low, bounds.high));
+        let mut plane_objects = [0.0; 4];
+        for (to, plane) in plane_objects.iter_mut().zip(&world.planes) {
+            *to = plane.object as f32;
         }
-        let (_, bands) = block.split_at_mut(head.len());
-        for (to, from) in bands.as_flattened_mut().iter_mut().zip(self.features.bands) {
-            *to = finite(from);
+        let mut block = [[0.0; 4]; FRAME_BLOCK_VECTORS];
+        let head: [[f32; 4]; HEAD] = [
+            [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),
+            xyz(camera.position, pixel_radius),
+            xyz(right, 0.0),
+            xyz(up, 0.0),
+            xyz(camera.forward, 0.0),
+            [inputs.time, inputs.tempo, inputs.phase, 0.0],
+            [inputs.volume[0], inputs.volume[1], 0.0, 0.0],
+            [inputs.bass, inputs.mid, inputs.treble, inputs.beat],
+            // Whether anything is traced at all, and whether its box is known.
+            [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
+            [high[0], high[1], high[2], if world.bounds.is_some() { 1.0 } else { 0.0 }],
+            plane_objects,
+        ];
+        let mut rest = &mut block[..];
+        put(&mut rest, HEAD, head);
+        put(&mut rest, PLANES_MAX, planes);
+        let lamps = lights.flat_map(|light| {
+            let ([x, y, z], [r, g, b]) = (light.place, light.color);
+            // The kind: 0 is no light at all.
+            [[x, y, z, if light.towards { 2.0 } else { 1.0 }], [r, g, b, light.radius.max(0.0)]]
+        });
+        put(&mut rest, 2 * LIGHTS_MAX, lamps);
+        put(&mut rest, BAND_QUADS, quads(&inputs.bands));
+        put(&mut rest, PARAM_QUADS, quads(&inputs.params));
+        for value in block.as_flattened_mut() {
+            *value = super::finite(*value);
         }
         block
     }
+
+    /// Planes as a unit normal and the distance of the origin from them. What is none in this frame lies nowhere: its
+    /// normal is 0.
+    fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
+        self.values.planes.iter().take(PLANES_MAX).map(|&[a, b, c, d]| {
+            let slope = (a * a + b * b + c * c).sqrt();
+            let is_plane = slope > SLOPE.0 && slope < SLOPE.1 && d.is_finite();
+            if is_plane { [a / slope, b / slope, c / slope, d / slope] } else { [0.0; 4] }
+        })
+    }
 }
 
-/// Nothing non-finite reaches a shader.
-fn finite(value: f32) -> f32 {
-    if value.is_finite() { value } else { 0.0 }
+/// Writes the vectors of one member and goes on behind it.
+fn put(rest: &mut &mut [[f32; 4]], length: usize, vectors: impl IntoIterator<Item = [f32; 4]>) {
+    let (member, behind) = std::mem::take(rest).split_at_mut(length);
+    for (to, from) in member.iter_mut().zip(vectors) {
+        *to = from;
+    }
+    *rest = behind;
+}
+
+fn quads(values: &[f32]) -> impl Iterator<Item = [f32; 4]> + '_ {
+    values.chunks(4).map(|chunk| std::array::from_fn(|place| chunk.get(place).copied().unwrap_or(0.0)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::dsp::Features;
+    use crate::lang::{compile, no_includes};
 
     #[test]
-    fn bands_and_volumes_arrive_in_order_and_nothing_is_non_finite() {
+    fn everything_arrives_in_its_place_and_nothing_is_non_finite() {
+        let text = "param a = 0.5 in 0 .. 1\nparam b = 2 in 0 .. 4\n\
+                    object floor { shape = 2 * p.y - 1 }\nobject ball { shape = sphere(p, 1) }\n\
+                    light sun { direction = vec3(0, -1, 0) color = vec3(1/0, 2, log(0)) }";
+        let scene = compile("test", text, &mut no_includes).scene.unwrap();
+        let world = World::new("test", scene, Vec::new()).unwrap();
         let mut features = Features::default();
         for (index, band) in features.bands.iter_mut().enumerate() {
             *band = index as f32 / 32.0;
         }
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
-        let block = Frame::new(f64::NAN, features, (0, 7)).block();
+        let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]).block(&world);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
-        assert_eq!(block[5], [0.25, 0.0, 0.0, 0.0]);
-        assert_eq!(block[6], [0.0, 1.0 / 32.0, 2.0 / 32.0, 3.0 / 32.0]);
-        assert_eq!(block[7][3], 0.0);
-        assert_eq!(block[FRAME_BLOCK_VECTORS - 1][3], 31.0 / 32.0);
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
+        assert_eq!(block[6], [0.25, 0.0, 0.0, 0.0]);
+        assert_eq!((block[8][3], block[9][3]), (1.0, 1.0));
+        assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
+        let lights = HEAD + PLANES_MAX;
+        assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);
+        assert_eq!(block[lights + 1][1], 2.0);
+        assert_eq!(block[lights + 2][3], 0.0, "there is no second light");
+        let bands = lights + 2 * LIGHTS_MAX;
+        assert_eq!(block[bands], [0.0, 1.0 / 32.0, 2.0 / 32.0, 3.0 / 32.0]);
+        assert_eq!(block[bands + 1][3], 0.0);
+        assert_eq!(block[bands + BAND_QUADS], [0.5, 4.0, 0.0, 0.0]);
     }
 }

@@ -1,6 +1,8 @@
-//! The camera: a slow path around the speakers that keeps both in the picture at every window shape.
+//! The camera of a frame: where the scene's expressions put it, made fit for the window.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
+
+use crate::world::FrameValues;
 
 /// A pinhole camera. The axes are of unit length and at right angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,48 +19,35 @@ pub struct Camera {
     pub tan_half: (f64, f64),
 }
 
-/// Tangent of half the vertical field of view: 40 degrees in all.
-const TAN_HALF_VERTICAL: f64 = 0.363_970_234;
-/// What the camera looks at: between the speakers, a little under their middle, so that the floor shows.
-const TARGET: DVec3 = DVec3::new(0.0, 2.75, 10.0);
-/// The box that stays in the picture: the speakers with the loudest woofer and the bridge.
-pub const SUBJECT: (DVec3, DVec3) = (DVec3::new(-7.2, 0.0, 7.8), DVec3::new(7.2, 6.4, 12.2));
-/// How much of the half picture the subject may take: the rest is margin.
-const FILL: f64 = 0.9;
-/// Farthest that the camera steps back for a tall window, in lengths of its path's distance.
-const STEP_BACK_MAX: f64 = 100.0;
+/// Range of the vertical field of view, in degrees.
+const FOV: (f64, f64) = (1.0, 170.0);
+/// Coordinates beyond this are no place to see anything from.
+const PLACE_MAX: f64 = 1e7;
 
 impl Camera {
-    /// The camera at `time` seconds for a picture of `aspect` (width over height).
+    /// The camera that a scene asks for, for a picture of `aspect` (width over height).
     ///
-    /// The eye follows the slow curve of the thesis' program, but is aimed; where the subject would leave the
-    /// picture it steps back along its line of sight. It is never lower than what it looks at, so that stepping
-    /// back does not lead below the floor.
-    pub fn around_speakers(time: f64, aspect: f64) -> Self {
-        let eye = DVec3::new(
-            5.0 * (0.2 * time).sin(),
-            3.95 + 1.15 * (0.13 * time + 0.6).sin(),
-            -7.5 + 2.0 * (0.1 * time).sin(),
-        );
-        let away = eye - TARGET;
-        let at = |scale: f64| Self::looking_at(TARGET + away * scale, TARGET, aspect);
-        if at(1.0).holds_subject() {
-            return at(1.0);
+    /// Where the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
+    /// sight until it is not. What is not finite is taken as 0, a field of view is brought into 1..170 degrees.
+    pub fn of(values: &FrameValues, aspect: f64) -> Self {
+        let target = place(values.target);
+        let mut eye = place(values.position);
+        let fov =
+            if values.fov.is_finite() { f64::from(values.fov).clamp(FOV.0, FOV.1) } else { FOV.1 / 2.0 };
+        let tan = (0.5 * fov.to_radians()).tan();
+        let tan_half = (tan * aspect, tan);
+        let away = eye - target;
+        let seen = 2.0 * away.length() * tan_half.0;
+        let keep = f64::from(values.keep);
+        if keep.is_finite() && keep > seen && seen > 0.0 {
+            eye = target + away * (keep / seen);
         }
-        let (mut near, mut far) = (1.0, STEP_BACK_MAX);
-        for _ in 0..40 {
-            let middle = 0.5 * (near + far);
-            if at(middle).holds_subject() { far = middle } else { near = middle }
-        }
-        at(far)
-    }
-
-    /// A camera at `eye` that looks at `target`, upright.
-    fn looking_at(eye: DVec3, target: DVec3, aspect: f64) -> Self {
         let forward = (target - eye).normalize_or(DVec3::Z);
-        let right = DVec3::Y.cross(forward).normalize_or(DVec3::X);
+        // Straight up or down there is no upright picture: any will do.
+        let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
+        let roll = if values.roll.is_finite() { f64::from(values.roll) } else { 0.0 };
+        let right = DQuat::from_axis_angle(forward, roll) * level;
         let up = forward.cross(right);
-        let tan_half = (TAN_HALF_VERTICAL * aspect, TAN_HALF_VERTICAL);
         Self { position: eye, right, up, forward, tan_half }
     }
 
@@ -71,49 +60,81 @@ impl Camera {
             (x / self.tan_half.0, y / self.tan_half.1)
         })
     }
+}
 
-    fn holds_subject(&self) -> bool {
-        let (low, high) = SUBJECT;
-        (0..8).all(|corner| {
-            let pick = |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
-            let point = DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z));
-            self.project(point).is_some_and(|(x, y)| x.abs() <= FILL && y.abs() <= FILL)
-        })
-    }
+fn place(values: [f32; 3]) -> DVec3 {
+    let finite =
+        |value: f32| if value.is_finite() { f64::from(value).clamp(-PLACE_MAX, PLACE_MAX) } else { 0.0 };
+    DVec3::from_array(values.map(finite))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dsp::Features;
+    use crate::frame::Frame;
+    use crate::scenes::SceneSource;
+    use crate::world::World;
     use proptest::prelude::*;
+
+    fn speakers() -> World {
+        let scene = SceneSource::Shipped("speakers".into()).compile().unwrap().scene.unwrap();
+        World::new("speakers", scene, Vec::new()).unwrap()
+    }
+
+    #[test]
+    fn both_speakers_stay_in_the_picture_at_every_window_shape() {
+        let world = speakers();
+        // From 1:40 to 40:1.
+        for shape in (-16..=16).map(|tenth| 10_f64.powf(f64::from(tenth) / 10.0)) {
+            let size =
+                if shape < 1.0 { (100, (100.0 / shape) as u32) } else { ((100.0 * shape) as u32, 100) };
+            for time in (0..200).map(|second| f64::from(second) * 3.0) {
+                let camera = Frame::new(&world, time, Features::default(), size).camera;
+                for corner in 0..8 {
+                    let pick =
+                        |bit: u32, low: f64, high: f64| if corner >> bit & 1 == 0 { low } else { high };
+                    let point = DVec3::new(pick(0, -7.2, 7.2), pick(1, 0.0, 6.4), pick(2, 7.8, 12.2));
+                    let seen = camera.project(point);
+                    assert!(
+                        seen.is_some_and(|(x, y)| x.abs() <= 0.99 && y.abs() <= 0.99),
+                        "{point} is at {seen:?}, {time} s, {size:?}"
+                    );
+                }
+                assert!(camera.position.y > 0.5, "the eye goes through the floor");
+            }
+        }
+    }
 
     proptest! {
         #[test]
-        fn both_speakers_stay_in_the_picture(time in 0.0..10_000.0f64, shape in -1.6..1.6f64) {
-            // Shapes from 1:40 to 40:1.
-            let camera = Camera::around_speakers(time, 10f64.powf(shape));
-            prop_assert!(camera.holds_subject());
-        }
-
-        #[test]
-        fn the_axes_are_orthonormal_and_the_eye_is_above_the_floor(time in 0.0..10_000.0f64, shape in -4.0..4.2f64) {
-            let camera = Camera::around_speakers(time, 10f64.powf(shape));
+        fn the_axes_are_orthonormal_whatever_the_scene_says(
+            position in prop::array::uniform3(any::<f32>()),
+            target in prop::array::uniform3(any::<f32>()),
+            [fov, roll, keep] in prop::array::uniform3(any::<f32>()),
+            shape in -4.0..4.2f64,
+        ) {
+            let values = FrameValues { position, target, fov, roll, keep, ..FrameValues::default() };
+            let camera = Camera::of(&values, 10f64.powf(shape));
             for axis in [camera.right, camera.up, camera.forward] {
-                prop_assert!((axis.length() - 1.0).abs() < 1e-9);
+                prop_assert!((axis.length() - 1.0).abs() < 1e-6, "{camera:?}");
             }
-            prop_assert!(camera.right.dot(camera.up).abs() < 1e-9);
+            prop_assert!(camera.right.dot(camera.up).abs() < 1e-6);
             prop_assert!(camera.up.cross(camera.right).dot(camera.forward).abs() > 0.999);
-            prop_assert!(camera.position.y > 0.5 && camera.position.is_finite());
+            prop_assert!(camera.position.is_finite());
         }
     }
 
     #[test]
-    fn the_picture_is_not_mirrored() {
-        let camera = Camera::around_speakers(0.0, 1.6);
-        let (left, _) = camera.project(DVec3::new(-5.0, 3.0, 10.0)).unwrap();
-        let (right, _) = camera.project(DVec3::new(5.0, 3.0, 10.0)).unwrap();
-        assert!(left < 0.0 && right > 0.0);
-        let (_, high) = camera.project(DVec3::new(0.0, 6.0, 10.0)).unwrap();
-        assert!(high > 0.0);
+    fn the_picture_is_not_mirrored_and_rolls_clockwise() {
+        let values = FrameValues { target: [0.0, 0.0, 1.0], fov: 60.0, ..FrameValues::default() };
+        let camera = Camera::of(&values, 1.6);
+        let (right, _) = camera.project(DVec3::new(0.5, 0.0, 1.0)).unwrap();
+        let (_, high) = camera.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
+        assert!(right > 0.0 && high > 0.0);
+        // What was up goes to the right.
+        let rolled = Camera::of(&FrameValues { roll: 0.5, ..values }, 1.6);
+        let (turned, _) = rolled.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
+        assert!(turned > 0.0, "{turned}");
     }
 }

@@ -1,4 +1,4 @@
-//! `Frame`: everything the GPU needs for one picture, from time, sound and camera.
+//! `Frame`: everything the GPU needs for one picture of a world, from time, sound and camera.
 //!
 //! Plain numbers, no OpenGL: a frame is the same for a window, a still and a video.
 
@@ -6,27 +6,65 @@ pub mod block;
 pub mod camera;
 
 use crate::dsp::Features;
+use crate::graph::FrameInputs;
+use crate::world::{FrameValues, World};
 use camera::Camera;
 
 /// What one picture shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Frame {
-    /// Scene time in seconds: the position in the song. Finite; non-finite values are taken as 0.
-    pub time: f64,
-    /// The sound that is audible at that time.
-    pub features: Features,
     /// Width and height of the picture in pixels, each at least 1.
     pub size: (u32, u32),
+    /// What the scene's expressions read: time, sound, parameters. Every number is finite.
+    pub inputs: FrameInputs,
     /// Where the picture is seen from.
     pub camera: Camera,
+    /// Lights and planes.
+    pub values: FrameValues,
 }
 
 impl Frame {
-    /// The frame of the speakers scene at `time`, for a picture of `size` pixels.
-    pub fn new(time: f64, features: Features, size: (u32, u32)) -> Self {
-        let time = if time.is_finite() { time } else { 0.0 };
-        let size = (size.0.max(1), size.1.max(1));
-        let aspect = f64::from(size.0) / f64::from(size.1);
-        Self { time, features, size, camera: Camera::around_speakers(time, aspect) }
+    /// The frame of a world at `time` seconds with the sound that is audible then, its parameters as the scene's text
+    /// sets them.
+    pub fn new(world: &World, time: f64, features: Features, size: (u32, u32)) -> Self {
+        let params: Vec<f32> = world.scene.params.iter().map(|param| param.default).collect();
+        Self::with_params(world, time, features, size, &params)
     }
+
+    /// The same with other parameters; missing ones are as the scene's text sets them.
+    pub fn with_params(
+        world: &World,
+        time: f64,
+        features: Features,
+        size: (u32, u32),
+        params: &[f32],
+    ) -> Self {
+        let size = (size.0.max(1), size.1.max(1));
+        let declared = world.scene.params.iter().enumerate();
+        let inputs = FrameInputs {
+            time: finite(time as f32),
+            volume: features.volume.map(unit),
+            bands: features.bands.map(unit),
+            params: declared
+                .map(|(index, param)| {
+                    let value = params.get(index).copied().filter(|value| value.is_finite());
+                    value.unwrap_or(param.default).clamp(param.min, param.max)
+                })
+                .collect(),
+            ..FrameInputs::default()
+        };
+        let values = world.frame_tape.values(&inputs);
+        let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
+        Self { size, inputs, camera, values }
+    }
+}
+
+/// Nothing non-finite reaches a scene's inputs.
+fn finite(value: f32) -> f32 {
+    if value.is_finite() { value } else { 0.0 }
+}
+
+/// The language promises levels of 0..1; samples beyond full scale measure more.
+fn unit(value: f32) -> f32 {
+    finite(value).clamp(0.0, 1.0)
 }

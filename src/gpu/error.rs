@@ -1,6 +1,8 @@
 //! What can go wrong on the way to a picture.
 
+use super::scene_program::DoesNotFit;
 use super::shader_source::ShaderSourceError;
+use crate::world::WorldError;
 
 /// An error of the GPU side. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +36,20 @@ pub enum GpuError {
         /// The driver's log, with the files' names.
         log: String,
     },
+    /// The scene cannot be made into a shader.
+    #[error(transparent)]
+    World(#[from] WorldError),
+    /// The scene's tape is too large for the driver.
+    #[error(transparent)]
+    DoesNotFit(#[from] DoesNotFit),
+    /// The thread that compiles has no context.
+    #[error(
+        "the driver gives no second context to compile in ({reason}): scenes are compiled between frames instead"
+    )]
+    NoWorker {
+        /// What the driver said.
+        reason: String,
+    },
     /// The driver could not make an object.
     #[error("the driver could not make {what}: {reason}")]
     Object {
@@ -53,14 +69,6 @@ pub enum GpuError {
         height: u32,
         /// The driver's largest side.
         limit: u32,
-    },
-    /// An embedded picture could not be decoded.
-    #[error("the texture {name} cannot be decoded: {reason}")]
-    Texture {
-        /// Its name.
-        name: String,
-        /// What the decoder said.
-        reason: String,
     },
     /// The driver reported an error or lost the context.
     #[error("OpenGL reports {what} while {doing}")]

@@ -1,11 +1,15 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
+#[cfg(all(unix, not(target_os = "macos")))]
+pub mod background;
 pub mod error;
 pub mod gl;
 pub mod headless;
 pub mod object;
 pub mod program;
 pub mod renderer;
+pub mod scene_program;
+pub mod scene_resources;
 pub mod shader_source;
 pub mod target;
 pub mod texture;

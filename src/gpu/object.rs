@@ -27,6 +27,19 @@ macro_rules! owned_object {
                 Ok(Self { gl: gl.clone(), native })
             }
 
+            /// Takes an object that a context made which shares its objects with `gl`'s.
+            #[allow(dead_code, reason = "programs alone travel between contexts")]
+            pub(super) fn from_native(gl: &Gl, native: $native) -> Self {
+                Self { gl: gl.clone(), native }
+            }
+
+            /// Gives the object away: it is not freed.
+            #[allow(dead_code, reason = "programs alone travel between contexts")]
+            pub(super) fn into_native(self) -> $native {
+                let this = std::mem::ManuallyDrop::new(self);
+                this.native
+            }
+
             /// The driver's name of the object; valid while `self` lives.
             pub fn native(&self) -> $native {
                 self.native

@@ -7,17 +7,30 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::ProgramObject;
-use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, name_places};
+use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant, name_places};
+use crate::limits::LIMITS;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
 pub const UNIFORM_BLOCKS: [(&str, u32); 2] = [("FrameBlock", 0), ("PassBlock", 1)];
 
-/// The textures of the shaders, with their units (see `shaders/README.md`).
+/// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
+/// number ([`scene_texture`]).
 pub const TEXTURE_UNITS: [(&str, u32); 4] =
-    [("wood", 0), ("mallard", 1), ("picture", 2), ("extra_samples", 3)];
+    [("picture", 12), ("extra_samples", 13), ("tape", 14), ("tape_table", 15)];
+
+const _: () = assert!(LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
+
+/// The name of a texture of the scene in the shaders; its unit is its number.
+pub fn scene_texture(index: usize) -> String {
+    format!("scene_texture_{index}")
+}
 
 /// The vertex shader that all passes share.
 pub const VERTEX_SHADER: &str = "fullscreen.vert";
+
+/// A program on its way from one context to another. One that is never adopted lives as long as the contexts.
+#[derive(Debug)]
+pub struct ReadyProgram(glow::NativeProgram);
 
 /// A linked program, its blocks and textures bound to their fixed places.
 pub struct Program {
@@ -26,7 +39,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Assembles, compiles and links `fragment` of `library` with `defines`.
+    /// Assembles, compiles and links a variant of `fragment` of `library`.
     ///
     /// # Errors
     /// Missing shader files, and what the driver says about malformed ones.
@@ -34,7 +47,7 @@ impl Program {
         gl: &Gl,
         library: &ShaderLibrary,
         fragment: &str,
-        defines: &[&str],
+        variant: &Variant,
     ) -> Result<Self, GpuError> {
         let object = ProgramObject::new(gl)?;
         let program = object.native();
@@ -42,7 +55,7 @@ impl Program {
         // SAFETY: names are made and used in the current context; shaders are freed on every path.
         unsafe {
             for (stage, name) in stages {
-                let source = library.assemble(name, DRIVER_PREAMBLE, defines)?;
+                let source = library.assemble(name, DRIVER_PREAMBLE, variant)?;
                 let shader = gl
                     .create_shader(stage)
                     .map_err(|reason| GpuError::Object { what: "a shader", reason })?;
@@ -74,13 +87,25 @@ impl Program {
                 }
             }
             gl.use_program(Some(program));
-            for (texture, unit) in TEXTURE_UNITS {
-                if let Some(location) = gl.get_uniform_location(program, texture) {
+            let own = TEXTURE_UNITS.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
+            let of_scenes = (0..LIMITS.scene_textures_max).map(scene_texture).zip(0..);
+            for (texture, unit) in own.chain(of_scenes) {
+                if let Some(location) = gl.get_uniform_location(program, &texture) {
                     gl.uniform_1_i32(Some(&location), unit.cast_signed());
                 }
             }
         }
         Ok(Self { gl: gl.clone(), object })
+    }
+
+    /// Leaves the program to another context that shares objects with this one.
+    pub fn into_ready(self) -> ReadyProgram {
+        ReadyProgram(self.object.into_native())
+    }
+
+    /// Takes a program that was made in a context which shares objects with `gl`'s.
+    pub fn adopt(gl: &Gl, ready: ReadyProgram) -> Self {
+        Self { gl: gl.clone(), object: ProgramObject::from_native(gl, ready.0) }
     }
 
     /// Makes this the program of the following draws.

@@ -5,7 +5,8 @@
 //! 3. `scene.frag` again, four times, only there, each time elsewhere in the pixel; the samples are summed.
 //! 4. `present.frag` averages, encodes as sRGB and dithers.
 //!
-//! The same program draws every sample, so that a driver compiles the scene once.
+//! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
+//! any of them.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -13,11 +14,11 @@ use glow::HasContext;
 
 use super::error::GpuError;
 use super::gl::Gl;
-use super::object::{Buffer, Texture, VertexArray};
+use super::object::{Buffer, VertexArray};
 use super::program::{Program, TEXTURE_UNITS, UNIFORM_BLOCKS};
-use super::shader_source::ShaderLibrary;
+use super::scene_resources::{SceneNames, SceneResources};
+use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
-use super::texture::{self, Wrap};
 use crate::frame::Frame;
 use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
 
@@ -25,12 +26,8 @@ use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
 /// a row or a column. The first sample, at the centre, is drawn for every pixel.
 const EDGE_SAMPLES: [[f32; 2]; 4] = [[-0.125, -0.375], [0.375, -0.125], [0.125, 0.375], [-0.375, 0.125]];
 
-/// The defines of the variant that counts distance evaluations.
-pub const COUNTING_DEFINES: [&str; 1] = ["COUNT_EVALUATIONS"];
-
-/// Every fragment shader with every set of defines that the renderer may ask for; tests compile them all.
-pub const SHADER_VARIANTS: [(&str, &[&str]); 4] =
-    [("scene.frag", &[]), ("scene.frag", &COUNTING_DEFINES), ("edges.frag", &[]), ("present.frag", &[])];
+/// The renderer's own fragment shaders; tests compile them all. Those of scenes are in [`super::scene_program`].
+pub const OWN_SHADERS: [&str; 2] = ["edges.frag", "present.frag"];
 
 /// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
@@ -47,6 +44,8 @@ pub struct Evaluations {
     pub occlusion: f64,
     /// Rays that ended at their step cap.
     pub capped_rays: f64,
+    /// Clauses that the interpreter ran; 0 for compiled scenes.
+    pub clauses: f64,
     /// Pixels that got the samples of an edge.
     pub edge_pixels: f64,
 }
@@ -66,6 +65,7 @@ impl Evaluations {
             shadow: self.shadow / pixels,
             occlusion: self.occlusion / pixels,
             capped_rays: self.capped_rays / pixels,
+            clauses: self.clauses / pixels,
             edge_pixels: self.edge_pixels / pixels,
         }
     }
@@ -80,14 +80,11 @@ pub enum Counting {
     On,
 }
 
-/// The programs, textures and targets of the picture.
+/// The targets of the picture and the programs that all scenes share.
 pub struct Renderer {
     gl: Gl,
-    scene: Program,
     edges: Program,
     present: Program,
-    wood: Texture,
-    mallard: Texture,
     frame_buffer: Buffer,
     pass_buffer: Buffer,
     vertices: VertexArray,
@@ -103,25 +100,17 @@ struct Targets {
 }
 
 impl Renderer {
-    /// Compiles the shaders of `library` and uploads the textures.
+    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of the
+    /// counting variant.
     ///
     /// # Errors
     /// What the driver refuses, with its log.
     pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
-        let defines: &[&str] = if counting == Counting::On { &COUNTING_DEFINES } else { &[] };
-        let scene = Program::link(gl, library, "scene.frag", defines)?;
-        let edges = Program::link(gl, library, "edges.frag", &[])?;
-        let present = Program::link(gl, library, "present.frag", &[])?;
-        let wood = texture::decode_png("wood.png", include_bytes!("../../assets/textures/wood.png"))?;
-        let mallard =
-            texture::decode_png("mallard.png", include_bytes!("../../assets/textures/mallard.png"))?;
+        let [edges, present] = OWN_SHADERS.map(|name| Program::link(gl, library, name, &Variant::default()));
         let renderer = Self {
             gl: gl.clone(),
-            scene,
-            edges,
-            present,
-            wood: texture::upload(gl, &wood, Wrap::Repeat)?,
-            mallard: texture::upload(gl, &mallard, Wrap::Clamp)?,
+            edges: edges?,
+            present: present?,
             frame_buffer: Buffer::new(gl)?,
             pass_buffer: Buffer::new(gl)?,
             vertices: VertexArray::new(gl)?,
@@ -132,17 +121,34 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Draws `frame` into the renderer's own target; [`Renderer::show`] or [`Renderer::read`] brings it out.
+    /// Draws `frame` of a scene with one of its programs into the renderer's own target; [`Renderer::show`] or
+    /// [`Renderer::read`] brings it out.
     ///
     /// # Errors
     /// A size beyond the driver's, or an error that the driver reports.
-    pub fn draw(&mut self, frame: &Frame) -> Result<(), GpuError> {
-        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != frame.size) {
+    pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
+        scene.upload_table(&frame.inputs);
+        self.draw_block(frame.size, &frame.block(scene.world()), &scene.names(), program)
+    }
+
+    /// Draws a picture of `size` pixels from a frame's block and what is bound for its scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_block(
+        &mut self,
+        size: (u32, u32),
+        block: &FrameBlock,
+        scene: &SceneNames,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != size) {
             // A size that is refused leaves the last picture.
-            self.targets = Some(Targets::new(&self.gl, frame.size, self.counting)?);
+            self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
         }
         let Some(targets) = &self.targets else { return Ok(()) };
-        self.bind_inputs(&frame.block());
+        self.bind_inputs(block);
+        scene.bind(&self.gl);
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -153,7 +159,7 @@ impl Renderer {
             gl.disable(glow::FRAMEBUFFER_SRGB);
 
             targets.first.bind();
-            self.scene.bind();
+            program.bind();
             self.draw_sample([0.0, 0.0], 0.0);
 
             targets.extra.bind();
@@ -173,7 +179,7 @@ impl Renderer {
             gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
             gl.enable(glow::BLEND);
             gl.blend_func(glow::ONE, glow::ONE);
-            self.scene.bind();
+            program.bind();
             for offset in EDGE_SAMPLES {
                 self.draw_sample(offset, 1.0);
             }
@@ -223,6 +229,7 @@ impl Renderer {
             for texel in more.as_chunks::<4>().0 {
                 sum.occlusion += f64::from(texel[0]);
                 sum.capped_rays += f64::from(texel[1]);
+                sum.clauses += f64::from(texel[2]);
             }
         }
         let extra = targets.extra.read_rgba32f(0);
@@ -251,10 +258,6 @@ impl Renderer {
                 binding_of("PassBlock"),
                 Some(self.pass_buffer.native()),
             );
-            for (name, texture) in [("wood", &self.wood), ("mallard", &self.mallard)] {
-                gl.active_texture(glow::TEXTURE0 + unit_of(name));
-                gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
-            }
         }
     }
 

@@ -82,7 +82,8 @@ impl ShaderLibrary {
         Self { folder: Some(folder.to_owned()) }
     }
 
-    /// The text of `name` after `preamble`, a `#define` line for each of `defines`, and all includes.
+    /// The text of `name` after `preamble`, a `#define` line for each of the variant's, and all includes; those that
+    /// the variant generates are taken from it.
     ///
     /// Comments mark where each file begins and goes on, so that [`name_places`] can turn a driver's line numbers
     /// into those of the files. (`#line` would do, but Mesa forgets the file at the next `#ifdef`.)
@@ -94,10 +95,12 @@ impl ShaderLibrary {
         &self,
         name: &str,
         preamble: &str,
-        defines: &[&str],
+        variant: &Variant,
     ) -> Result<String, ShaderSourceError> {
-        let mut assembly = Assembly { library: self, included: HashSet::new(), text: preamble.to_owned() };
-        for define in defines {
+        let generated = &variant.generated;
+        let mut assembly =
+            Assembly { library: self, generated, included: HashSet::new(), text: preamble.to_owned() };
+        for define in &variant.defines {
             assembly.text.push_str("#define ");
             assembly.text.push_str(define);
             assembly.text.push('\n');
@@ -130,8 +133,25 @@ impl ShaderLibrary {
     }
 }
 
+/// What tells one variant of a shader from another.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Variant {
+    /// Macros, each as `NAME` or `NAME VALUE`.
+    pub defines: Vec<String>,
+    /// Files that are no files: names and texts of what is generated for a scene.
+    pub generated: Vec<(String, String)>,
+}
+
+impl Variant {
+    /// A variant of macros alone.
+    pub fn of(defines: &[&str]) -> Self {
+        Self { defines: defines.iter().map(|define| (*define).to_owned()).collect(), generated: Vec::new() }
+    }
+}
+
 struct Assembly<'a> {
     library: &'a ShaderLibrary,
+    generated: &'a [(String, String)],
     included: HashSet<String>,
     text: String,
 }
@@ -144,7 +164,11 @@ impl Assembly<'_> {
         if !self.included.insert(name.to_owned()) {
             return Ok(());
         }
-        let source = self.library.read(name, asked_by)?;
+        let generated = self.generated.iter().find(|(generated, _)| generated == name);
+        let source = match generated {
+            Some((_, text)) => text.clone(),
+            None => self.library.read(name, asked_by)?,
+        };
         self.mark(name, 1);
         for (index, line) in source.lines().enumerate() {
             if let Some(rest) = line.trim_start().strip_prefix("#include") {
@@ -217,7 +241,7 @@ mod tests {
     fn an_include_is_taken_once_and_lines_keep_their_numbers() {
         let (_folder, library) =
             library(&[("a", "one\n#include \"b\"\n#include \"b\"\nfour"), ("b", "in b\n#include \"a\"")]);
-        let text = library.assemble("a", "#version 330 core\n", &["X 1"]).unwrap();
+        let text = library.assemble("a", "#version 330 core\n", &Variant::of(&["X 1"])).unwrap();
         let expected =
             "#version 330 core\n#define X 1\n//@ a:1\none\n//@ b:1\nin b\n//@ b:3\n//@ a:3\n//@ a:4\nfour\n";
         assert_eq!(text, expected);
@@ -226,7 +250,7 @@ mod tests {
     #[test]
     fn drivers_messages_get_the_places_in_the_files() {
         let (_folder, library) = library(&[("a", "one\n#include \"b\"\nthree"), ("b", "in b\nb two")]);
-        let text = library.assemble("a", "#version 330 core\n", &[]).unwrap();
+        let text = library.assemble("a", "#version 330 core\n", &Variant::default()).unwrap();
         let line = |wanted: &str| text.lines().position(|line| line == wanted).unwrap() + 1;
         let (two, three) = (line("b two"), line("three"));
         let log =
@@ -238,7 +262,7 @@ mod tests {
     #[test]
     fn an_include_with_a_folder_is_refused_with_its_line() {
         let (_folder, library) = library(&[("a", "one\n#include \"../b\"")]);
-        let error = library.assemble("a", "", &[]).unwrap_err().to_string();
+        let error = library.assemble("a", "", &Variant::default()).unwrap_err().to_string();
         assert!(error.starts_with("a:2:"), "{error}");
     }
 
@@ -250,19 +274,28 @@ mod tests {
         let files: Vec<(&str, &str)> =
             names.iter().zip(&texts).map(|(name, text)| (name.as_str(), text.as_str())).collect();
         let (_folder, deep) = library(&files);
-        assert!(matches!(deep.assemble("f0", "", &[]), Err(ShaderSourceError::TooDeep { .. })));
+        assert!(matches!(
+            deep.assemble("f0", "", &Variant::default()),
+            Err(ShaderSourceError::TooDeep { .. })
+        ));
 
         let long_text = "// padding\n".repeat(LIMITS.shader_bytes_max / 11 + 1);
         let (_folder, long) = library(&[("long", &long_text)]);
-        assert!(matches!(long.assemble("long", "", &[]), Err(ShaderSourceError::TooLong { .. })));
+        assert!(matches!(
+            long.assemble("long", "", &Variant::default()),
+            Err(ShaderSourceError::TooLong { .. })
+        ));
     }
 
     #[test]
     fn a_missing_file_is_named() {
-        let error = ShaderLibrary::embedded().assemble("no_such.frag", "", &[]).unwrap_err().to_string();
+        let error = ShaderLibrary::embedded()
+            .assemble("no_such.frag", "", &Variant::default())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("no_such.frag"), "{error}");
         let (_folder, library) = library(&[]);
-        let error = library.assemble("scene.frag", "", &[]).unwrap_err().to_string();
+        let error = library.assemble("scene.frag", "", &Variant::default()).unwrap_err().to_string();
         assert!(error.contains("scene.frag"), "{error}");
     }
 }

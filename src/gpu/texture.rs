@@ -1,4 +1,4 @@
-//! Pictures from `assets/` as mipmapped textures.
+//! Pictures as mipmapped textures.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -25,16 +25,6 @@ const ANISOTROPY: f32 = 8.0;
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
 /// GL_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
-
-/// Decodes a PNG.
-///
-/// # Errors
-/// [`GpuError::Texture`] if the bytes are no picture.
-pub fn decode_png(name: &str, png: &[u8]) -> Result<RgbaImage, GpuError> {
-    image::load_from_memory_with_format(png, image::ImageFormat::Png)
-        .map(|picture| picture.to_rgba8())
-        .map_err(|error| GpuError::Texture { name: name.into(), reason: error.to_string() })
-}
 
 /// Uploads an sRGB picture: sampled in linear light, all mip levels, trilinear and anisotropic.
 ///

@@ -23,11 +23,13 @@ pub struct TableData {
     columns: usize,
     rows: usize,
     values: Vec<f32>,
+    /// Bounds of entries that are not known.
+    unknown: Option<(f32, f32)>,
 }
 
 impl TableData {
     /// No entries: 0 everywhere.
-    pub const EMPTY: Self = Self { columns: 0, rows: 0, values: Vec::new() };
+    pub const EMPTY: Self = Self { columns: 0, rows: 0, values: Vec::new(), unknown: None };
 
     /// A table of one row.
     pub fn row(values: Vec<f32>) -> Self {
@@ -39,7 +41,12 @@ impl TableData {
     pub fn rows(mut values: Vec<f32>, columns: usize) -> Self {
         let rows = values.len().checked_div(columns).unwrap_or(0);
         values.truncate(rows * columns);
-        Self { columns, rows, values }
+        Self { columns, rows, values, unknown: None }
+    }
+
+    /// A table of which only the bounds of its entries are known. It reads as 0.
+    fn within(low: f32, high: f32) -> Self {
+        Self { unknown: Some((low, high)), ..Self::EMPTY }
     }
 
     /// The two entries beside a coordinate and the way from the first to the second.
@@ -83,6 +90,9 @@ impl TableData {
     /// Bounds of the value over intervals of the coordinates: the extremes of the entries that can be
     /// touched.
     pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
+        if let Some((low, high)) = self.unknown {
+            return Interval { lo: low, hi: high };
+        }
         if self.values.is_empty() {
             return Interval::point(0.0);
         }
@@ -125,6 +135,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     waveform: TableData::EMPTY,
     history: TableData::EMPTY,
     textures: None,
+    ranges: None,
 };
 
 /// The inputs of a frame. The default is silence at time 0.
@@ -158,9 +169,47 @@ pub struct FrameInputs {
     pub history: TableData,
     /// The scene's textures; without a reader every texture is 0.
     pub textures: Option<Arc<dyn TextureReader>>,
+    /// Set where only ranges are known ([`FrameInputs::any`]): those of the parameters.
+    pub ranges: Option<Arc<[Interval]>>,
 }
 
+/// Longest time that bounds for every frame count with, in seconds: a day.
+const TIME_MAX: f32 = 86_400.0;
+/// Fastest tempo that they count with, in beats per minute.
+const TEMPO_MAX: f32 = 1_000.0;
+
 impl FrameInputs {
+    /// Inputs of every frame at once: any sound, any time, parameters within their ranges. Bounds over them hold for each
+    /// frame; values are those of silence.
+    pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
+        Self {
+            spectrum: TableData::within(0.0, 1.0),
+            waveform: TableData::within(-1.0, 1.0),
+            history: TableData::within(0.0, 1.0),
+            ranges: Some(params.into_iter().map(|(low, high)| Interval::new(low, high)).collect()),
+            ..Self::default()
+        }
+    }
+
+    /// Bounds of an input: a point, unless these are the inputs of every frame ([`FrameInputs::any`]).
+    pub fn bounds(&self, input: Input) -> Interval {
+        let Some(params) = &self.ranges else { return Interval::point(self.value(input)) };
+        match input {
+            Input::T => Interval { lo: 0.0, hi: TIME_MAX },
+            Input::Tempo => Interval { lo: 0.0, hi: TEMPO_MAX },
+            Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
+            Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ALL,
+            Input::VolumeLeft
+            | Input::VolumeRight
+            | Input::Band(_)
+            | Input::Bass
+            | Input::Mid
+            | Input::Treble
+            | Input::Beat
+            | Input::Phase => Interval::UNIT,
+        }
+    }
+
     /// An input that is the same all over the frame; 0 for those of a point.
     pub fn value(&self, input: Input) -> f32 {
         match input {
@@ -191,6 +240,9 @@ impl FrameInputs {
 
     /// Bounds of [`FrameInputs::band`].
     pub fn band_bounds(&self, index: Interval) -> Interval {
+        if self.ranges.is_some() {
+            return Interval::UNIT;
+        }
         let (first, last) =
             if index.is_any() { (0, 31) } else { (Self::band_number(index.lo), Self::band_number(index.hi)) };
         self.bands[first..=last]

@@ -131,6 +131,7 @@ impl TextureReader for Stripes {
 pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {
+        ranges: None,
         time: 12.5,
         volume: [0.25, 0.75],
         bands: std::array::from_fn(|i| (i as f32 * 0.7).cos() * 0.5),

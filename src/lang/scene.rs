@@ -40,6 +40,10 @@ pub struct Object {
     pub span: Span,
     /// Its distance function. Depends on the point and the frame.
     pub shape: NodeId,
+    /// Where the shape leaves something out (of many bars it measures the two that are nearest in x, say): at least so
+    /// far away is everything that it left out. Rays step by the lesser of both; shadows and occlusion, which need
+    /// surfaces that are there, trust the shape alone.
+    pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
 }
@@ -61,6 +65,8 @@ pub struct Material {
     pub reflect: NodeId,
     /// Strength of a clear coat, 0..1.
     pub coat: NodeId,
+    /// Share of it that the sky covers, 0..1: for what fades into the distance.
+    pub haze: NodeId,
 }
 
 /// Where a light's rays come from.
@@ -100,6 +106,9 @@ pub struct Camera {
     pub aperture: NodeId,
     /// Distance that is sharp; none for that of the target.
     pub focus: Option<NodeId>,
+    /// Width, at the target, that is in the picture in any case: in a narrow window the eye steps back for it. 0 asks
+    /// for none.
+    pub keep: NodeId,
 }
 
 /// What is seen where nothing is: functions of a direction (read where materials read the normal) and the frame.

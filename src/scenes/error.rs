@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::world::WorldError;
+
 /// A scene that cannot be read. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -39,4 +41,17 @@ pub enum SceneError {
         /// The first byte that is not UTF-8, from 0.
         position: usize,
     },
+    /// The text has mistakes.
+    #[error("{name} has mistakes: correct what is underlined\n{}", .plain.trim_end())]
+    Mistakes {
+        /// The scene.
+        name: String,
+        /// All diagnostics.
+        plain: String,
+        /// The same with a terminal's colours.
+        colored: String,
+    },
+    /// The scene is more than can be drawn.
+    #[error(transparent)]
+    World(#[from] WorldError),
 }

@@ -1,6 +1,7 @@
 //! Where scenes come from: those that are shipped, files, and formulas given in their place.
 
 mod error;
+mod world;
 
 use std::path::{Component, Path, PathBuf};
 

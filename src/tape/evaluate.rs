@@ -1,7 +1,7 @@
 //! Tapes on the CPU: one machine, run over numbers, batches of numbers, intervals or dual numbers.
 
-use super::Tape;
 use super::clause::{Instruction, Operand};
+use super::{TableEntry, Tape};
 use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
 
 /// Points that a batch evaluates at once.
@@ -10,7 +10,9 @@ const LANES: usize = 64;
 /// What a tape is run over.
 trait Domain {
     type Value: Copy;
-    fn constant(&self, value: f32) -> Self::Value;
+    /// What the table holds.
+    type Entry: Copy;
+    fn constant(&self, entry: Self::Entry) -> Self::Value;
     fn input(&self, place: usize) -> Self::Value;
     fn unary(&mut self, op: Op, a: &Self::Value) -> Self::Value;
     fn binary(&mut self, op: Op, a: &Self::Value, b: &Self::Value) -> Self::Value;
@@ -19,21 +21,27 @@ trait Domain {
 
 /// The slots, the memory and the table of one run.
 #[derive(Debug, Clone)]
-struct Machine<V> {
+struct Machine<V, E = f32> {
     slots: Vec<V>,
     memory: Vec<V>,
-    table: Vec<f32>,
+    table: Vec<E>,
 }
 
 impl<V: Copy> Machine<V> {
     fn new(tape: &Tape, frame: &FrameInputs, zero: V) -> Self {
         let mut table = Vec::new();
         tape.table_values(frame, &mut table);
+        Self::with_table(tape, table, zero)
+    }
+}
+
+impl<V: Copy, E: Copy> Machine<V, E> {
+    fn with_table(tape: &Tape, table: Vec<E>, zero: V) -> Self {
         Self { slots: vec![zero; tape.slots.max(1)], memory: vec![zero; tape.memory], table }
     }
 
     #[inline(always)]
-    fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V>) {
+    fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V, Entry = E>) {
         let Self { slots, memory, table } = self;
         let mut page = 0;
         let mut selected = (0, 0);
@@ -94,6 +102,7 @@ struct Numbers<'a> {
 
 impl Domain for Numbers<'_> {
     type Value = f32;
+    type Entry = f32;
     #[inline(always)]
     fn constant(&self, value: f32) -> f32 {
         value
@@ -203,6 +212,7 @@ impl Kernel for LaneKernel<'_> {
 
 impl Domain for Lanes<'_> {
     type Value = [f32; LANES];
+    type Entry = f32;
     #[inline(always)]
     fn constant(&self, value: f32) -> Self::Value {
         [value; LANES]
@@ -265,9 +275,10 @@ struct Intervals<'a> {
 
 impl Domain for Intervals<'_> {
     type Value = Interval;
+    type Entry = Interval;
     #[inline(always)]
-    fn constant(&self, value: f32) -> Interval {
-        Interval::point(value)
+    fn constant(&self, entry: Interval) -> Interval {
+        entry
     }
     #[inline(always)]
     fn input(&self, place: usize) -> Interval {
@@ -294,15 +305,19 @@ impl Domain for Intervals<'_> {
 pub struct IntervalEvaluator<'a> {
     tape: &'a Tape,
     frame: &'a FrameInputs,
-    machine: Machine<Interval>,
+    machine: Machine<Interval, Interval>,
     outputs: Vec<Interval>,
     choices: Vec<Choice>,
 }
 
 impl<'a> IntervalEvaluator<'a> {
-    /// An evaluator of the tape with a frame's inputs.
+    /// An evaluator of the tape with a frame's inputs, or those of every frame ([`FrameInputs::any`]).
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        let machine = Machine::new(tape, frame, Interval::point(0.0));
+        let table = tape.table.iter().map(|entry| match *entry {
+            TableEntry::Constant(value) => Interval::point(value),
+            TableEntry::Input(input) => frame.bounds(input),
+        });
+        let machine = Machine::with_table(tape, table.collect(), Interval::point(0.0));
         let outputs = vec![Interval::point(0.0); tape.outputs.len()];
         Self { tape, frame, machine, outputs, choices: Vec::new() }
     }
@@ -343,6 +358,7 @@ struct Duals<'a> {
 
 impl Domain for Duals<'_> {
     type Value = Dual;
+    type Entry = f32;
     fn constant(&self, value: f32) -> Dual {
         Dual { value, gradient: [0.0; 3] }
     }

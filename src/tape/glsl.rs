@@ -59,29 +59,77 @@ fn fill(text: &mut String, template: &str, a: &str, b: &str) {
     text.push_str(rest);
 }
 
+/// How textures are read by a generated function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// There are none, or at their finest level: `vec4 read_texture(int, float, float)`.
+    None,
+    /// With the footprint of a pixel: the function has two more arguments, `vec3 dx, vec3 dy`, by which the position
+    /// differs one pixel to the right and one up, and calls `vec4 sample_texture(int, vec2 uv, vec2 dx, vec2 dy)`.
+    AlongPosition,
+    /// The same for the normal (in the sky: the direction).
+    AlongNormal,
+}
+
 /// A function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p,
-/// vec3 n, out float r0, out float r1, ..)`. One temporary per node, in the order of evaluation.
+/// vec3 n, out float r0, out float r1, ..)`. One temporary per node, in the order of evaluation. With
+/// [`Sampling::AlongPosition`] and its like, functions `name_uv0` .. for texture coordinates stand before it.
 ///
 /// # Errors
 /// What [`Graph::check`] says.
-pub fn function(graph: &Graph, roots: &[NodeId], name: &str) -> Result<String, GraphError> {
+pub fn function(
+    graph: &Graph,
+    roots: &[NodeId],
+    name: &str,
+    sampling: Sampling,
+) -> Result<String, GraphError> {
     let order = graph.order(roots)?.nodes;
     let mut text = String::with_capacity(order.len() * 32 + 256);
+    // What a pixel's neighbours see of p and n.
+    let neighbours = match sampling {
+        Sampling::None => None,
+        Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
+        Sampling::AlongNormal => Some(["p, n + dx", "p, n + dy"]),
+    };
+    let mut coordinates: Vec<(NodeId, NodeId)> = Vec::new();
+    if neighbours.is_some() {
+        for id in &order {
+            if let Node::Texture { u, v, .. } = graph.node(*id)
+                && !coordinates.contains(&(u, v))
+            {
+                let place = coordinates.len();
+                text.push_str(&function(graph, &[u, v], &format!("{name}_uv{place}"), Sampling::None)?);
+                coordinates.push((u, v));
+            }
+        }
+    }
     // Writing to a String cannot fail.
-    if let [_] = roots {
-        let _ = writeln!(text, "float {name}(vec3 p, vec3 n) {{");
+    let arguments = if neighbours.is_some() { "vec3 p, vec3 n, vec3 dx, vec3 dy" } else { "vec3 p, vec3 n" };
+    let single = roots.len() == 1 && neighbours.is_none();
+    if single {
+        let _ = writeln!(text, "float {name}({arguments}) {{");
     } else {
-        let _ = write!(text, "void {name}(vec3 p, vec3 n");
+        let _ = write!(text, "void {name}({arguments}");
         for place in 0..roots.len() {
             let _ = write!(text, ", out float r{place}");
         }
         text.push_str(") {\n");
+    }
+    for place in 0..coordinates.len() {
+        for (neighbour, at) in ["x", "y"].into_iter().zip(neighbours.into_iter().flatten()) {
+            let _ = writeln!(
+                text,
+                "    vec2 d{neighbour}{place};\n    {name}_uv{place}({at}, d{neighbour}{place}.x, \
+                 d{neighbour}{place}.y);"
+            );
+        }
     }
     let operand = |id: NodeId| match graph.node(id) {
         Node::Constant(value) => literal(value),
         Node::Input(input) => input_name(input),
         _ => format!("v{}", id.index()),
     };
+    let mut sampled: Vec<(u16, NodeId, NodeId)> = Vec::new();
     for id in order {
         let (template, a, b) = match graph.node(id) {
             Node::Constant(_) | Node::Input(_) => continue,
@@ -91,14 +139,26 @@ pub fn function(graph: &Graph, roots: &[NodeId], name: &str) -> Result<String, G
                 (if never_zero { op.glsl_by_constant() } else { op.glsl() }, operand(a), operand(b))
             }
             Node::Texture { texture, channel, u, v } => {
+                // The four channels of a place are read at once.
+                let known = sampled.iter().position(|&known| known == (texture, u, v));
+                let place = known.unwrap_or_else(|| {
+                    let place = sampled.len();
+                    sampled.push((texture, u, v));
+                    let (u_name, v_name) = (operand(u), operand(v));
+                    let _ = match coordinates.iter().position(|&known| known == (u, v)) {
+                        Some(at) => writeln!(
+                            text,
+                            "    vec2 c{place} = vec2({u_name}, {v_name});\n    vec4 s{place} = \
+                             sample_texture({texture}, c{place}, dx{at} - c{place}, dy{at} - c{place});"
+                        ),
+                        None => {
+                            writeln!(text, "    vec4 s{place} = read_texture({texture}, {u_name}, {v_name});")
+                        }
+                    };
+                    place
+                });
                 let channel = ["x", "y", "z", "w"][usize::from(channel & 3)];
-                let _ = writeln!(
-                    text,
-                    "    float v{} = read_texture({texture}, {}, {}).{channel};",
-                    id.index(),
-                    operand(u),
-                    operand(v)
-                );
+                let _ = writeln!(text, "    float v{} = s{place}.{channel};", id.index());
                 continue;
             }
         };
@@ -106,7 +166,7 @@ pub fn function(graph: &Graph, roots: &[NodeId], name: &str) -> Result<String, G
         fill(&mut text, template, &a, &b);
         text.push_str(";\n");
     }
-    if let [root] = roots {
+    if let (true, [root]) = (single, roots) {
         let _ = writeln!(text, "    return {};", operand(*root));
     } else {
         for (place, root) in roots.iter().enumerate() {
@@ -128,4 +188,9 @@ pub fn switch_cases(operators: impl IntoIterator<Item = Op>) -> String {
         text.push_str("; break;\n");
     }
     text
+}
+
+/// Placeholder.
+pub fn operators<'a>(operators: impl IntoIterator<Item = &'a Op>) -> String {
+    switch_cases(operators.into_iter().copied())
 }

@@ -301,7 +301,7 @@ fn deep_expressions_need_no_stack_and_few_slots() {
     let point = Point::at(0.25, 0.0, 0.0);
     let expected = graph.evaluate(&[left, right], &point, &frame).unwrap();
     assert_eq!(PointEvaluator::new(&tape, &frame).at(&point), expected);
-    assert!(glsl::function(&graph, &[left], "deep").unwrap().lines().count() > 200_000);
+    assert!(glsl::function(&graph, &[left], "deep", glsl::Sampling::None).unwrap().lines().count() > 200_000);
 }
 
 /// A balanced tree over 2^10 leaves of x, y and z takes a slot per level, and spills below that.
@@ -400,7 +400,7 @@ fn limits_are_reached() {
 fn glsl_is_written_from_the_operators() {
     let mut graph = Graph::new();
     let root = ring(&mut graph);
-    let text = glsl::function(&graph, &[root], "distance_to_scene").unwrap();
+    let text = glsl::function(&graph, &[root], "distance_to_scene", glsl::Sampling::None).unwrap();
     let expected = "float distance_to_scene(vec3 p, vec3 n) {
     float v2 = (p.x * p.x);
     float v3 = (p.y * p.y);
@@ -421,7 +421,7 @@ fn glsl_is_written_from_the_operators() {
     );
     let texel = graph.input(Input::Param(6));
     let texel = graph.texture(2, 1, root, texel);
-    let text = glsl::function(&graph, &[texel, root], "colours").unwrap();
+    let text = glsl::function(&graph, &[texel, root], "colours", glsl::Sampling::None).unwrap();
     assert!(text.starts_with("void colours(vec3 p, vec3 n, out float r0, out float r1) {"), "{text}");
     assert!(text.contains("= read_texture(2, v10, frame_params[1].z).y;\n"), "{text}");
     assert!(text.ends_with("    r0 = v12;\n    r1 = v10;\n}\n"), "{text}");
@@ -432,8 +432,14 @@ fn glsl_guards_divisions_only_by_what_may_be_zero() {
     let mut graph = Graph::new();
     let (x, y, three) = (graph.input(Input::X), graph.input(Input::Y), graph.constant(3.0));
     let (by_three, by_y) = (graph.div(x, three), graph.div(x, y));
-    assert!(glsl::function(&graph, &[by_three], "f").unwrap().contains("= (p.x / 3.0);"));
-    assert!(glsl::function(&graph, &[by_y], "f").unwrap().contains("= (p.y == 0.0 ? 0.0 : p.x / p.y);"));
+    assert!(
+        glsl::function(&graph, &[by_three], "f", glsl::Sampling::None).unwrap().contains("= (p.x / 3.0);")
+    );
+    assert!(
+        glsl::function(&graph, &[by_y], "f", glsl::Sampling::None)
+            .unwrap()
+            .contains("= (p.y == 0.0 ? 0.0 : p.x / p.y);")
+    );
 }
 
 proptest! {

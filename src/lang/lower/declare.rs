@@ -117,7 +117,7 @@ impl<'a> Lowering<'a> {
         let shape = self.within(uses::POINT | uses::FRAME, "a shape", |this| this.expr(value));
         if let Some(shape) = self.one_number(shape, "a shape", span) {
             let material = self.default_material(parts);
-            self.add_object(parts, Object { name: BARE_NAME.to_owned(), span, shape, material });
+            self.add_object(parts, Object { name: BARE_NAME.to_owned(), span, shape, bound: None, material });
         }
     }
 
@@ -309,6 +309,7 @@ impl<'a> Lowering<'a> {
             emission: self.vector([0.0; 3]),
             reflect: self.constant(0.0),
             coat: self.constant(0.0),
+            haze: self.constant(0.0),
         };
         parts.materials.push(material);
         parts.default_material = Some(parts.materials.len() - 1);
@@ -324,6 +325,7 @@ impl<'a> Lowering<'a> {
             roll: self.constant(0.0),
             aperture: self.constant(0.0),
             focus: None,
+            keep: self.constant(0.0),
         }
     }
 

@@ -28,7 +28,9 @@ const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME;
 fn fields(section: Section) -> &'static [Field] {
     use Holds::{Material, Number, Vector};
     match section {
-        Section::Object => &[("shape", Number, POINT | FRAME), ("material", Material, 0)],
+        Section::Object => {
+            &[("shape", Number, POINT | FRAME), ("material", Material, 0), ("bound", Number, POINT | FRAME)]
+        }
         Section::Material => &[
             ("color", Vector, SURFACE),
             ("roughness", Number, SURFACE),
@@ -36,6 +38,7 @@ fn fields(section: Section) -> &'static [Field] {
             ("emission", Vector, SURFACE),
             ("reflect", Number, SURFACE),
             ("coat", Number, SURFACE),
+            ("haze", Number, SURFACE),
         ],
         Section::Light => &[
             ("position", Vector, FRAME),
@@ -50,6 +53,7 @@ fn fields(section: Section) -> &'static [Field] {
             ("roll", Number, FRAME),
             ("aperture", Number, FRAME),
             ("focus", Number, FRAME),
+            ("keep", Number, FRAME),
         ],
         Section::Sky => {
             &[("color", Vector, DIRECTION | TEXTURE | FRAME), ("ambient", Vector, DIRECTION | FRAME)]
@@ -80,7 +84,7 @@ fn place(section: Section) -> &'static str {
 }
 
 /// The most fields that a section has.
-const FIELDS_MAX: usize = 6;
+const FIELDS_MAX: usize = 7;
 
 /// The values of a section's fields in the order of [`fields`].
 #[derive(Default)]
@@ -140,6 +144,7 @@ impl Lowering<'_> {
                     roll: self.number_of(values, 3, base.roll),
                     aperture: self.number_of(values, 4, base.aperture),
                     focus: values.given[5].map(|_| self.number_of(values, 5, base.fov)),
+                    keep: self.number_of(values, 6, base.keep),
                 });
             }
             Section::Sky => {
@@ -285,7 +290,8 @@ impl Lowering<'_> {
         match values.given[0] {
             Some((Value::Vector(shape), _)) => {
                 let shape = shape.first();
-                self.add_object(parts, Object { name, span, shape, material });
+                let bound = values.given[2].map(|_| self.number_of(values, 2, shape));
+                self.add_object(parts, Object { name, span, shape, bound, material });
             }
             Some(_) => {}
             None if values.broken => {}
@@ -307,6 +313,7 @@ impl Lowering<'_> {
             emission: self.vector_of(values, 3, black),
             reflect: self.number_of(values, 4, zero),
             coat: self.number_of(values, 5, zero),
+            haze: self.number_of(values, 6, zero),
         }
     }
 

@@ -1,0 +1,100 @@
+//! A scene with everything that draws it, without a window.
+
+use std::sync::Arc;
+
+use super::error::ExportError;
+use crate::config::SdfChoice;
+use crate::dsp::Features;
+use crate::frame::Frame;
+use crate::gpu::gl::Gl;
+use crate::gpu::headless::Headless;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::{Mode, link_scene, variant_of};
+use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::scenes::SceneSource;
+use crate::world::{TapeBuffers, World};
+
+/// Which scene to draw, and how.
+#[derive(Debug, Clone)]
+pub struct SceneChoice {
+    /// The scene.
+    pub source: SceneSource,
+    /// Interpreted or compiled.
+    pub sdf: SdfChoice,
+    /// The shaders.
+    pub shaders: ShaderLibrary,
+    /// Log the driver's debug output.
+    pub verbose: bool,
+}
+
+/// A scene on the GPU. Draws pictures of any size.
+pub struct Painter {
+    renderer: Renderer,
+    program: Program,
+    resources: SceneResources,
+    mode: Mode,
+    // Last: what it holds goes first.
+    context: Headless,
+}
+
+impl Painter {
+    /// Opens a context and compiles the scene's program: the one that was asked for, the compiled one for `auto`, which
+    /// draws the same. A scene whose tape does not fit the driver is compiled, and that is logged.
+    ///
+    /// # Errors
+    /// The scene or the driver refuse.
+    pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
+        let world = Arc::new(choice.source.world()?);
+        let buffers = Arc::new(world.tape_buffers()?);
+        let context = Headless::new(choice.verbose)?;
+        let gl = context.gl();
+        let mut mode = match choice.sdf {
+            SdfChoice::Interpreted => Mode::Interpreted,
+            SdfChoice::Compiled | SdfChoice::Auto => Mode::Compiled,
+        };
+        if let (Mode::Interpreted, Err(error)) = (mode, fits(&buffers, gl)) {
+            tracing::warn!("{error}");
+            mode = Mode::Compiled;
+        }
+        let renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
+        let variant = variant_of(&world, &buffers, mode, gl.info(), Counting::Off)?;
+        let program = link_scene(gl, &choice.shaders, &variant)?;
+        let resources = SceneResources::upload(gl, world, buffers)?;
+        Ok(Self { renderer, program, resources, mode, context })
+    }
+
+    /// Draws the scene at `time` seconds with the sound of that moment, `size` pixels large.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn draw(&mut self, time: f64, features: Features, size: (u32, u32)) -> Result<(), ExportError> {
+        let frame = Frame::new(self.resources.world(), time, features, size);
+        Ok(self.renderer.draw(&frame, &self.resources, &self.program)?)
+    }
+
+    /// The last picture, four bytes a pixel, the top row first.
+    pub fn read(&self) -> Vec<u8> {
+        self.renderer.read()
+    }
+
+    /// How the scene is drawn.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// The world that is drawn.
+    pub fn world(&self) -> &World {
+        self.resources.world()
+    }
+
+    /// The context.
+    pub fn gl(&self) -> &Gl {
+        self.context.gl()
+    }
+}
+
+fn fits(buffers: &TapeBuffers, gl: &Gl) -> Result<(), crate::gpu::scene_program::DoesNotFit> {
+    crate::gpu::scene_program::Interpreter::fits(buffers, gl.info())
+}

@@ -1,0 +1,226 @@
+//! Programs compiled beside the frame loop, on threads whose contexts share objects with the drawing one.
+//!
+//! A driver's work on a large shader takes from tens of milliseconds to many seconds, and part of it waits for the first
+//! draw. So a worker links the program and draws a small picture with it in the same states and with the same textures
+//! that the renderer will use; what the drawing thread gets is ready.
+
+#![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
+
+use std::collections::VecDeque;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use glutin::api::egl;
+use glutin::context::{AsRawContext, ContextApi, ContextAttributesBuilder, GlProfile, Version};
+use glutin::display::GlDisplay;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::program::{Program, ReadyProgram};
+use super::renderer::{Counting, Renderer};
+use super::scene_program::link_scene;
+use super::scene_resources::SceneNames;
+use super::shader_source::{ShaderLibrary, Variant};
+use crate::frame::block::FrameBlock;
+
+/// A context for a worker, not current anywhere yet.
+pub struct WorkerContext {
+    display: egl::display::Display,
+    context: egl::context::NotCurrentContext,
+}
+
+impl WorkerContext {
+    /// A context that shares its objects with `with`.
+    ///
+    /// # Errors
+    /// What EGL says.
+    pub fn sharing(
+        display: &egl::display::Display,
+        config: &egl::config::Config,
+        with: &impl AsRawContext,
+    ) -> glutin::error::Result<Self> {
+        let attributes = ContextAttributesBuilder::new()
+            .with_profile(GlProfile::Core)
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
+            .with_sharing(with)
+            .build(None);
+        // SAFETY: display, configuration and the shared context are of one EGL library and alive.
+        let context = unsafe { display.create_context(config, &attributes) }?;
+        Ok(Self { display: display.clone(), context })
+    }
+}
+
+/// Makes the text of a shader, on the worker's thread.
+pub type VariantMaker = Box<dyn FnOnce() -> Result<Variant, GpuError> + Send>;
+
+/// A program to be made.
+pub struct ProgramJob {
+    /// The asker's name for it.
+    pub id: u64,
+    /// Its text.
+    pub variant: VariantMaker,
+    /// What the picture drawn to warm it up shows.
+    pub block: FrameBlock,
+    /// What that picture reads.
+    pub scene: SceneNames,
+}
+
+/// A job that is done.
+pub struct Finished {
+    /// The asker's name for it.
+    pub id: u64,
+    /// The program, of no context yet.
+    pub program: Result<ReadyProgram, GpuError>,
+}
+
+/// Size of the pictures that warm a program up.
+const WARM_UP_SIZE: (u32, u32) = (16, 16);
+
+/// The workers and their jobs.
+pub struct BackgroundCompiler {
+    queue: Arc<Queue>,
+    finished: Receiver<Finished>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Queue {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    jobs: VecDeque<ProgramJob>,
+    over: bool,
+}
+
+impl Queue {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next job; none when it is over.
+    fn next(&self) -> Option<ProgramJob> {
+        let mut state = self.lock();
+        loop {
+            if state.over {
+                return None;
+            }
+            if let Some(job) = state.jobs.pop_front() {
+                return Some(job);
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+impl BackgroundCompiler {
+    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub fn start(
+        contexts: Vec<WorkerContext>,
+        library: &ShaderLibrary,
+        wake: impl Fn() + Send + Clone + 'static,
+    ) -> std::io::Result<Self> {
+        let queue = Arc::new(Queue::default());
+        let (sender, finished) = channel();
+        let mut threads = Vec::with_capacity(contexts.len());
+        for context in contexts {
+            let (queue, sender, library, wake) =
+                (queue.clone(), sender.clone(), library.clone(), wake.clone());
+            let worker = std::thread::Builder::new().name("compiler".into());
+            threads.push(worker.spawn(move || work(context, &queue, &sender, &library, &wake))?);
+        }
+        Ok(Self { queue, finished, threads })
+    }
+
+    /// Asks for a program, after those asked for before.
+    pub fn submit(&self, job: ProgramJob) {
+        self.queue.lock().jobs.push_back(job);
+        self.queue.changed.notify_one();
+    }
+
+    /// Drops the jobs that were not begun and that `obsolete` names.
+    pub fn forget(&self, obsolete: impl Fn(u64) -> bool) {
+        self.queue.lock().jobs.retain(|job| !obsolete(job.id));
+    }
+
+    /// A job that is done, if there is one; never waits.
+    pub fn poll(&self) -> Option<Finished> {
+        self.finished.try_recv().ok()
+    }
+}
+
+impl Drop for BackgroundCompiler {
+    fn drop(&mut self) {
+        let mut state = self.queue.lock();
+        state.over = true;
+        state.jobs.clear();
+        drop(state);
+        self.queue.changed.notify_all();
+        for thread in self.threads.drain(..) {
+            // A driver cannot be interrupted; the context must not go away under it.
+            if thread.join().is_err() {
+                tracing::warn!("a compiling thread ended by a panic");
+            }
+        }
+    }
+}
+
+fn work(
+    worker: WorkerContext,
+    queue: &Queue,
+    finished: &Sender<Finished>,
+    library: &ShaderLibrary,
+    wake: &dyn Fn(),
+) {
+    yield_to_drawing();
+    let WorkerContext { display, context } = worker;
+    // Kept current to the end of the thread, after everything that was made in it.
+    let context = context.make_current_surfaceless();
+    let mut studio = context.as_ref().map_err(ToString::to_string).and_then(|_context| {
+        let gl = Gl::load(|name| display.get_proc_address(name), false).map_err(|error| error.to_string())?;
+        let renderer = Renderer::new(&gl, library, Counting::Off).map_err(|error| error.to_string())?;
+        Ok((gl, renderer))
+    });
+    while let Some(job) = queue.next() {
+        let id = job.id;
+        let program = match &mut studio {
+            Ok((gl, renderer)) => make(gl, renderer, library, job),
+            Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
+        };
+        if finished.send(Finished { id, program }).is_err() {
+            break;
+        }
+        wake();
+    }
+}
+
+/// Links a program and draws with it, so that the driver has nothing left to do.
+fn make(
+    gl: &Gl,
+    renderer: &mut Renderer,
+    library: &ShaderLibrary,
+    job: ProgramJob,
+) -> Result<ReadyProgram, GpuError> {
+    let variant = (job.variant)()?;
+    let program = link_scene(gl, library, &variant)?;
+    // A scene that was replaced meanwhile has lost its textures: an error of the draw is none of the program.
+    if let Err(error) = renderer.draw_block(WARM_UP_SIZE, &job.block, &job.scene, &program) {
+        tracing::debug!("warming up a program: {error}");
+    }
+    gl.finish();
+    Ok(program.into_ready())
+}
+
+/// Gives this thread the lowest priority, where the system has priorities of threads: drawing comes first.
+fn yield_to_drawing() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = rustix::process::setpriority_process(None, 19) {
+        tracing::debug!("the compiling thread keeps its priority: {error}");
+    }
+}

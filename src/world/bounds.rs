@@ -1,0 +1,158 @@
+//! Where a scene's surfaces lie, found from the formula by interval arithmetic (Moore 1966).
+
+use crate::graph::{FrameInputs, Interval};
+use crate::tape::{IntervalEvaluator, Tape};
+
+/// A box that holds all surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Its lower corner.
+    pub low: [f32; 3],
+    /// Its upper corner.
+    pub high: [f32; 3],
+}
+
+/// Surfaces are looked for in a cube that reaches about so far from the origin; what goes on beyond has no bounds.
+const REACH: f32 = 1024.0;
+/// The cube's centre lies a little beside the origin, so that what stands there is not cut by the first faces.
+const ASIDE: f32 = 0.017 * REACH;
+/// Clauses that may be evaluated for it: about 10 ms.
+const CLAUSES_MAX: usize = 1 << 20;
+/// A face is found well enough when its cells are no larger than this share of the box.
+const PRECISION: f32 = 1.0 / 200.0;
+/// The box is so much larger on each side, as a share of its size, than what was found: shaders round otherwise than
+/// the processor does.
+const MARGIN: f32 = 1.0 / 1000.0;
+
+type Cell = Bounds;
+
+/// The box of the surfaces of a tape's first output in all frames of `any`; none if they are not bounded or no cell is
+/// free of them.
+///
+/// The cube is cut into eight again and again, first everywhere, then only where the box's faces lie. What cannot
+/// hold a surface is left out.
+pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
+    let mut evaluator = IntervalEvaluator::new(tape, any);
+    let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
+    let start = Cell { low: [-REACH + ASIDE; 3], high: [REACH + ASIDE; 3] };
+    let mut cells = vec![start];
+    while left > 0 && cells.len() < 64 {
+        let before = hull(&cells)?;
+        cells = cells.iter().flat_map(|cell| divided(cell, &mut evaluator, &mut left)).collect();
+        if hull(&cells).is_some_and(|hull| hull == before && cells.len() > 1) {
+            break;
+        }
+    }
+    let mut faces_done = 0;
+    let mut face = 0;
+    while left > 0 && faces_done < 6 {
+        let box_now = hull(&cells)?;
+        let (axis, upper) = (face % 3, face >= 3);
+        face = (face + 1) % 6;
+        let end = |cell: &Cell| if upper { cell.high[axis] } else { cell.low[axis] };
+        let outermost = end(&box_now);
+        let (touching, mut others): (Vec<Cell>, Vec<Cell>) =
+            cells.into_iter().partition(|cell| end(cell) == outermost);
+        let size = touching.iter().map(|cell| cell.high[axis] - cell.low[axis]).fold(0.0, f32::max);
+        let wanted = PRECISION * (box_now.high[axis] - box_now.low[axis]);
+        if size <= wanted {
+            faces_done += 1;
+            others.extend(touching);
+        } else {
+            faces_done = 0;
+            others.extend(touching.iter().flat_map(|cell| divided(cell, &mut evaluator, &mut left)));
+        }
+        cells = others;
+    }
+    let found = hull(&cells)?;
+    let unbounded =
+        (0..3).any(|axis| found.low[axis] <= start.low[axis] || found.high[axis] >= start.high[axis]);
+    if unbounded {
+        return None;
+    }
+    let margin = (0..3).map(|axis| found.high[axis] - found.low[axis]).fold(0.0, f32::max) * MARGIN;
+    Some(Bounds { low: found.low.map(|v| v - margin), high: found.high.map(|v| v + margin) })
+}
+
+/// The eighths of a cell that may hold a surface. Once nothing is left to spend, the cell stays whole.
+fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> Vec<Cell> {
+    if *left < 8 {
+        *left = 0;
+        return vec![*cell];
+    }
+    *left -= 8;
+    let mut parts = Vec::with_capacity(8);
+    for corner in 0..8 {
+        let mut part = *cell;
+        for axis in 0..3 {
+            let middle = 0.5 * (cell.low[axis] + cell.high[axis]);
+            if corner >> axis & 1 == 0 { part.high[axis] = middle } else { part.low[axis] = middle }
+        }
+        let position = [0, 1, 2].map(|axis| Interval::new(part.low[axis], part.high[axis]));
+        let value = evaluator.over(position, [Interval::point(0.0); 3]).first().copied();
+        // What may be a NaN may be a surface, too.
+        if !value.is_some_and(|value| value.lo > 0.0) {
+            parts.push(part);
+        }
+    }
+    parts
+}
+
+fn hull(cells: &[Cell]) -> Option<Bounds> {
+    let (first, others) = cells.split_first()?;
+    Some(others.iter().fold(*first, |hull, cell| Bounds {
+        low: [0, 1, 2].map(|axis| hull.low[axis].min(cell.low[axis])),
+        high: [0, 1, 2].map(|axis| hull.high[axis].max(cell.high[axis])),
+    }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::{compile, no_includes};
+    use crate::tape::TapeOptions;
+
+    fn bounds(text: &str) -> Option<Bounds> {
+        let scene = compile("test", text, &mut no_includes).scene.unwrap();
+        let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).unwrap();
+        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
+        find(&tape, &any)
+    }
+
+    fn assert_near(found: Option<Bounds>, low: [f32; 3], high: [f32; 3], share: f32) {
+        let found = found.expect("bounds");
+        for axis in 0..3 {
+            let slack = share * (high[axis] - low[axis]);
+            assert!(found.low[axis] <= low[axis] && found.low[axis] >= low[axis] - slack, "{found:?}");
+            assert!(found.high[axis] >= high[axis] && found.high[axis] <= high[axis] + slack, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn a_ball_is_boxed_closely() {
+        assert_near(bounds("length(p - vec3(5, -3, 20)) - 2"), [3.0, -5.0, 18.0], [7.0, -1.0, 22.0], 0.02);
+    }
+
+    #[test]
+    fn every_sound_time_and_parameter_is_counted_in() {
+        let text = "param r = 1 in 1 .. 3\nlength(p - vec3(4*sin(t), 0, 0)) - r - band(3) - volume.x";
+        assert_near(bounds(text), [-9.0, -5.0, -5.0], [9.0, 5.0, 5.0], 0.02);
+        assert_near(bounds("sphere(p, 1 + band(floor(x)))"), [-2.0; 3], [2.0; 3], 0.02);
+    }
+
+    #[test]
+    fn what_goes_on_has_no_bounds() {
+        for text in
+            ["y + 0.1*sin(x)", "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)", "length(p.xz) - 1", "p.x - t"]
+        {
+            assert_eq!(bounds(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_speakers_are_boxed() {
+        let scene = crate::scenes::SceneSource::Shipped("speakers".into()).compile().unwrap().scene.unwrap();
+        let world = crate::world::World::new("speakers", scene, Vec::new()).unwrap();
+        assert_near(world.bounds, [-7.2, 0.0, 7.8], [7.2, 6.4, 12.2], 0.06);
+    }
+}

@@ -1,0 +1,159 @@
+//! A world: a checked scene made ready to be drawn.
+//!
+//! ```text
+//! Scene → planes, which are solved exactly, and the rest → bounds of the rest → programs: tapes and GLSL
+//! ```
+//!
+//! Everything here is computed once per scene, on any thread. What changes with each frame is in `frame`, what needs
+//! OpenGL in `gpu`. No scene is special: whatever the picture shows comes from the scene's text.
+
+mod bounds;
+mod compiled;
+mod frame_tape;
+mod interpreted;
+mod planes;
+mod validate;
+
+pub use bounds::Bounds;
+pub use frame_tape::{FrameTape, FrameValues, LightValues};
+pub use interpreted::{Cost, TapeBuffers};
+pub use planes::{PLANES_MAX, Plane, Rest};
+
+use image::RgbaImage;
+
+use crate::graph::{FrameInputs, GraphError, NodeId};
+use crate::lang::Scene;
+use crate::tape::{Tape, TapeError, TapeOptions};
+
+/// Why a scene cannot be made ready.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// The scene's expressions are too many.
+    #[error("{scene}: {source}")]
+    Graph {
+        /// The scene.
+        scene: String,
+        /// What is too much.
+        source: GraphError,
+    },
+    /// A tape of the scene cannot be built.
+    #[error("{scene}: {source}")]
+    Tape {
+        /// The scene.
+        scene: String,
+        /// What is too much.
+        source: TapeError,
+    },
+    /// The generated GLSL is not well formed.
+    #[error(
+        "the GLSL generated for {scene} is refused before the driver sees it: this is a fault of Mariana; show the \
+         scene with --sdf interpreted and report it\n{reason}"
+    )]
+    Refused {
+        /// The scene.
+        scene: String,
+        /// What naga says.
+        reason: String,
+    },
+}
+
+/// The numbers that a material gives for a point and a normal, in this order.
+pub const MATERIAL_OUTPUTS: [&str; 11] = [
+    "color.r",
+    "color.g",
+    "color.b",
+    "roughness",
+    "metalness",
+    "emission.r",
+    "emission.g",
+    "emission.b",
+    "reflect",
+    "coat",
+    "haze",
+];
+
+/// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled shader.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Roots {
+    /// Of the rest: how far a ray may step, and the distance to a surface that is there. The place of the normal's x
+    /// holds the distance from which on a surface casts no shadow here, else 0.
+    pub distance: [NodeId; 2],
+    /// Of the rest: the number of the nearest object.
+    pub object: NodeId,
+    /// See [`MATERIAL_OUTPUTS`].
+    pub materials: Vec<[NodeId; 11]>,
+    /// Light from a direction.
+    pub sky: [NodeId; 3],
+    /// Light on a surface from everywhere.
+    pub ambient: [NodeId; 3],
+}
+
+/// A scene that can be drawn.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// What messages and the title call it.
+    pub name: String,
+    /// The scene. Its graph also holds what [`Roots`] add.
+    pub scene: Scene,
+    /// Surfaces that are planes, each with its object.
+    pub planes: Vec<Plane>,
+    /// Whether there is anything but planes.
+    pub has_rest: bool,
+    /// Where the surfaces of the rest lie at any sound and time, where that is known.
+    pub bounds: Option<Bounds>,
+    /// What the shader evaluates.
+    pub roots: Roots,
+    /// What the processor evaluates once a frame.
+    pub frame_tape: FrameTape,
+    /// The pictures of [`Scene::textures`].
+    pub pictures: Vec<RgbaImage>,
+}
+
+impl World {
+    /// Makes a scene ready. `pictures` are those of its textures, in their order.
+    ///
+    /// # Errors
+    /// A scene that takes more nodes or clauses than the limits.
+    pub fn new(name: &str, mut scene: Scene, pictures: Vec<RgbaImage>) -> Result<Self, WorldError> {
+        let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
+        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
+        let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
+        let roots = roots(&mut scene, rest.as_ref());
+        scene.graph.check().map_err(graph_error)?;
+        let mut bounds = None;
+        if rest.is_some() {
+            let options = TapeOptions::default();
+            let tape = Tape::build(&scene.graph, &roots.distance[..1], &options).map_err(tape_error)?;
+            let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
+            bounds = bounds::find(&tape, &any);
+        }
+        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
+        Ok(Self {
+            name: name.to_owned(),
+            has_rest: rest.is_some(),
+            bounds,
+            roots,
+            frame_tape,
+            planes,
+            scene,
+            pictures,
+        })
+    }
+}
+
+fn roots(scene: &mut Scene, rest: Option<&Rest>) -> Roots {
+    let materials = scene.materials.iter().map(|material| {
+        let ([r, g, b], [er, eg, eb]) = (material.color, material.emission);
+        let (roughness, metalness) = (material.roughness, material.metalness);
+        [r, g, b, roughness, metalness, er, eg, eb, material.reflect, material.coat, material.haze]
+    });
+    let materials = materials.collect();
+    let nothing = scene.graph.constant(0.0);
+    Roots {
+        distance: rest.map_or([nothing; 2], |rest| [rest.bound, rest.estimate]),
+        object: rest.map_or(nothing, |rest| rest.object),
+        materials,
+        sky: scene.sky.color,
+        ambient: scene.sky.ambient,
+    }
+}

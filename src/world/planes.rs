@@ -1,0 +1,198 @@
+//! Planes, which a ray meets exactly, and the rest of a scene, which is traced.
+
+use std::collections::HashSet;
+
+use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::lang::Scene;
+
+/// Most planes that are taken out of a scene; further ones are traced like anything else.
+pub const PLANES_MAX: usize = 4;
+
+/// A part of an object's shape that is a plane: its shape is `a*x + b*y + c*z + d` with numbers that are the same all
+/// over a frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Plane {
+    /// The part of the shape.
+    pub shape: NodeId,
+    /// Index of the object.
+    pub object: usize,
+}
+
+/// Everything that is no plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Rest {
+    /// As far as a ray may step.
+    pub bound: NodeId,
+    /// Distance to a surface that is there, for penumbras and occlusion.
+    pub estimate: NodeId,
+    /// Number of the object whose surface that is.
+    pub object: NodeId,
+}
+
+/// How an expression depends on the point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Shape {
+    /// Not at all.
+    Constant,
+    /// As a plane's equation does.
+    Affine,
+    /// In any other way.
+    Other,
+}
+
+/// Takes the planes out of a scene's shapes. What an object with a `bound` holds stays together.
+///
+/// # Errors
+/// What [`Graph::check`] says.
+pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
+    let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
+    let kinds = kinds(&scene.graph, &shapes)?;
+    let mut planes = Vec::new();
+    let mut rest: Vec<Part> = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        if let Some(bound) = object.bound {
+            rest.push(Part { object: index, shape: object.shape, bound: Some(bound) });
+            continue;
+        }
+        let mut others = Vec::new();
+        for part in operands_of_minimum(&scene.graph, object.shape) {
+            if planes.len() < PLANES_MAX && kinds.get(part.index()) == Some(&Shape::Affine) {
+                planes.push(Plane { shape: part, object: index });
+            } else {
+                others.push(part);
+            }
+        }
+        let graph = &mut scene.graph;
+        if let Some(shape) = others.into_iter().reduce(|a, b| graph.min(a, b)) {
+            rest.push(Part { object: index, shape, bound: None });
+        }
+    }
+    let graph = &mut scene.graph;
+    Ok((planes, combine(graph, &rest)))
+}
+
+/// What is left of an object without its planes.
+struct Part {
+    object: usize,
+    shape: NodeId,
+    bound: Option<NodeId>,
+}
+
+/// The union of the parts.
+///
+/// Where a shape leaves something out, its value is that of the wrong surface beyond `bound`: a penumbra there would
+/// be torn. So its penumbra ends at the bound: the estimate grows so much that it casts no shadow from there on, and
+/// grows from nothing, so that no edge is seen.
+fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
+    let penumbra = graph.input(Input::NX);
+    let one = graph.constant(1.0);
+    let (first, others) = parts.split_first()?;
+    let mut object = graph.constant(first.object as f32);
+    let mut nearest = first.shape;
+    for part in others {
+        let closer = graph.binary(Op::Less, part.shape, nearest);
+        let this = graph.constant(part.object as f32);
+        object = graph.select(closer, this, object);
+        nearest = graph.min(nearest, part.shape);
+    }
+    let (mut bound, mut estimate): (Option<NodeId>, Option<NodeId>) = (None, None);
+    for part in parts {
+        let mut trusted = part.shape;
+        let mut step = part.shape;
+        if let Some(left_out) = part.bound {
+            let beyond = graph.div(penumbra, left_out);
+            let growth = graph.max(one, beyond);
+            trusted = graph.mul(part.shape, growth);
+            step = graph.min(part.shape, left_out);
+        }
+        bound = Some(bound.map_or(step, |bound| graph.min(bound, step)));
+        estimate = Some(estimate.map_or(trusted, |estimate| graph.min(estimate, trusted)));
+    }
+    Some(Rest { bound: bound?, estimate: estimate?, object })
+}
+
+/// The operands of nested minima, left to right, each once.
+fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
+    let mut operands = Vec::new();
+    let mut seen = HashSet::new();
+    let mut stack = vec![root];
+    while let Some(id) = stack.pop() {
+        if !seen.insert(id) {
+            continue;
+        }
+        match graph.node(id) {
+            Node::Binary(Op::Min, a, b) => stack.extend([b, a]),
+            _ => operands.push(id),
+        }
+    }
+    operands
+}
+
+/// How each node that the roots need depends on the point, by its index.
+fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>, GraphError> {
+    let mut kinds = vec![Shape::Other; graph.len()];
+    for id in graph.order(roots)?.nodes {
+        let kind = match graph.node(id) {
+            Node::Constant(_) => Shape::Constant,
+            Node::Input(Input::X | Input::Y | Input::Z) => Shape::Affine,
+            Node::Input(input) if input.of_point().is_none() => Shape::Constant,
+            Node::Input(_) | Node::Texture { .. } => Shape::Other,
+            Node::Unary(op, a) => match (op, kinds[a.index()]) {
+                (_, Shape::Constant) => Shape::Constant,
+                (Op::Neg, kind) => kind,
+                _ => Shape::Other,
+            },
+            Node::Binary(op, a, b) => match (op, kinds[a.index()], kinds[b.index()]) {
+                (_, Shape::Constant, Shape::Constant) => Shape::Constant,
+                (_, Shape::Other, _) | (_, _, Shape::Other) => Shape::Other,
+                (Op::Add | Op::Sub, _, _) => Shape::Affine,
+                (Op::Mul, Shape::Constant, _) | (Op::Mul | Op::Div, _, Shape::Constant) => Shape::Affine,
+                _ => Shape::Other,
+            },
+        };
+        kinds[id.index()] = kind;
+    }
+    Ok(kinds)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::{compile, no_includes};
+
+    fn scene(text: &str) -> Scene {
+        compile("test", text, &mut no_includes).scene.unwrap()
+    }
+
+    #[test]
+    fn planes_leave_the_minimum_they_stand_in() {
+        let mut formula = scene("min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)");
+        let (planes, rest) = split(&mut formula).unwrap();
+        assert_eq!(planes.len(), 1);
+        assert_eq!(formula.graph.node(planes[0].shape), Node::Input(Input::Y));
+        assert!(matches!(formula.graph.node(rest.unwrap().estimate), Node::Binary(Op::Sub, _, _)));
+    }
+
+    #[test]
+    fn a_plane_may_be_turned_moved_and_driven_by_sound() {
+        let mut tilted = scene("0.6*x + (y - volume.x)*0.8 - z/2 + sin(t)");
+        let (planes, rest) = split(&mut tilted).unwrap();
+        assert_eq!((planes.len(), rest), (1, None));
+    }
+
+    #[test]
+    fn what_bends_or_stands_in_a_cut_is_no_plane() {
+        for text in ["y + 0.1*sin(x)", "max(y, x)", "abs(y)", "y*y", "y*x", "1/y", "length(p) - 1"] {
+            let (planes, rest) = split(&mut scene(text)).unwrap();
+            assert!(planes.is_empty() && rest.is_some(), "{text}");
+        }
+    }
+
+    #[test]
+    fn no_more_planes_than_the_limit_are_taken_out() {
+        let mut room = scene("union(for i in 0..7: y + i*x)");
+        let (planes, rest) = split(&mut room).unwrap();
+        assert_eq!(planes.len(), PLANES_MAX);
+        assert!(rest.is_some());
+    }
+}
