@@ -2,6 +2,7 @@
 
 mod error;
 mod folder;
+mod order;
 mod textures;
 
 use std::path::{Path, PathBuf};
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 use include_dir::{Dir, include_dir};
 
 pub use error::SceneError;
+pub use order::SceneList;
 pub use textures::TextureCache;
 
 use crate::lang::{self, Compiled};
