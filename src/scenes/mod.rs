@@ -1,15 +1,20 @@
 //! Where scenes come from: those that are shipped, files, and formulas given in their place.
 
+mod content;
 mod error;
 mod folder;
+mod loader;
 mod order;
+mod quiet;
 mod textures;
+mod watch;
 
 use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
 pub use error::SceneError;
+pub use loader::{Loaded, Loader};
 pub use order::SceneList;
 pub use textures::TextureCache;
 
