@@ -4,6 +4,7 @@
 //! holds no picture of that name, a shipped one of the same name serves: so a copy of a shipped scene works
 //! anywhere. Shipped scenes and formulas get shipped pictures only.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Cursor;
@@ -72,23 +73,25 @@ impl TextureCache {
         texture: &TextureRef,
         kept: &mut HashMap<u64, Arc<RgbaImage>>,
     ) -> Result<Arc<RgbaImage>, Box<Diagnostic>> {
-        let owned;
+        let mut hasher = DefaultHasher::new();
         let bytes = match (own_bytes(source, &texture.name), shipped(&texture.name)) {
             (Some(Ok(bytes)), _) => {
-                owned = bytes;
-                owned.as_slice()
+                bytes.hash(&mut hasher);
+                Cow::Owned(bytes)
             }
-            (None | Some(Err(Refusal::Missing)), Some(bytes)) => bytes,
+            (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
+                // Those never change: their name will do.
+                texture.name.hash(&mut hasher);
+                Cow::Borrowed(bytes)
+            }
             (None, None) => return Err(Box::new(missing(source, texture))),
             (Some(Err(refusal)), _) => return Err(Box::new(refused(source, texture, &refusal))),
         };
-        let mut hasher = DefaultHasher::new();
-        bytes.hash(&mut hasher);
         let key = hasher.finish();
         let known = kept.get(&key).or_else(|| self.pictures.get(&key)).cloned();
         let picture = match known {
             Some(picture) => picture,
-            None => Arc::new(decode(texture, bytes, &LIMITS)?),
+            None => Arc::new(decode(texture, &bytes, &LIMITS)?),
         };
         kept.insert(key, Arc::clone(&picture));
         Ok(picture)
