@@ -66,6 +66,12 @@ pub struct Limits {
     pub scene_params_max: usize,
     /// Most textures of a scene (16 are what OpenGL 3.3 promises a fragment shader).
     pub scene_textures_max: usize,
+    /// Most bytes of the file of a texture.
+    pub texture_bytes_max: usize,
+    /// Largest width and height of a texture, in texels.
+    pub texture_side_max: u32,
+    /// Most texels of a texture (16 Mi: 64 MiB, and a third more with its mip levels).
+    pub texture_pixels_max: u64,
     /// Most objects of a scene.
     pub scene_objects_max: usize,
     /// Most materials of a scene.
@@ -106,6 +112,9 @@ pub const LIMITS: Limits = Limits {
     scene_includes_max: 64,
     scene_params_max: 64,
     scene_textures_max: 12,
+    texture_bytes_max: 1 << 25,
+    texture_side_max: 8_192,
+    texture_pixels_max: 1 << 24,
     scene_objects_max: 256,
     scene_materials_max: 64,
     scene_lights_max: 16,

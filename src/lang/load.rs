@@ -89,7 +89,9 @@ impl Loader<'_, '_> {
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
             return self.diagnostics.push(Diagnostic::new(span, message).hint("leave this `include` out"));
         }
-        if self.loaded.includes.contains(&name) {
+        // Where no more mistakes are kept no more files are asked for either: a text of nothing but includes that
+        // fail costs no more than any other.
+        if self.loaded.includes.contains(&name) || self.diagnostics.full() {
             return;
         }
         let (depth, count) = (self.limits.include_depth_max, self.limits.scene_includes_max);

@@ -42,6 +42,7 @@ pub use diagnostic::{Diagnostic, Fault, render_all};
 pub use library::{Accuracy, Entry, entries, inputs};
 pub use scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky, TextureRef, Vec3};
 pub use source::{Place, SourceFile, Sources, Span};
+pub use suggest::nearest;
 
 use crate::limits::{LIMITS, Limits};
 use diagnostic::Diagnostics;
@@ -68,6 +69,8 @@ pub struct Compiled {
     pub diagnostics: Vec<Diagnostic>,
     /// The texts that spans point into.
     pub sources: Sources,
+    /// Paths that were asked of the [`Resolver`], each once, in order: also those that it refused.
+    pub includes_asked: Vec<String>,
 }
 
 impl Compiled {
@@ -87,8 +90,15 @@ pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, l
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
     let names = Interner::extending(Some(&library::library().names));
-    let loaded = load::load(name, text, resolve, names, limits, &mut sources, &mut diagnostics);
+    let mut includes_asked = Vec::new();
+    let mut note_and_resolve = |path: &str| {
+        if !includes_asked.iter().any(|known| known == path) {
+            includes_asked.push(path.to_owned());
+        }
+        resolve(path)
+    };
+    let loaded = load::load(name, text, &mut note_and_resolve, names, limits, &mut sources, &mut diagnostics);
     let scene = lower::lower(loaded, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
-    Compiled { scene, diagnostics: diagnostics.finish(), sources }
+    Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }

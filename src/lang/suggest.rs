@@ -2,7 +2,7 @@
 
 /// The name of `names` nearest to `typed` by edits (insert, delete, replace, swap neighbours); none where every name
 /// is too far away to be meant.
-pub(super) fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = typed.chars().count();
     if length > LONGEST {
         return None;

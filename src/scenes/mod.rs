@@ -1,16 +1,27 @@
 //! Where scenes come from: those that are shipped, files, and formulas given in their place.
 
+mod content;
 mod error;
 mod world;
+mod folder;
+mod loader;
+mod order;
+mod quiet;
+mod textures;
+mod watch;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
 pub use error::SceneError;
+pub use loader::{Loaded, Loader};
+pub use order::SceneList;
+pub use textures::TextureCache;
 
 use crate::lang::{self, Compiled};
 use crate::limits::LIMITS;
+use folder::Folder;
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets/scenes");
 
@@ -63,6 +74,28 @@ impl SceneSource {
         }
     }
 
+    /// The file that it is read from, if it is one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Shipped(_) | Self::Formula(_) => None,
+        }
+    }
+
+    /// Every file whose change can change the scene: its own, what it includes and its textures, those too that
+    /// could not be read. Empty where it is no file. `compiled` is none where its own file could not be read.
+    pub fn files(&self, compiled: Option<&Compiled>) -> Vec<PathBuf> {
+        let Self::File(path) = self else { return Vec::new() };
+        let folder = Folder::of(path);
+        let mut files = vec![path.clone()];
+        if let Some(compiled) = compiled {
+            files.extend(compiled.includes_asked.iter().map(|name| folder.path(name)));
+            let textures = compiled.scene.iter().flat_map(|scene| &scene.textures);
+            files.extend(textures.map(|texture| folder.path(&texture.name)));
+        }
+        files
+    }
+
     /// Reads and compiles it. Mistakes in the text are in what is returned.
     ///
     /// # Errors
@@ -84,14 +117,9 @@ impl SceneSource {
             }
             Self::File(path) => {
                 let text = read(path)?;
-                let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+                let folder = Folder::of(path);
                 let mut include = |path: &str| {
-                    let inside =
-                        Path::new(path).components().all(|part| matches!(part, Component::Normal(_)));
-                    if !inside {
-                        return Err("it would leave the scene's folder".to_owned());
-                    }
-                    read(&folder.join(path)).map_err(|error| error.to_string())
+                    folder.text(path, LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
                 };
                 Ok(lang::compile(&name, &text, &mut include))
             }
@@ -118,11 +146,8 @@ fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable =
         |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
     let max = LIMITS.scene_bytes_max;
-    let length = std::fs::metadata(path).map_err(unreadable)?.len();
-    if length > max as u64 {
-        return Err(SceneError::TooLarge { path: path.to_owned(), max });
-    }
-    let bytes = std::fs::read(path).map_err(unreadable)?;
+    let bytes = folder::read_at_most(path, max).map_err(unreadable)?;
+    let bytes = bytes.ok_or_else(|| SceneError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {
         let position = error.utf8_error().valid_up_to();
         SceneError::NotText { path: path.to_owned(), position }
@@ -184,5 +209,34 @@ mod tests {
         let good = compile("part.scene");
         assert!(good.scene.is_some(), "{}", good.render(false));
         assert!(compile("../outside.scene").scene.is_none());
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("../outside.scene", folder.path().join("in/link.scene")).unwrap();
+            let refused = compile("link.scene");
+            assert!(refused.scene.is_none());
+            let message =
+                "`link.scene` cannot be included: it is a link that leads out of the scene's folder";
+            assert_eq!(refused.diagnostics.first().map(|one| one.message.as_str()), Some(message));
+        }
+    }
+
+    #[test]
+    fn the_files_of_a_scene_are_those_that_it_asked_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let source = SceneSource::File(path("main.scene"));
+        assert_eq!(source.files(None), [path("main.scene")]);
+        std::fs::write(path("part.scene"), "include \"deep/none.scene\"").unwrap();
+        let text = "include \"part.scene\"\nmaterial m { color = texture(\"a.png\", p.xy).rgb }\n\
+                    object o { shape = length(p) - 1 material = m }";
+        std::fs::write(path("main.scene"), text).unwrap();
+        let files = ["main.scene", "part.scene", "deep/none.scene", "a.png"].map(path);
+        assert_eq!(source.files(Some(&source.compile().unwrap())), files[..3]);
+        std::fs::create_dir(path("deep")).unwrap();
+        std::fs::write(path("deep/none.scene"), "").unwrap();
+        let compiled = source.compile().unwrap();
+        assert_eq!(source.files(Some(&compiled)), files, "{}", compiled.render(false));
+        let speakers = SceneSource::Shipped("speakers".into());
+        assert_eq!(speakers.files(Some(&speakers.compile().unwrap())), [path(""); 0]);
     }
 }

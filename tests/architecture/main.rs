@@ -49,6 +49,8 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("egui", &["app"]),
     ("cpal", &["audio"]),
     ("symphonia", &["audio"]),
+    // Files are watched in one place.
+    ("notify", &["scenes"]),
 ];
 
 /// Rooms that do no I/O, read no clock, spawn no thread and know no library of devices.

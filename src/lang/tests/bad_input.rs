@@ -128,6 +128,20 @@ fn includes_end() {
 }
 
 #[test]
+fn includes_that_fail_are_told_and_are_no_more_than_mistakes_are() {
+    let failing: String = (0..1000).map(|index| format!("include \"none{index}\"\n")).collect();
+    let mut asked = 0;
+    let mut resolve = |_: &str| {
+        asked += 1;
+        Err("there is no such file".to_owned())
+    };
+    let compiled = compile("main", &(failing + "x"), &mut resolve);
+    assert!(asked < 30, "{asked} files were asked for");
+    assert_eq!(compiled.includes_asked.len(), asked);
+    assert_eq!(compiled.includes_asked.first().map(String::as_str), Some("none0"));
+}
+
+#[test]
 fn rubbish_gives_messages() {
     let bytes: Vec<u8> =
         (0..200_000_u32).map(|index| (index.wrapping_mul(2_654_435_761) >> 24) as u8).collect();

@@ -128,6 +128,7 @@ fn includes_are_resolved_once_and_may_use_what_includes_them() {
     assert_eq!(distance(&scene, [2.0, 0.0, 0.0]), 6.0);
     assert_eq!(scene.includes, ["sub/a.scene", "b.scene"]);
     assert_eq!(asked, ["sub/a.scene", "b.scene"]);
+    assert_eq!(compiled.includes_asked, asked);
     let names: Vec<&str> = compiled.sources.files().iter().map(|file| file.name.as_str()).collect();
     assert_eq!(names, ["main.scene", "sub/a.scene", "b.scene"]);
 }

@@ -1,0 +1,288 @@
+//! Loads scenes on a thread of its own, and loads them again when their files change.
+//!
+//! A file counts as changed when it holds other bytes than those that were loaded, so touching it or a second event
+//! for one save does nothing. Files are read when nothing happened for a short time and nobody is writing; one that
+//! is gone is waited for as editors delete before they write.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use std::thread::Builder;
+use std::time::{Duration, Instant, SystemTime};
+
+use super::SceneSource;
+use super::content::{Look, Stamp};
+use super::quiet::{Changes, Kind, Waits};
+use super::watch::{Tell, Watch};
+
+/// What loading one source gave.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Loaded<T> {
+    /// What was loaded.
+    pub source: SceneSource,
+    /// What the loader's function made of it.
+    pub value: T,
+    /// The files whose change asks for loading it again.
+    pub files: Vec<PathBuf>,
+}
+
+/// A thread that loads one source at a time and watches its files. Dropping it ends the thread as soon as it is not
+/// loading, without waiting for it; no result comes after that.
+#[derive(Debug)]
+pub struct Loader<T> {
+    requests: Sender<Message>,
+    shared: Arc<Shared<T>>,
+}
+
+#[derive(Debug)]
+struct Shared<T> {
+    newest: Mutex<Option<Loaded<T>>>,
+    ended: AtomicBool,
+}
+
+enum Message {
+    Load(SceneSource),
+    Changed(PathBuf, Kind),
+    End,
+}
+
+impl<T: Send + 'static> Loader<T> {
+    /// Starts the thread, which has nothing to do yet. `load` runs on it and gives a value with the files that it
+    /// came from, or would have come from if they were there ([`SceneSource::files`]). `wake` is called on it
+    /// after each result. A panic in `load` is logged and gives no result; the files are watched all the same.
+    ///
+    /// # Errors
+    /// The system has no thread left.
+    pub fn start(
+        load: impl FnMut(&SceneSource) -> (T, Vec<PathBuf>) + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        Self::start_with(load, wake, Waits::USUAL, Watch::new)
+    }
+
+    fn start_with(
+        load: impl FnMut(&SceneSource) -> (T, Vec<PathBuf>) + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+        waits: Waits,
+        watch: impl FnOnce(Tell) -> Watch + Send + 'static,
+    ) -> io::Result<Self> {
+        let (requests, inbox) = channel();
+        let shared = Arc::new(Shared { newest: Mutex::new(None), ended: AtomicBool::new(false) });
+        let (changes, results) = (requests.clone(), Arc::clone(&shared));
+        Builder::new().name("scene loader".into()).spawn(move || {
+            let watch = watch(Box::new(move |file, kind| {
+                // After the end nobody listens.
+                let _ = changes.send(Message::Changed(file, kind));
+            }));
+            let publish = move |loaded| {
+                if !results.ended.load(Ordering::Acquire) {
+                    // The old one is dropped behind the lock: it may be large.
+                    let old = {
+                        let mut newest = results.newest.lock().unwrap_or_else(PoisonError::into_inner);
+                        newest.replace(loaded)
+                    };
+                    drop(old);
+                    wake();
+                }
+            };
+            let changes = Changes::default();
+            Worker { load, publish, watch, waits, changes, current: None, gone_since: None }.run(&inbox);
+        })?;
+        Ok(Self { requests, shared })
+    }
+
+    /// Asks for `source`, which is watched from then on in place of the one before. Replaces a request that was not
+    /// begun yet; the same source again is loaded again.
+    pub fn request(&self, source: SceneSource) {
+        if self.requests.send(Message::Load(source)).is_err() {
+            tracing::error!("the thread that loads scenes has ended");
+        }
+    }
+
+    /// The newest result, once. Never blocks.
+    pub fn poll(&self) -> Option<Loaded<T>> {
+        match self.shared.newest.try_lock() {
+            Ok(mut newest) => newest.take(),
+            Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().take(),
+            // It is being put there: `wake` follows.
+            Err(TryLockError::WouldBlock) => None,
+        }
+    }
+}
+
+impl<T> Drop for Loader<T> {
+    fn drop(&mut self) {
+        self.shared.ended.store(true, Ordering::Release);
+        let _ = self.requests.send(Message::End);
+    }
+}
+
+/// What is on the screen or will be, and its files as they were before it was loaded. None for a file that may have
+/// been loaded in another state than it was seen in.
+struct Current {
+    source: SceneSource,
+    seen: BTreeMap<PathBuf, Option<Look>>,
+}
+
+impl Current {
+    fn files(&self) -> Vec<PathBuf> {
+        self.seen.keys().cloned().collect()
+    }
+}
+
+struct Worker<Load, Publish> {
+    load: Load,
+    publish: Publish,
+    watch: Watch,
+    waits: Waits,
+    changes: Changes,
+    current: Option<Current>,
+    /// Since when a file is gone that was there.
+    gone_since: Option<Instant>,
+}
+
+/// By how much the time of a file's change may lie before the clock: file systems take it from the system's last
+/// tick.
+const FILE_CLOCK_STEP: Duration = Duration::from_millis(12);
+
+impl<T, Load, Publish> Worker<Load, Publish>
+where
+    Load: FnMut(&SceneSource) -> (T, Vec<PathBuf>),
+    Publish: Fn(Loaded<T>),
+{
+    fn run(&mut self, inbox: &Receiver<Message>) {
+        let mut asked: Option<SceneSource> = None;
+        let mut looked = Instant::now();
+        loop {
+            let watching = self.current.as_ref().is_some_and(|current| !current.seen.is_empty());
+            let every = if self.watch.is_complete() { self.waits.look } else { self.waits.look_blind };
+            let look = watching.then_some(looked + every);
+            let given_up = self.gone_since.map(|since| since + self.waits.patience);
+            let due = [self.changes.due(&self.waits), given_up, look].into_iter().flatten().min();
+            // All that was sent comes before what is due, so the last of several requests is the one that counts.
+            let message = match (&asked, due) {
+                (Some(_), _) => inbox.recv_timeout(Duration::ZERO),
+                (None, Some(due)) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
+                (None, None) => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            };
+            match message {
+                Ok(Message::Load(source)) => asked = Some(source),
+                Ok(Message::Changed(file, kind)) => self.changes.note(file, kind, Instant::now()),
+                Ok(Message::End) | Err(RecvTimeoutError::Disconnected) => return,
+                Err(RecvTimeoutError::Timeout) => match asked.take() {
+                    Some(source) => self.begin(source),
+                    None => {
+                        if look.is_some_and(|look| look <= Instant::now()) {
+                            looked = Instant::now();
+                            self.look();
+                        }
+                        self.check();
+                    }
+                },
+            }
+        }
+    }
+
+    /// Loads another source, or the same from scratch.
+    fn begin(&mut self, source: SceneSource) {
+        let before = self.current.take().filter(|current| current.source == source);
+        let mut files = before.map_or_else(Vec::new, |current| current.files());
+        files.extend(source.file().map(PathBuf::from));
+        self.watch.set(&files);
+        self.changes.take();
+        let seen = files.into_iter().map(|file| (file.clone(), Some(Look::at(&file)))).collect();
+        self.load(Current { source, seen });
+    }
+
+    /// Notes files that look changed although nothing was told.
+    fn look(&mut self) {
+        let Some(current) = &self.current else { return };
+        self.watch.set(&current.files());
+        for (file, seen) in &current.seen {
+            if seen.as_ref().is_none_or(|seen| seen.stamp != Stamp::of(file)) {
+                self.changes.note(file.clone(), Kind::Touched, Instant::now());
+            }
+        }
+    }
+
+    /// Loads again if it is time to and a file holds something else.
+    fn check(&mut self) {
+        let now = Instant::now();
+        let given_up = self.gone_since.is_some_and(|since| since + self.waits.patience <= now);
+        let due = self.changes.due(&self.waits).is_some_and(|due| due <= now);
+        if !due && !given_up {
+            return;
+        }
+        let mut touched: BTreeSet<PathBuf> = self.changes.take();
+        let Some(mut current) = self.current.take() else { return };
+        // First the watch, then the look: what changes in between is told.
+        self.watch.set(&current.files());
+        if self.gone_since.is_some() {
+            // What else changed was put off.
+            touched.extend(current.seen.keys().cloned());
+        }
+        let mut changed = BTreeMap::new();
+        let mut gone = false;
+        for file in touched {
+            let Some(seen) = current.seen.get_mut(&file) else { continue };
+            let look = Look::at(&file);
+            match seen {
+                Some(seen) if seen.content == look.content => *seen = look,
+                _ => {
+                    let was_there = |seen: &Look| look.content.is_gone_since(&seen.content);
+                    gone |= seen.as_ref().is_some_and(was_there);
+                    changed.insert(file, Some(look));
+                }
+            }
+        }
+        if gone && !given_up {
+            self.gone_since.get_or_insert(now);
+            self.current = Some(current);
+        } else if changed.is_empty() {
+            self.gone_since = None;
+            self.current = Some(current);
+        } else {
+            current.seen.extend(changed);
+            self.load(current);
+        }
+    }
+
+    /// Loads `current`, whose known files are watched and were looked at.
+    fn load(&mut self, current: Current) {
+        self.gone_since = None;
+        let Current { source, mut seen } = current;
+        let began = SystemTime::now().checked_sub(FILE_CLOCK_STEP).unwrap_or(SystemTime::UNIX_EPOCH);
+        let load = &mut self.load;
+        let outcome = catch_unwind(AssertUnwindSafe(|| load(&source)));
+        let files = match &outcome {
+            Ok((_, files)) => files.clone(),
+            Err(_) => seen.keys().cloned().collect(),
+        };
+        self.watch.set(&files);
+        let mut looks = BTreeMap::new();
+        for file in &files {
+            let look = seen.remove(file).unwrap_or_else(|| {
+                // It is known only now. If it changed since the load began, nobody knows what was loaded.
+                let look = Look::at(file);
+                let doubtful = look.stamp.is_since(began);
+                if doubtful {
+                    self.changes.note(file.clone(), Kind::Touched, Instant::now());
+                }
+                Some(look).filter(|_| !doubtful)
+            });
+            looks.insert(file.clone(), look);
+        }
+        self.current = Some(Current { source: source.clone(), seen: looks });
+        match outcome {
+            Ok((value, files)) => (self.publish)(Loaded { source, value, files }),
+            Err(_) => tracing::error!("loading {} failed inside: a mistake of the program", source.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

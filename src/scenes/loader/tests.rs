@@ -1,0 +1,284 @@
+use std::fs;
+use std::io::Write;
+use std::sync::atomic::AtomicUsize;
+use std::sync::mpsc::Receiver;
+use std::thread::sleep;
+
+use tempfile::TempDir;
+
+use super::*;
+
+const WAIT_LIMIT: Duration = Duration::from_secs(10);
+/// Longer than any wait of the loader takes, so that what it waits for must have happened.
+const EVER: Duration = Duration::from_secs(600);
+/// Long enough to be noticed by a loader that does not wait.
+const PAUSE: Duration = Duration::from_millis(120);
+
+/// As usual, but without looking at what the system tells nothing of.
+const EVENTS_ONLY: Waits = Waits { look: EVER, ..Waits::USUAL };
+
+/// A folder with `main.scene`, and a loader whose values are the text of the source's file.
+struct Place {
+    folder: TempDir,
+    loader: Loader<String>,
+    woken: Receiver<()>,
+    loads: Arc<AtomicUsize>,
+}
+
+impl Place {
+    fn new(waits: Waits, watch: fn(Tell) -> Watch) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let loads = Arc::new(AtomicUsize::new(0));
+        let (count, (wake, woken)) = (Arc::clone(&loads), channel());
+        let load = move |source: &SceneSource| {
+            let path = source.file().unwrap();
+            let text = fs::read_to_string(path).unwrap_or_else(|error| error.kind().to_string());
+            count.fetch_add(1, Ordering::SeqCst);
+            assert!(text != "panic", "as asked");
+            (text, vec![path.to_owned()])
+        };
+        let loader = Loader::start_with(load, move || wake.send(()).unwrap(), waits, watch).unwrap();
+        Self { folder, loader, woken, loads }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes `text` into main.scene and loads it.
+    fn begin(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+        self.loader.request(SceneSource::File(self.path(name)));
+        assert_eq!(self.result(), text);
+    }
+
+    #[track_caller]
+    fn result(&self) -> String {
+        self.woken.recv_timeout(WAIT_LIMIT).expect("nothing was loaded");
+        self.loader.poll().expect("a result was there").value
+    }
+}
+
+#[test]
+fn half_a_file_is_not_read_while_its_writer_has_it_open() {
+    let place = Place::new(Waits { patience: EVER, ..EVENTS_ONLY }, Watch::new);
+    place.begin("main.scene", "old");
+    let mut file = fs::File::create(place.path("main.scene")).unwrap();
+    file.write_all(b"first half").unwrap();
+    sleep(PAUSE);
+    file.write_all(b" and second half").unwrap();
+    drop(file);
+    assert_eq!(place.result(), "first half and second half");
+}
+
+#[test]
+fn a_writer_that_never_closes_is_not_waited_for_for_ever() {
+    let place = Place::new(EVENTS_ONLY, Watch::new);
+    place.begin("main.scene", "old");
+    let mut file = fs::File::create(place.path("main.scene")).unwrap();
+    file.write_all(b"new").unwrap();
+    assert_eq!(place.result(), "new");
+}
+
+#[test]
+fn a_file_that_is_gone_for_a_moment_is_waited_for() {
+    let place = Place::new(Waits { patience: EVER, ..EVENTS_ONLY }, Watch::new);
+    place.begin("main.scene", "old");
+    fs::remove_file(place.path("main.scene")).unwrap();
+    sleep(PAUSE);
+    fs::write(place.path("main.scene"), "new").unwrap();
+    assert_eq!(place.result(), "new");
+    fs::write(place.path("main.scene"), "").unwrap();
+    sleep(PAUSE);
+    fs::write(place.path("main.scene"), "newer").unwrap();
+    assert_eq!(place.result(), "newer");
+}
+
+#[test]
+fn a_file_that_is_gone_for_good_is_told() {
+    let place = Place::new(EVENTS_ONLY, Watch::new);
+    place.begin("main.scene", "old");
+    fs::remove_file(place.path("main.scene")).unwrap();
+    assert_eq!(place.result(), "entity not found");
+    fs::write(place.path("main.scene"), "back").unwrap();
+    assert_eq!(place.result(), "back");
+}
+
+#[test]
+fn without_watches_the_files_are_looked_at() {
+    let place =
+        Place::new(Waits { look_blind: Duration::from_millis(10), ..EVENTS_ONLY }, |_| Watch::blind());
+    place.begin("main.scene", "old");
+    for text in ["new", "newer"] {
+        fs::write(place.path("main.scene"), text).unwrap();
+        assert_eq!(place.result(), text);
+    }
+}
+
+/// No event tells that a folder further up was replaced.
+#[test]
+fn what_the_system_does_not_tell_is_found_by_looking() {
+    let place = Place::new(Waits { look: Duration::from_millis(30), ..EVENTS_ONLY }, Watch::new);
+    fs::create_dir_all(place.path("a/b")).unwrap();
+    place.begin("a/b/main.scene", "old");
+    fs::create_dir_all(place.path("other/b")).unwrap();
+    fs::write(place.path("other/b/main.scene"), "other").unwrap();
+    fs::rename(place.path("a"), place.path("aside")).unwrap();
+    fs::rename(place.path("other"), place.path("a")).unwrap();
+    assert_eq!(place.result(), "other");
+}
+
+#[test]
+fn a_panic_is_contained_and_the_next_save_is_loaded() {
+    let place = Place::new(EVENTS_ONLY, Watch::new);
+    place.begin("main.scene", "old");
+    fs::write(place.path("main.scene"), "panic").unwrap();
+    while place.loads.load(Ordering::SeqCst) < 2 {
+        sleep(Duration::from_millis(5));
+    }
+    fs::write(place.path("main.scene"), "mended").unwrap();
+    assert_eq!(place.result(), "mended");
+    // From the first load on too.
+    fs::write(place.path("other.scene"), "panic").unwrap();
+    place.loader.request(SceneSource::File(place.path("other.scene")));
+    while place.loads.load(Ordering::SeqCst) < 4 {
+        sleep(Duration::from_millis(5));
+    }
+    fs::write(place.path("other.scene"), "mended too").unwrap();
+    assert_eq!(place.result(), "mended too");
+}
+
+/// A loader of two files, whose values are their texts, and the way to its results. The second file is known only
+/// once both were loaded. `also` is done at the end of each load.
+fn pair(
+    folder: &TempDir,
+    also: impl Fn(&[PathBuf; 2]) + Send + 'static,
+) -> ([PathBuf; 2], Loader<[String; 2]>, Receiver<()>) {
+    let paths = ["main.scene", "part.scene"].map(|name| folder.path().join(name));
+    fs::write(&paths[0], "main").unwrap();
+    fs::write(&paths[1], "part").unwrap();
+    let file = fs::File::options().append(true).open(&paths[1]).unwrap();
+    file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+    let (wake, woken) = channel();
+    let known = paths.clone();
+    let load = move |_: &SceneSource| {
+        let texts = known.clone().map(|path| fs::read_to_string(path).unwrap_or_default());
+        also(&known);
+        (texts, known.to_vec())
+    };
+    let waits = Waits { patience: EVER, ..EVENTS_ONLY };
+    let loader = Loader::start_with(load, move || wake.send(()).unwrap(), waits, Watch::new).unwrap();
+    loader.request(SceneSource::File(paths[0].clone()));
+    (paths, loader, woken)
+}
+
+#[test]
+fn a_change_beside_a_file_that_is_gone_for_a_moment_is_not_forgotten() {
+    let folder = tempfile::tempdir().unwrap();
+    let (paths, loader, woken) = pair(&folder, |_| ());
+    woken.recv_timeout(WAIT_LIMIT).unwrap();
+    assert_eq!(loader.poll().unwrap().value, ["main", "part"]);
+    fs::remove_file(&paths[1]).unwrap();
+    fs::write(&paths[0], "new main").unwrap();
+    sleep(PAUSE);
+    fs::write(&paths[1], "part").unwrap();
+    woken.recv_timeout(WAIT_LIMIT).unwrap();
+    assert_eq!(loader.poll().unwrap().value, ["new main", "part"]);
+}
+
+#[test]
+fn what_changes_while_it_is_loaded_is_loaded_again() {
+    for which in [0, 1] {
+        let folder = tempfile::tempdir().unwrap();
+        let (_, loader, woken) = pair(&folder, move |paths| fs::write(&paths[which], "new").unwrap());
+        for expected in [["main", "part"], [["new", "part"], ["main", "new"]][which]] {
+            woken.recv_timeout(WAIT_LIMIT).expect("it was not loaded again");
+            assert_eq!(loader.poll().unwrap().value, expected);
+        }
+    }
+}
+
+/// The watches find these without any look of the loader's own.
+mod events {
+    use super::*;
+
+    fn place() -> Place {
+        Place::new(EVENTS_ONLY, Watch::new)
+    }
+
+    #[test]
+    fn saves_in_place_by_rename_and_by_deleting_first_are_told() {
+        let place = place();
+        place.begin("main.scene", "old");
+        fs::write(place.path("main.scene"), "in place").unwrap();
+        assert_eq!(place.result(), "in place");
+        for text in ["by rename", "and again"] {
+            fs::write(place.path("next"), text).unwrap();
+            fs::rename(place.path("next"), place.path("main.scene")).unwrap();
+            assert_eq!(place.result(), text);
+        }
+        fs::remove_file(place.path("main.scene")).unwrap();
+        fs::write(place.path("main.scene"), "anew").unwrap();
+        assert_eq!(place.result(), "anew");
+    }
+
+    #[test]
+    fn folders_that_come_one_by_one_are_told() {
+        let place = place();
+        place.loader.request(SceneSource::File(place.path("a/b/main.scene")));
+        assert_eq!(place.result(), "entity not found");
+        for folder in ["a", "a/b"] {
+            fs::create_dir(place.path(folder)).unwrap();
+            sleep(PAUSE);
+        }
+        fs::write(place.path("a/b/main.scene"), "there").unwrap();
+        assert_eq!(place.result(), "there");
+        // All at once, faster than they can be watched.
+        fs::remove_dir_all(place.path("a")).unwrap();
+        assert_eq!(place.result(), "entity not found");
+        fs::create_dir_all(place.path("a/b")).unwrap();
+        fs::write(place.path("a/b/main.scene"), "again").unwrap();
+        assert_eq!(place.result(), "again");
+    }
+
+    #[test]
+    fn a_folder_that_is_replaced_is_watched_again() {
+        let place = place();
+        fs::create_dir(place.path("in")).unwrap();
+        place.begin("in/main.scene", "old");
+        fs::create_dir(place.path("next")).unwrap();
+        fs::write(place.path("next/main.scene"), "moved here").unwrap();
+        fs::rename(place.path("in"), place.path("aside")).unwrap();
+        fs::rename(place.path("next"), place.path("in")).unwrap();
+        assert_eq!(place.result(), "moved here");
+        // The number of a folder that is deleted may be given to the next one.
+        for text in ["anew", "and once more"] {
+            fs::remove_dir_all(place.path("in")).unwrap();
+            fs::create_dir(place.path("in")).unwrap();
+            fs::write(place.path("in/main.scene"), text).unwrap();
+            assert_eq!(place.result(), text);
+        }
+        fs::write(place.path("in/main.scene"), "in place").unwrap();
+        assert_eq!(place.result(), "in place");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_links_lead_to_is_told() {
+        use std::os::unix::fs::symlink;
+        let place = place();
+        fs::create_dir(place.path("far")).unwrap();
+        fs::create_dir(place.path("near")).unwrap();
+        fs::write(place.path("far/real"), "real").unwrap();
+        symlink("../far/real", place.path("near/link")).unwrap();
+        symlink("near/link", place.path("main.scene")).unwrap();
+        place.loader.request(SceneSource::File(place.path("main.scene")));
+        assert_eq!(place.result(), "real");
+        fs::write(place.path("far/real"), "really new").unwrap();
+        assert_eq!(place.result(), "really new");
+        fs::write(place.path("other"), "other").unwrap();
+        symlink("../other", place.path("next")).unwrap();
+        fs::rename(place.path("next"), place.path("near/link")).unwrap();
+        assert_eq!(place.result(), "other");
+    }
+}

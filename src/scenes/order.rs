@@ -1,0 +1,161 @@
+//! The round of scenes that the keys for the next and the previous one go through.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{ENDING, SceneSource, shipped_names};
+
+/// Where a round through the scenes started: that scene and its folder stay in the round.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneList {
+    start: SceneSource,
+}
+
+impl SceneList {
+    /// The round that `start` is in: `start` if it is a formula, then the scene files of its folder if it is a file,
+    /// then the shipped scenes, each sorted by name; and round again.
+    pub fn around(start: &SceneSource) -> Self {
+        Self { start: start.clone() }
+    }
+
+    /// What comes after `current`. Reads the folder anew. A current scene that is gone, or that never was in the
+    /// round, is where it would be if it were.
+    pub fn next(&self, current: &SceneSource) -> SceneSource {
+        let (mut round, at) = self.round(current);
+        let next = (at + 1) % round.len();
+        round.swap_remove(next)
+    }
+
+    /// What comes before `current`; else as [`Self::next`].
+    pub fn previous(&self, current: &SceneSource) -> SceneSource {
+        let (mut round, at) = self.round(current);
+        let previous = (at + round.len() - 1) % round.len();
+        round.swap_remove(previous)
+    }
+
+    /// The round, which holds at least `current`, and where that is.
+    fn round(&self, current: &SceneSource) -> (Vec<SceneSource>, usize) {
+        let mut round: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
+        if let Some(file) = current.file().or(self.start.file()) {
+            round.extend(scene_files(file).into_iter().map(SceneSource::File));
+        }
+        // A start that has not the ending of scenes is in no listing.
+        round.push(self.start.clone());
+        if self.start.file().is_some_and(|file| !file.is_file()) {
+            round.pop();
+        }
+        round.push(current.clone());
+        round.sort_by(|a, b| rank(a).cmp(&rank(b)));
+        round.dedup();
+        let at = round.iter().position(|scene| scene == current).unwrap_or(0);
+        (round, at)
+    }
+}
+
+/// What the round is sorted by.
+fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
+    match scene {
+        SceneSource::Formula(text) => (0, OsStr::new(text), OsStr::new("")),
+        SceneSource::File(path) => (1, path.file_name().unwrap_or_default(), path.as_os_str()),
+        SceneSource::Shipped(name) => (2, OsStr::new(name), OsStr::new("")),
+    }
+}
+
+/// The scene files beside `file`, hidden ones left out; none if the folder cannot be read.
+fn scene_files(file: &Path) -> Vec<PathBuf> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    let read = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let names = fs::read_dir(read).into_iter().flatten().flatten().map(|entry| entry.file_name());
+    let wanted = |path: &PathBuf| {
+        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        !hidden && path.extension().is_some_and(|ending| ending == ENDING) && path.is_file()
+    };
+    names.map(|name| folder.join(name)).filter(wanted).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with these files, and the source of a file in it.
+    fn folder(names: &[&str]) -> (tempfile::TempDir, impl Fn(&str) -> SceneSource) {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            fs::write(folder.path().join(name), "y").unwrap();
+        }
+        let path = folder.path().to_owned();
+        (folder, move |name: &str| SceneSource::File(path.join(name)))
+    }
+
+    fn shipped() -> Vec<SceneSource> {
+        shipped_names().into_iter().map(SceneSource::Shipped).collect()
+    }
+
+    /// Goes around from `start`, checks that the way back is the same, and gives what was met.
+    #[track_caller]
+    fn round(start: &SceneSource) -> Vec<SceneSource> {
+        let list = SceneList::around(start);
+        let mut met = vec![start.clone()];
+        loop {
+            let last = met.last().unwrap().clone();
+            let next = list.next(&last);
+            assert_eq!(list.previous(&next), last);
+            if next == *start {
+                return met;
+            }
+            met.push(next);
+            assert!(met.len() < 100, "never comes back: {met:?}");
+        }
+    }
+
+    #[test]
+    fn files_of_the_folder_and_shipped_scenes_go_round() {
+        let (_kept, file) = folder(&["b.scene", "a.scene", ".hidden.scene", "note.txt", "c.scene"]);
+        let mut expected = vec![file("b.scene"), file("c.scene")];
+        expected.extend(shipped());
+        expected.push(file("a.scene"));
+        assert_eq!(round(&file("b.scene")), expected);
+    }
+
+    #[test]
+    fn without_a_folder_only_shipped_scenes_go_round() {
+        assert_eq!(round(&shipped()[0]), shipped());
+        let formula = SceneSource::Formula("y".into());
+        let mut expected = vec![formula.clone()];
+        expected.extend(shipped());
+        assert_eq!(round(&formula), expected);
+    }
+
+    #[test]
+    fn new_files_appear_and_one_that_is_gone_keeps_its_place() {
+        let (kept, file) = folder(&["a.scene", "b.scene", "c.scene"]);
+        let list = SceneList::around(&file("b.scene"));
+        fs::write(kept.path().join("bb.scene"), "y").unwrap();
+        assert_eq!(list.next(&file("b.scene")), file("bb.scene"));
+        fs::remove_file(kept.path().join("b.scene")).unwrap();
+        assert_eq!(list.next(&file("b.scene")), file("bb.scene"));
+        assert_eq!(list.previous(&file("b.scene")), file("a.scene"));
+        assert_eq!(list.next(&file("a.scene")), file("bb.scene"));
+        drop(kept);
+        assert_eq!(list.next(&file("b.scene")), shipped()[0]);
+        assert_eq!(list.previous(&shipped()[0]), *shipped().last().unwrap());
+    }
+
+    #[test]
+    fn a_start_of_another_ending_stays_in_the_round() {
+        let (_kept, file) = folder(&["a.scene", "b.txt", "c.txt"]);
+        let mut expected = vec![file("b.txt")];
+        expected.extend(shipped());
+        expected.push(file("a.scene"));
+        assert_eq!(round(&file("b.txt")), expected);
+    }
+
+    #[test]
+    fn a_folder_is_no_scene_and_a_bare_name_lies_in_the_current_folder() {
+        let (kept, file) = folder(&["a.scene"]);
+        fs::create_dir(kept.path().join("b.scene")).unwrap();
+        assert_eq!(SceneList::around(&file("a.scene")).next(&file("a.scene")), shipped()[0]);
+        assert_eq!(scene_files(Path::new("bare.scene")), [PathBuf::new(); 0]);
+    }
+}

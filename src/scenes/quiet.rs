@@ -1,0 +1,123 @@
+//! When files that are being saved are worth reading: pure, the time is given.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// What is known of a change.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Somebody writes into the file and has not closed it yet.
+    Writing,
+    /// It was closed after writing, or another file took its place or its place is empty.
+    Written,
+    /// Something happened that says neither.
+    Touched,
+}
+
+/// How long to wait for what.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waits {
+    /// For how long nothing must happen before files are read.
+    pub quiet: Duration,
+    /// How long a change waits at most: for quiet, for a writer to close the file, for a file that is gone to return.
+    pub patience: Duration,
+    /// How often the files are looked at although the system tells of nothing: a folder that was replaced, or a
+    /// network in between.
+    pub look: Duration,
+    /// The same where the system tells nothing at all.
+    pub look_blind: Duration,
+}
+
+impl Waits {
+    pub const USUAL: Self = Self {
+        quiet: Duration::from_millis(20),
+        patience: Duration::from_millis(400),
+        look: Duration::from_secs(2),
+        look_blind: Duration::from_millis(200),
+    };
+}
+
+/// The changes that were not dealt with yet.
+#[derive(Debug, Default)]
+pub(super) struct Changes {
+    touched: BTreeSet<PathBuf>,
+    writing: BTreeSet<PathBuf>,
+    first: Option<Instant>,
+    last: Option<Instant>,
+}
+
+impl Changes {
+    pub fn note(&mut self, file: PathBuf, kind: Kind, now: Instant) {
+        match kind {
+            Kind::Writing => {
+                self.writing.insert(file.clone());
+            }
+            Kind::Written => {
+                self.writing.remove(&file);
+            }
+            Kind::Touched => {}
+        }
+        self.touched.insert(file);
+        self.first.get_or_insert(now);
+        self.last = Some(now);
+    }
+
+    /// When to read the files; none while nothing changed.
+    pub fn due(&self, waits: &Waits) -> Option<Instant> {
+        let latest = self.first? + waits.patience;
+        if !self.writing.is_empty() {
+            return Some(latest);
+        }
+        Some(latest.min(self.last? + waits.quiet))
+    }
+
+    /// The files that changed, which are none from now on.
+    pub fn take(&mut self) -> BTreeSet<PathBuf> {
+        std::mem::take(self).touched
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WAITS: Waits = Waits::USUAL;
+
+    fn after(changes: &[(u64, Kind)]) -> Option<Duration> {
+        let start = Instant::now();
+        let mut list = Changes::default();
+        for (milliseconds, kind) in changes {
+            list.note("file".into(), *kind, start + Duration::from_millis(*milliseconds));
+        }
+        list.due(&WAITS).map(|due| due - start)
+    }
+
+    #[test]
+    fn files_are_read_when_they_are_quiet() {
+        assert_eq!(after(&[]), None);
+        assert_eq!(after(&[(0, Kind::Touched)]), Some(WAITS.quiet));
+        let ten = Duration::from_millis(10);
+        assert_eq!(after(&[(0, Kind::Touched), (10, Kind::Touched)]), Some(WAITS.quiet + ten));
+    }
+
+    #[test]
+    fn what_is_being_written_is_waited_for_but_not_for_ever() {
+        assert_eq!(after(&[(0, Kind::Writing)]), Some(WAITS.patience));
+        assert_eq!(after(&[(0, Kind::Writing), (10, Kind::Touched)]), Some(WAITS.patience));
+        let hundred = Duration::from_millis(100);
+        assert_eq!(after(&[(0, Kind::Writing), (100, Kind::Written)]), Some(WAITS.quiet + hundred));
+        let endless: Vec<(u64, Kind)> = (0..1000).map(|i| (i, Kind::Touched)).collect();
+        assert_eq!(after(&endless), Some(WAITS.patience));
+    }
+
+    #[test]
+    fn taken_changes_are_gone() {
+        let mut list = Changes::default();
+        list.note("a".into(), Kind::Writing, Instant::now());
+        list.note("b".into(), Kind::Touched, Instant::now());
+        assert_eq!(list.take(), ["a".into(), "b".into()].into());
+        assert_eq!(list.due(&WAITS), None);
+        assert_eq!(list.take(), [].into());
+    }
+}
