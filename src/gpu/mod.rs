@@ -2,6 +2,7 @@
 
 pub mod error;
 pub mod gl;
+mod guest;
 pub mod headless;
 pub mod object;
 pub mod program;
