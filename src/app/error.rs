@@ -30,6 +30,9 @@ pub enum AppError {
     /// Standard output is full.
     #[error(transparent)]
     Print(#[from] ExportError),
+    /// The overlay's shaders or buffers are refused.
+    #[error("the driver refuses what draws text over the picture ({0}): update the graphics driver")]
+    Overlay(String),
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),

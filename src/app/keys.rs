@@ -17,8 +17,8 @@ pub enum Action {
     ToggleFullscreen,
     /// Leave full screen; never quits.
     LeaveFullscreen,
-    /// Print the keys.
-    PrintHelp,
+    /// Show the keys or hide them, and print them.
+    ToggleHelp,
     /// End the program.
     Quit,
 }
@@ -103,8 +103,8 @@ pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[Key::Character("h"), Key::Named(NamedKey::F1)],
         written: "H or F1",
-        action: Action::PrintHelp,
-        meaning: "print the keys",
+        action: Action::ToggleHelp,
+        meaning: "show the keys, or hide them",
         repeats: false,
     },
     Binding {

@@ -2,6 +2,7 @@
 
 pub mod error;
 pub mod keys;
+pub mod overlay;
 pub mod pacing;
 mod show;
 mod window;

@@ -10,6 +10,7 @@ use winit::window::WindowId;
 
 use super::error::AppError;
 use super::keys::{self, Action};
+use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
 use super::window::GlWindowContext;
 use crate::audio::song::{Song, display_name};
@@ -99,6 +100,9 @@ struct Stage {
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     cursor: PhysicalPosition<f64>,
     occluded: bool,
+    overlay: Overlay,
+    /// Whether the keys are shown.
+    help: bool,
     // Last: everything above that holds OpenGL objects goes first.
     window: GlWindowContext,
 }
@@ -157,6 +161,8 @@ impl Show {
             last_click: None,
             cursor: PhysicalPosition::default(),
             occluded: false,
+            overlay: Overlay::new(window.gl(), window.window()),
+            help: false,
             window,
         });
         Ok(())
@@ -175,6 +181,8 @@ impl Show {
             stage.renderer.draw(&frame, &stage.resources, &stage.program)?;
         }
         stage.renderer.show(size)?;
+        let content = OverlayContent { help: stage.help, ..Default::default() };
+        stage.overlay.paint(stage.window.window(), size, content)?;
         stage.window.swap()?;
         stage.shown = Some((moment, drawn));
         if stage.frames == 0 {
@@ -199,7 +207,8 @@ impl Show {
             Action::ToggleMute => stage.player.toggle_mute(),
             Action::ToggleFullscreen => stage.window.set_fullscreen(!stage.window.is_fullscreen()),
             Action::LeaveFullscreen => stage.window.set_fullscreen(false),
-            Action::PrintHelp => {
+            Action::ToggleHelp => {
+                stage.help = !stage.help;
                 if let Err(error) = print_line(&keys::help()) {
                     tell(&error.to_string());
                 }
@@ -296,6 +305,9 @@ impl ApplicationHandler for Show {
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
         let Some(stage) = &mut self.stage else { return };
+        if stage.overlay.on_event(stage.window.window(), &event) {
+            return;
+        }
         match event {
             // Destroyed: closed by others without asking.
             WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
@@ -331,12 +343,19 @@ impl ApplicationHandler for Show {
         let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };
         let now = Instant::now();
-        let moving = stage.shown.is_none_or(|(shown, _)| stage.player.now(latency) != shown);
+        let overlay_due = stage.overlay.due(&OverlayContent { help: stage.help, ..Default::default() });
+        let moving = stage.shown.is_none_or(|(shown, _)| stage.player.now(latency) != shown)
+            || overlay_due.is_some_and(|due| due <= now);
+        let rest = overlay_due.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL));
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.frames == 0;
         if !moving || !seen {
             // Paused, ended or covered: nothing to draw until something happens.
-            event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));
+            event_loop.set_control_flow(ControlFlow::WaitUntil(if seen {
+                rest
+            } else {
+                now + IDLE_INTERVAL
+            }));
         } else if now >= stage.pacing.due() {
             stage.window.window().request_redraw();
             event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));

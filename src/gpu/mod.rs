@@ -4,6 +4,7 @@
 pub mod background;
 pub mod error;
 pub mod gl;
+mod guest;
 pub mod headless;
 pub mod object;
 pub mod program;

@@ -138,8 +138,7 @@ fn excerpt(
     let length = (span.end - span.start) as usize;
     let (mut shown, mut before, mut under) = (String::new(), 0, 0);
     let (first, last) = (place.byte, place.byte + length.max(1));
-    let columns = |text: &str| text.chars().map(|c| cell(c).1).sum::<usize>();
-    let lead = columns(place.text.get(..first).unwrap_or(""));
+    let lead: usize = place.text.get(..first).unwrap_or("").chars().map(columns).sum();
     let skip = if lead > WIDTH_SHOWN - WIDTH_BEFORE { lead - WIDTH_BEFORE } else { 0 };
     if skip > 0 {
         shown.push('…');
@@ -172,6 +171,11 @@ fn excerpt(
     let text = if label.is_empty() { marks } else { format!("{marks} {label}") };
     let text = if mark == '^' { paint.error(&text) } else { paint.frame(&text) };
     let _ = writeln!(out, "{:gutter$} {bar} {:before$}{text}", "", "");
+}
+
+/// How many columns of a terminal a character takes.
+pub fn columns(character: char) -> usize {
+    cell(character).1
 }
 
 /// What a terminal gets for a character, where that is not the character itself, and how many columns it takes.

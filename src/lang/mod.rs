@@ -38,7 +38,7 @@ mod tests;
 mod token;
 mod value;
 
-pub use diagnostic::{Diagnostic, Fault, render_all};
+pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use library::{Accuracy, Entry, entries, inputs};
 pub use scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky, TextureRef, Vec3};
 pub use source::{Place, SourceFile, Sources, Span};

@@ -1,0 +1,196 @@
+//! What the overlay is asked to show, and for how long a notice shows.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::time::{Duration, Instant};
+
+/// What is shown over the picture; everything is optional, and nothing at all by default.
+#[derive(Debug, Default)]
+pub struct OverlayContent<'a> {
+    /// A line in the lower left corner, such as "speakers · interpreted · 230 clauses".
+    pub corner: Option<&'a str>,
+    /// What is wrong; stays as long as it is given.
+    pub problem: Option<Problem<'a>>,
+    /// A short line that fades.
+    pub notice: Option<Notice<'a>>,
+    /// Sliders of the scene's parameters, which the user moves.
+    pub params: Option<&'a mut [Slider]>,
+    /// The table of keys.
+    pub help: bool,
+}
+
+/// A compiler's messages.
+#[derive(Debug, Clone, Copy, Hash)]
+pub struct Problem<'a> {
+    /// One line, such as "spheres.scene has mistakes; the last good scene stays".
+    pub heading: &'a str,
+    /// The diagnostics as plain text for a terminal, as [`crate::lang::render_all`] gives it without colours.
+    pub text: &'a str,
+}
+
+/// A short line that fades. The same text with a later `since` starts anew.
+#[derive(Debug, Clone, Copy)]
+pub struct Notice<'a> {
+    /// Such as "compiled".
+    pub text: &'a str,
+    /// When it came up.
+    pub since: Instant,
+}
+
+/// A parameter that the user may move.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slider {
+    /// Its name in the scene.
+    pub name: String,
+    /// `min` to `max`.
+    pub value: f32,
+    /// Its least value.
+    pub min: f32,
+    /// Its greatest value.
+    pub max: f32,
+    /// What a double click brings back.
+    pub default: f32,
+}
+
+/// How long a notice stands before it fades.
+const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
+/// How long it takes to fade.
+const NOTICE_FADES: Duration = Duration::from_millis(500);
+
+impl Notice<'_> {
+    /// Its opacity, 0..1.
+    pub(super) fn opacity(&self, now: Instant) -> f32 {
+        let fading = now.saturating_duration_since(self.since).saturating_sub(NOTICE_STANDS);
+        1.0 - (fading.as_secs_f32() / NOTICE_FADES.as_secs_f32()).min(1.0)
+    }
+
+    /// When it will look different; never again once it is gone.
+    pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
+        (self.opacity(now) > 0.0).then(|| now.max(self.since + NOTICE_STANDS))
+    }
+}
+
+impl Slider {
+    /// The value, brought into its range; what is not a number becomes the default.
+    pub(super) fn clamped(&self, value: f32) -> f32 {
+        let value = if value.is_finite() { value } else { self.default };
+        value.max(self.min).min(self.max)
+    }
+
+    /// Where the value stands between `min` and `max`, 0..1.
+    pub(super) fn position_of(&self, value: f32) -> f32 {
+        let position = (value - self.min) / (self.max - self.min);
+        if position.is_finite() { position.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// The value at a position between `min` (0) and `max` (1).
+    pub(super) fn value_at(&self, position: f32) -> f32 {
+        self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
+    }
+
+    /// The value with as many digits as a slider can tell apart.
+    pub(super) fn value_text(&self) -> String {
+        let decimals = match self.max - self.min {
+            span if span >= 200.0 => 0,
+            span if span >= 20.0 => 1,
+            span if span >= 2.0 => 2,
+            _ => 3,
+        };
+        format!("{:.decimals$}", self.value)
+    }
+}
+
+impl OverlayContent<'_> {
+    /// Whether nothing shows.
+    pub(super) fn is_empty(&self, now: Instant) -> bool {
+        self.corner.is_none()
+            && self.problem.is_none()
+            && !self.has_params()
+            && !self.help
+            && self.notice.is_none_or(|notice| notice.opacity(now) <= 0.0)
+    }
+
+    /// Whether there are sliders.
+    pub(super) fn has_params(&self) -> bool {
+        self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
+    }
+
+    /// A number that is another one when something else shows. A notice counts as long as it shows, faded or not.
+    pub(super) fn fingerprint(&self, now: Instant) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        (self.corner, self.problem, self.help).hash(&mut hasher);
+        let notice = self.notice.filter(|notice| notice.opacity(now) > 0.0);
+        notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
+        for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
+            let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
+            (&slider.name, numbers).hash(&mut hasher);
+        }
+        hasher.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_notice_stands_then_fades_then_is_gone() {
+        let since = Instant::now();
+        let notice = Notice { text: "compiled", since };
+        let at = |ms| since + Duration::from_millis(ms);
+        assert_eq!([0, 1_600].map(|ms| notice.opacity(at(ms))), [1.0, 1.0]);
+        assert!((notice.opacity(at(1_850)) - 0.5).abs() < 0.01);
+        assert_eq!([2_100, 9_000].map(|ms| notice.opacity(at(ms))), [0.0, 0.0]);
+        // It rests while it stands, changes all the time while it fades, and never when it is gone.
+        assert_eq!(notice.next_change(at(100)), Some(at(1_600)));
+        assert_eq!(notice.next_change(at(1_700)), Some(at(1_700)));
+        assert_eq!(notice.next_change(at(2_100)), None);
+        let content = || OverlayContent { notice: Some(notice), ..Default::default() };
+        assert!(!content().is_empty(at(2_099)) && content().is_empty(at(2_100)));
+    }
+
+    #[test]
+    fn what_shows_has_another_fingerprint_than_what_showed() {
+        let now = Instant::now();
+        let mut sliders = [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0 }];
+        let mut seen = std::collections::BTreeSet::new();
+        let contents: [OverlayContent<'_>; 6] = [
+            OverlayContent::default(),
+            OverlayContent { corner: Some("a"), ..Default::default() },
+            OverlayContent { corner: Some("b"), ..Default::default() },
+            OverlayContent { problem: Some(Problem { heading: "a", text: "b" }), ..Default::default() },
+            OverlayContent { notice: Some(Notice { text: "a", since: now }), ..Default::default() },
+            OverlayContent { help: true, ..Default::default() },
+        ];
+        for content in &contents {
+            assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");
+        }
+        for value in [0.5, 1.0] {
+            sliders[0].value = value;
+            let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
+            assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");
+        }
+        // The same words again are news, and a notice that is gone is none.
+        let later = now + Duration::from_secs(1);
+        let again = OverlayContent { notice: Some(Notice { text: "a", since: later }), ..Default::default() };
+        assert!(seen.insert(again.fingerprint(later)));
+        assert_eq!(
+            again.fingerprint(later + Duration::from_secs(5)),
+            OverlayContent::default().fingerprint(now)
+        );
+    }
+
+    #[test]
+    fn values_of_sliders_stay_in_their_range() {
+        let slider = |min, max| Slider { name: "x".into(), value: 0.25, min, max, default: 0.5 };
+        let unit = slider(0.0, 1.0);
+        assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);
+        assert_eq!([-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).value_at(position)), [-4.0, -2.0, 4.0]);
+        assert_eq!(slider(-4.0, 4.0).position_of(2.0), 0.75);
+        // A range without extent.
+        assert_eq!((slider(1.0, 1.0).position_of(1.0), slider(1.0, 1.0).value_at(0.3)), (0.0, 1.0));
+        assert_eq!(
+            [1.0, 10.0, 100.0, 1_000.0].map(|max| slider(0.0, max).value_text()),
+            ["0.250", "0.25", "0.2", "0"]
+        );
+    }
+}

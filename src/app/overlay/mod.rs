@@ -1,0 +1,217 @@
+//! What is shown over the picture: a line in the corner, mistakes of the scene, notices, sliders and the keys.
+//!
+//! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again for
+//! it. What has not changed is painted again as it was laid out; what shows nothing costs nothing.
+
+mod content;
+mod help;
+mod panels;
+mod params;
+mod pointer;
+mod problem;
+mod style;
+
+use std::time::Instant;
+
+use egui::{ClippedPrimitive, PlatformOutput, RawInput, Rect, Vec2};
+use egui_glow::Painter;
+use winit::event::WindowEvent;
+use winit::window::Window;
+
+pub use content::{Notice, OverlayContent, Problem, Slider};
+use panels::Panels;
+use pointer::Pointer;
+
+use super::error::AppError;
+use crate::gpu::gl::Gl;
+
+/// The overlay of a window. Drop it before the window's context.
+pub struct Overlay {
+    gl: Gl,
+    panels: Panels,
+    /// Turns the window's events into egui's.
+    input: egui_winit::State,
+    /// Made when something shows for the first time.
+    painter: Option<Painter>,
+    pointer: Pointer,
+    shown: Option<Shown>,
+}
+
+/// What shows.
+struct Shown {
+    primitives: Vec<ClippedPrimitive>,
+    pixels_per_point: f32,
+    size: (u32, u32),
+    fingerprint: u64,
+    /// Whether the pointer can move something.
+    interactive: bool,
+    /// When it will look different by itself, if ever.
+    changes_at: Option<Instant>,
+}
+
+/// What [`Overlay::paint`] did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Painted {
+    /// Whether the user moved a slider, so that [`OverlayContent::params`] has other values than before.
+    pub params_changed: bool,
+}
+
+impl Overlay {
+    /// An overlay that shows nothing yet. Calls no OpenGL.
+    pub fn new(gl: &Gl, window: &Window) -> Self {
+        let panels = Panels::new();
+        let side_max = usize::try_from(gl.info().texture_side_max).ok();
+        let scale = Some(window.scale_factor() as f32);
+        let context = panels.context().clone();
+        let input =
+            egui_winit::State::new(context, egui::ViewportId::ROOT, window, scale, window.theme(), side_max);
+        Self { gl: gl.clone(), panels, input, painter: None, pointer: Pointer::default(), shown: None }
+    }
+
+    /// Takes note of an event of the window; whether it is the overlay's alone. Keys never are: they are the show's.
+    pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> bool {
+        let consumed = self.pointer.on_event(event);
+        if matches!(
+            event,
+            WindowEvent::CursorMoved { .. }
+                | WindowEvent::CursorLeft { .. }
+                | WindowEvent::MouseInput { .. }
+                | WindowEvent::MouseWheel { .. }
+                | WindowEvent::Touch(_)
+                | WindowEvent::Focused(_)
+        ) {
+            let _ = self.input.on_window_event(window, event);
+            if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
+                // Nothing will ask for them.
+                self.input.egui_input_mut().events.clear();
+            }
+        }
+        consumed
+    }
+
+    /// When the window has to be drawn again for `content`'s sake: a moment that may have passed, or none.
+    pub fn due(&self, content: &OverlayContent<'_>) -> Option<Instant> {
+        let now = Instant::now();
+        let Some(shown) = &self.shown else { return (!content.is_empty(now)).then_some(now) };
+        let changed = content.fingerprint(now) != shown.fingerprint;
+        let touched = !self.input.egui_input().events.is_empty();
+        if changed || touched { Some(now) } else { shown.changes_at }
+    }
+
+    /// Paints `content` over what is in the framebuffer of `window`, which has `size` pixels. Calls no OpenGL when
+    /// there is nothing to show.
+    ///
+    /// # Errors
+    /// [`AppError::Overlay`] and [`AppError::Gpu`] for what the driver refuses.
+    pub fn paint(
+        &mut self,
+        window: &Window,
+        size: (u32, u32),
+        mut content: OverlayContent<'_>,
+    ) -> Result<Painted, AppError> {
+        let now = Instant::now();
+        if content.is_empty(now) {
+            if self.shown.take().is_some() {
+                self.pointer.panels.clear();
+                self.input.egui_input_mut().events.clear();
+                self.input.handle_platform_output(window, PlatformOutput::default());
+            }
+            return Ok(Painted::default());
+        }
+        let scale = window.scale_factor() as f32;
+        let pixels_per_point = scale * style::zoom(points(size, scale));
+        let stands = self.due(&content).is_none_or(|due| due > now)
+            && self.shown.as_ref().is_some_and(|shown| {
+                shown.size == size && shown.pixels_per_point.to_bits() == pixels_per_point.to_bits()
+            });
+        let painted =
+            if stands { Painted::default() } else { self.lay_out(window, size, &mut content, now)? };
+        if let (Some(shown), Some(painter)) = (&self.shown, &mut self.painter) {
+            self.gl.lend_window("drawing the overlay", || {
+                painter.paint_primitives(size.into(), shown.pixels_per_point, &shown.primitives);
+            })?;
+        }
+        Ok(painted)
+    }
+
+    fn lay_out(
+        &mut self,
+        window: &Window,
+        size: (u32, u32),
+        content: &mut OverlayContent<'_>,
+        now: Instant,
+    ) -> Result<Painted, AppError> {
+        let interactive = content.has_params();
+        let input = self.take_input(window, size, interactive);
+        let laid_out = self.panels.lay_out(input, content, now);
+        let output = laid_out.output;
+        self.input.handle_platform_output(window, output.platform_output);
+
+        let painter = match &mut self.painter {
+            Some(painter) => painter,
+            none => none.insert(
+                Painter::new(self.gl.shared(), "", None, false)
+                    .map_err(|error| AppError::Overlay(error.to_string()))?,
+            ),
+        };
+        let mut textures = output.textures_delta;
+        self.gl.lend_window("uploading the overlay's letters", || {
+            for (id, images) in textures.set.drain() {
+                for image in images {
+                    painter.set_texture(id, &image);
+                }
+            }
+            for id in textures.free.drain() {
+                painter.free_texture(id);
+            }
+        })?;
+
+        let pixels_per_point = output.pixels_per_point;
+        self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
+        let own = now.checked_add(laid_out.repaint_after);
+        let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
+        self.shown = Some(Shown {
+            primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
+            pixels_per_point,
+            size,
+            // The sliders may have moved.
+            fingerprint: content.fingerprint(now),
+            interactive,
+            changes_at: own.into_iter().chain(fades).min(),
+        });
+        Ok(Painted { params_changed: laid_out.params_changed })
+    }
+
+    /// What egui is to know: time, size and what the pointer did.
+    fn take_input(&mut self, window: &Window, size: (u32, u32), interactive: bool) -> RawInput {
+        let scale = window.scale_factor() as f32;
+        let zoom = style::zoom(points(size, scale));
+        // Not by `set_zoom_factor`, which holds from the next pass on and guesses this one's size.
+        self.panels.context().options_mut(|options| options.zoom_factor = zoom);
+        let mut input = self.input.take_egui_input(window);
+        input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
+        let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
+        if interactive && !was {
+            // What it has missed.
+            if self.panels.context().input(|input| input.pointer.any_down()) {
+                input.events.push(egui::Event::PointerGone);
+            }
+            if let Some(place) = self.pointer.place {
+                input.events.push(egui::Event::PointerMoved(place / (scale * zoom)));
+            }
+        }
+        input
+    }
+}
+
+impl Drop for Overlay {
+    fn drop(&mut self) {
+        if let Some(painter) = &mut self.painter {
+            painter.destroy();
+        }
+    }
+}
+
+fn points(size: (u32, u32), pixels_per_point: f32) -> Vec2 {
+    Vec2::new(size.0 as f32, size.1 as f32) / pixels_per_point
+}

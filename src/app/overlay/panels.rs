@@ -1,0 +1,115 @@
+//! The panels' layout, without a window and without OpenGL: input and content in, shapes out.
+
+use std::time::{Duration, Instant};
+
+use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, Rect, pos2, vec2};
+
+use super::content::{Notice, OverlayContent};
+use super::{help, params, problem, style};
+
+/// Widest line at the top or in the corner, as a share of the window's width.
+const LINE_WIDTH_MAX: f32 = 0.8;
+/// Greatest share of the window's height that a problem takes.
+const PROBLEM_HEIGHT_MAX: f32 = 0.75;
+/// A problem stays beside the parameters if it has this width there, in points.
+const PROBLEM_WIDTH_MIN: f32 = 420.0;
+
+/// egui, and how the panels look.
+pub struct Panels {
+    context: Context,
+}
+
+/// What was laid out.
+pub struct LaidOut {
+    /// Shapes, textures and the cursor's look.
+    pub output: FullOutput,
+    /// Panels that take clicks, in points.
+    pub panels: Vec<Rect>,
+    /// Whether the user moved a slider.
+    pub params_changed: bool,
+    /// When egui wants to be asked again without input; very long if never.
+    pub repaint_after: Duration,
+}
+
+impl Panels {
+    /// Lays nothing out yet.
+    pub fn new() -> Self {
+        let context = Context::default();
+        style::apply(&context);
+        Self { context }
+    }
+
+    /// egui's context.
+    pub fn context(&self) -> &Context {
+        &self.context
+    }
+
+    /// Lays `content` out in the screen that `input` tells.
+    pub fn lay_out(&self, input: RawInput, content: &mut OverlayContent<'_>, now: Instant) -> LaidOut {
+        let (mut panels, mut params_changed) = (Vec::new(), false);
+        // egui may ask for another pass when it learns sizes.
+        let output = self.context.run_pass(input, |context| {
+            panels.clear();
+            params_changed |= show(context, content, now, &mut panels);
+        });
+        let root = output.viewport_output.values().next();
+        let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        LaidOut { output, panels, params_changed, repaint_after }
+    }
+}
+
+/// Shows everything; whether the user moved a slider.
+fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panels: &mut Vec<Rect>) -> bool {
+    let screen = context.viewport_rect();
+    let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
+    let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
+    let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
+
+    let mut left = space;
+    if let Some(text) = content.corner {
+        left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
+    }
+    let mut changed = false;
+    if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
+        let (rect, moved) = params::show(context, space, sliders);
+        panels.push(rect);
+        changed = moved;
+        let beside = rect.left() - style::MARGIN;
+        if beside - left.left() >= PROBLEM_WIDTH_MIN {
+            left.max.x = beside;
+        }
+    }
+    if let Some(problem) = &content.problem {
+        left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
+        panels.push(problem::draw(&back, left, problem));
+    }
+    if content.help {
+        panels.push(help::draw(&front, space));
+    }
+    if let Some(notice) = &content.notice {
+        draw_notice(&front, space, notice, now);
+    }
+    changed
+}
+
+/// Draws the line in the lower left corner; where it is.
+fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let size = galley.size() + vec2(20.0, 8.0);
+    let rect = Rect::from_min_size(pos2(space.left(), space.bottom() - size.y), size);
+    style::ground(painter, rect);
+    painter.galley(rect.center() - 0.5 * galley.size(), galley, style::TEXT);
+    rect
+}
+
+fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) {
+    let mut painter = painter.clone();
+    painter.set_opacity(notice.opacity(now));
+    let font = style::proportional(style::HEADING_SIZE);
+    let galley = style::line(&painter, notice.text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let size = galley.size() + vec2(32.0, 14.0);
+    let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
+    style::ground(&painter, rect);
+    painter.galley(rect.center() - 0.5 * galley.size(), galley, style::TEXT);
+}

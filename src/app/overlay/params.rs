@@ -1,0 +1,125 @@
+//! Sliders of the scene's parameters.
+//!
+//! Made by hand: egui's own take the keyboard's focus, and the keys belong to the show.
+
+use egui::{Align2, Area, Id, Order, Rect, Response, Sense, Ui, UiKind, pos2, vec2};
+
+use super::content::Slider;
+use super::style;
+
+/// Width of the panel in points, where the window has it.
+const WIDTH: f32 = 260.0;
+/// Width of the scroll bar's lane beside the sliders.
+const LANE: f32 = 10.0;
+const RAIL_HEIGHT: f32 = 3.0;
+const KNOB_RADIUS: f32 = 5.5;
+/// Height of a slider's hold, in points: larger than it looks.
+const HOLD_HEIGHT: f32 = 18.0;
+const RESET_SIZE: f32 = 16.0;
+
+/// Width of the panel in a window of that width, in points.
+pub fn width(window: f32) -> f32 {
+    WIDTH.min(window - 2.0 * style::MARGIN)
+}
+
+/// Lays the panel out at the upper right of `space`: where it is, and whether a value changed.
+pub fn show(context: &egui::Context, space: Rect, sliders: &mut [Slider]) -> (Rect, bool) {
+    let width = width(space.width() + 2.0 * style::MARGIN);
+    let area = Area::new(Id::unique("overlay parameters"))
+        .kind(UiKind::Window)
+        .order(Order::Middle)
+        .fixed_pos(pos2(space.right() - width, space.top()))
+        .constrain(false)
+        .fade_in(false);
+    let shown = area.show(context, |ui| {
+        style::frame()
+            .show(ui, |ui| {
+                ui.set_width(width - 2.0 * style::PADDING.x);
+                let height = space.height() - 2.0 * style::PADDING.y;
+                egui::ScrollArea::vertical()
+                    .max_height(height)
+                    .show(ui, |ui| {
+                        ui.set_width(ui.available_width() - LANE);
+                        let rows = sliders.iter_mut().enumerate();
+                        rows.fold(false, |changed, (i, slider)| {
+                            ui.push_id(i, |ui| row(ui, slider)).inner || changed
+                        })
+                    })
+                    .inner
+            })
+            .inner
+    });
+    (shown.response.rect, shown.inner)
+}
+
+/// Name, value and rail of one parameter; whether the value changed.
+fn row(ui: &mut Ui, slider: &mut Slider) -> bool {
+    let before = slider.value;
+    slider.value = slider.clamped(slider.value);
+    let full = ui.available_width();
+
+    let (line, _) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::hover());
+    let painter = ui.painter();
+    let changed_by_user = slider.value != slider.default;
+    let reset = Rect::from_center_size(
+        pos2(line.right() - 0.5 * RESET_SIZE, line.center().y),
+        vec2(RESET_SIZE, RESET_SIZE),
+    );
+    let value = painter.text(
+        pos2(reset.left() - 4.0, line.center().y),
+        Align2::RIGHT_CENTER,
+        slider.value_text(),
+        style::monospace(style::SMALL_SIZE),
+        style::TEXT,
+    );
+    let font = style::proportional(style::TEXT_SIZE);
+    let name = style::line(painter, &slider.name, font, style::TEXT, value.left() - line.left() - 8.0);
+    painter.galley(pos2(line.left(), line.center().y - 0.5 * name.size().y), name, style::TEXT);
+    if changed_by_user {
+        let response = ui.interact(reset, ui.scope_id().with("reset"), Sense::click());
+        let color = if response.hovered() { style::TEXT } else { style::DIM };
+        let font = style::monospace(style::TEXT_SIZE);
+        ui.painter().text(reset.center(), Align2::CENTER_CENTER, RESET_SIGN, font, color);
+        if response.clicked() {
+            slider.value = slider.default;
+        }
+    }
+
+    let (hold, response) = ui.allocate_exact_size(vec2(full, HOLD_HEIGHT), Sense::click_and_drag());
+    let rail = Rect::from_center_size(hold.center(), vec2(full - 2.0 * KNOB_RADIUS, RAIL_HEIGHT));
+    if response.double_clicked() {
+        slider.value = slider.default;
+    } else if let Some(pointer) =
+        response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())
+    {
+        slider.value = slider.value_at((pointer.x - rail.left()) / rail.width());
+    }
+    draw_rail(ui, slider, rail, &response);
+    ui.add_space(2.0);
+    slider.value.to_bits() != before.to_bits()
+}
+
+/// What resets a parameter.
+const RESET_SIGN: &str = "↺";
+
+fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {
+    let painter = ui.painter();
+    let x_of = |value: f32| rail.left() + slider.position_of(value) * rail.width();
+    let (knob, default) = (x_of(slider.value), x_of(slider.default));
+    let held = response.hovered() || response.is_pointer_button_down_on();
+    painter.rect_filled(rail, RAIL_HEIGHT / 2.0, style::RAIL);
+    // A mark where the default is.
+    let mark = Rect::from_center_size(pos2(default, rail.center().y), vec2(1.5, 3.0 * RAIL_HEIGHT));
+    painter.rect_filled(mark, 0.0, style::RAIL);
+    painter.rect_filled(
+        Rect::from_min_max(rail.min, pos2(knob, rail.bottom())),
+        RAIL_HEIGHT / 2.0,
+        style::ACCENT,
+    );
+    let color = if held { style::TEXT } else { style::ACCENT };
+    painter.circle_filled(
+        pos2(knob, rail.center().y),
+        if held { KNOB_RADIUS + 0.5 } else { KNOB_RADIUS },
+        color,
+    );
+}
