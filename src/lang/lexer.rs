@@ -2,7 +2,7 @@
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
-use super::symbol::{Interner, Symbol};
+use super::symbol::{Interner, Key, Symbol};
 use super::token::{Kind, Token};
 
 /// Appends the tokens of `text`, whose first byte has the offset `base`, and a last one of kind `End`.
@@ -57,6 +57,7 @@ struct Lexer<'a> {
 }
 
 impl Lexer<'_> {
+    #[inline]
     fn next(&mut self) -> Option<(Kind, Symbol, usize)> {
         self.skip_blank();
         let start = self.at;
@@ -87,11 +88,11 @@ impl Lexer<'_> {
     fn skip_blank(&mut self) {
         while let Some(&byte) = self.bytes.get(self.at) {
             match byte {
+                b' ' | b'\t' | b'\r' => self.at += 1,
                 b'\n' => {
                     self.newline = true;
                     self.at += 1;
                 }
-                b' ' | b'\t' | b'\r' => self.at += 1,
                 b'#' => self.skip_line(),
                 b'/' if self.peek(1) == b'/' => self.skip_line(),
                 b'/' if self.peek(1) == b'*' => self.skip_block(),
@@ -122,49 +123,82 @@ impl Lexer<'_> {
         }
     }
 
+    /// What stands from here on.
+    fn rest(&self) -> &[u8] {
+        self.bytes.get(self.at..).unwrap_or(&[])
+    }
+
+    /// How many letters, digits and underscores stand here.
+    #[inline]
+    fn word_length(&self) -> usize {
+        let rest = self.rest();
+        rest.iter().position(|&byte| !IN_WORD[usize::from(byte)]).unwrap_or(rest.len())
+    }
+
+    #[inline]
     fn name(&mut self) -> (Kind, Symbol) {
-        let start = self.at;
-        while self.peek(0).is_ascii_alphanumeric() || self.peek(0) == b'_' {
-            self.at += 1;
-        }
-        (Kind::Name, self.names.intern(&self.text[start..self.at]))
+        let (start, length) = (self.at, self.word_length());
+        let key = Key::of_first(self.rest(), length);
+        self.at += length;
+        (Kind::Name, self.names.intern_with_key(&self.text[start..self.at], key))
     }
 
-    fn digits(&mut self) {
-        while self.peek(0).is_ascii_digit() {
+    /// Takes digits and appends them to those of `number`, which may overflow.
+    #[inline]
+    fn digits(&mut self, mut number: u64) -> u64 {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            let digit = byte.wrapping_sub(b'0');
+            if digit > 9 {
+                break;
+            }
+            number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
             self.at += 1;
         }
+        number
     }
 
+    #[inline]
     fn number(&mut self) -> (Kind, Symbol) {
         let start = self.at;
-        self.digits();
+        let mut number = self.digits(0);
+        let mut digits = self.at - start;
+        let mut decimals = 0;
         // `0..32` is a range, `0.` a number.
         if self.peek(0) == b'.' && self.peek(1) != b'.' {
             self.at += 1;
-            self.digits();
+            let point = self.at;
+            number = self.digits(number);
+            decimals = self.at - point;
+            digits += decimals;
         }
+        let mut value = if digits <= DIGITS_MAX { exact_value(number, decimals) } else { None };
         if matches!(self.peek(0), b'e' | b'E') {
             let sign = usize::from(matches!(self.peek(1), b'+' | b'-'));
             if self.peek(1 + sign).is_ascii_digit() {
                 self.at += 1 + sign;
-                self.digits();
+                self.digits(0);
+                value = None;
             }
         }
         let end = self.at;
-        while self.peek(0).is_ascii_alphanumeric() || self.peek(0) == b'_' {
-            self.at += 1;
+        if IN_WORD[usize::from(self.peek(0))] {
+            self.at += self.word_length();
+            self.number_in_name(start, end);
         }
-        if self.at > end {
-            let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
-            let hint = match tail {
-                "f" | "F" | "u" | "lf" => format!("numbers have no suffix: write `{number}`"),
-                _ => format!("to multiply write `{number} * {tail}`"),
-            };
-            let wrong = Diagnostic::new(self.span(start), "a number runs into a name");
-            self.diagnostics.push(wrong.hint(hint));
-        }
-        (Kind::Number, Symbol(value(&self.text[start..end]).to_bits()))
+        let value = value.unwrap_or_else(|| self.text[start..end].parse().unwrap_or(f32::INFINITY));
+        (Kind::Number, Symbol(value.to_bits()))
+    }
+
+    /// Reports what follows a number without a gap.
+    #[cold]
+    fn number_in_name(&mut self, start: usize, end: usize) {
+        let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
+        let hint = match tail {
+            "f" | "F" | "u" | "lf" => format!("numbers have no suffix: write `{number}`"),
+            _ => format!("to multiply write `{number} * {tail}`"),
+        };
+        let wrong = Diagnostic::new(self.span(start), "a number runs into a name");
+        self.diagnostics.push(wrong.hint(hint));
     }
 
     fn quoted(&mut self) -> (Kind, Symbol) {
@@ -268,25 +302,27 @@ impl Lexer<'_> {
     }
 }
 
-/// The nearest f32 of a number.
-fn value(text: &str) -> f32 {
+/// By byte: whether it is part of names.
+const IN_WORD: [bool; 256] = {
+    let mut table = [false; 256];
+    let mut byte = 0;
+    while byte < 128 {
+        table[byte] = (byte as u8).is_ascii_alphanumeric() || byte as u8 == b'_';
+        byte += 1;
+    }
+    table
+};
+
+/// Most decimal digits that every u64 of them holds.
+const DIGITS_MAX: usize = 19;
+
+/// The nearest f32 of digits of which the last `decimals` stand behind the point, where one division finds it.
+#[inline]
+fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
     // Both parts are exact in f32, so one division rounds correctly.
     const POWERS: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
-    let (mut digits, mut decimals, mut in_decimals) = (0_u32, 0, false);
-    for byte in text.bytes() {
-        match byte {
-            b'0'..=b'9' if digits < 1_600_000 => {
-                digits = digits * 10 + u32::from(byte - b'0');
-                decimals += usize::from(in_decimals);
-            }
-            b'.' => in_decimals = true,
-            _ => return text.parse().unwrap_or(f32::INFINITY),
-        }
-    }
-    match POWERS.get(decimals) {
-        Some(power) => digits as f32 / power,
-        None => text.parse().unwrap_or(f32::INFINITY),
-    }
+    let power = POWERS.get(decimals)?;
+    (digits <= 1 << f32::MANTISSA_DIGITS).then(|| digits as f32 / power)
 }
 
 #[cfg(test)]
@@ -307,6 +343,13 @@ mod tests {
         };
         let messages = diagnostics.finish().into_iter().map(|one| one.message).collect();
         (tokens.iter().map(shown).collect(), messages)
+    }
+
+    fn value(text: &str) -> f32 {
+        let (mut tokens, mut diagnostics) = (Vec::new(), Diagnostics::new(20));
+        tokenize(text, 0, 1000, &mut Interner::default(), &mut tokens, &mut diagnostics);
+        assert_eq!(tokens[0].span.end as usize, text.len());
+        tokens[0].value()
     }
 
     fn words(text: &str) -> Vec<String> {
@@ -333,6 +376,9 @@ mod tests {
             ".3",
             "2.",
             "16777217",
+            "33554434.5",
+            "18446744073709551617",
+            "0.00000000000000000001e21",
             "1.6777217",
             "0.16",
             "123456.7",
