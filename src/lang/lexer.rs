@@ -30,16 +30,7 @@ pub(super) fn tokenize(
         lexer.at = BYTE_ORDER_MARK.len_utf8();
     }
     tokens.reserve((text.len() / 3).min(tokens_max) + 1);
-    while let Some((kind, symbol, start)) = lexer.next() {
-        if tokens.len() >= tokens_max {
-            let message = format!("the scene has more than {tokens_max} words and signs");
-            let over = Diagnostic::over_limit(lexer.span(start), message);
-            lexer.diagnostics.push(over.hint("split the scene, or let `fn` and `for` repeat what is alike"));
-            break;
-        }
-        let newline = std::mem::take(&mut lexer.newline);
-        tokens.push(Token { kind, newline, symbol, span: lexer.span(start) });
-    }
+    lexer.run(tokens, tokens_max);
     let end = base + text.len() as u32;
     tokens.push(Token { kind: Kind::End, newline: true, symbol: Symbol(0), span: Span::new(end, end) });
 }
@@ -57,22 +48,55 @@ struct Lexer<'a> {
 }
 
 impl Lexer<'_> {
-    #[inline]
-    fn next(&mut self) -> Option<(Kind, Symbol, usize)> {
-        self.skip_blank();
-        let start = self.at;
-        let byte = *self.bytes.get(start)?;
-        let (kind, symbol) = match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'_' => self.name(),
-            b'0'..=b'9' => self.number(),
-            b'.' if self.peek(1).is_ascii_digit() => self.number(),
-            b'"' => self.quoted(),
-            _ => match self.sign(byte) {
-                Some(kind) => (kind, Symbol(0)),
-                None => (self.unknown(), Symbol(0)),
-            },
-        };
-        Some((kind, symbol, start))
+    fn run(&mut self, tokens: &mut Vec<Token>, tokens_max: usize) {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            let start = self.at;
+            let (kind, symbol) = match BEGINS[usize::from(byte)] {
+                Begins::Blank => {
+                    self.at += 1;
+                    continue;
+                }
+                Begins::Line => {
+                    self.newline = true;
+                    self.at += 1;
+                    continue;
+                }
+                Begins::Name => self.name(),
+                Begins::Number => self.number(),
+                Begins::Sign(kind) => {
+                    self.at += 1;
+                    (kind, Symbol(0))
+                }
+                Begins::Other => match self.other(byte) {
+                    Some(found) => found,
+                    None => continue,
+                },
+            };
+            if tokens.len() >= tokens_max {
+                return self.too_many(start, tokens_max);
+            }
+            let newline = std::mem::take(&mut self.newline);
+            tokens.push(Token { kind, newline, symbol, span: self.span(start) });
+        }
+    }
+
+    /// What needs more than its first byte to be told; none for a comment.
+    fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
+        match (byte, self.peek(1)) {
+            (b'#', _) | (b'/', b'/') => self.skip_line(),
+            (b'/', b'*') => self.skip_block(),
+            (b'.', next) if next.is_ascii_digit() => return Some(self.number()),
+            (b'"', _) => return Some(self.quoted()),
+            _ => return Some((self.sign(byte).unwrap_or_else(|| self.unknown()), Symbol(0))),
+        }
+        None
+    }
+
+    #[cold]
+    fn too_many(&mut self, start: usize, tokens_max: usize) {
+        let message = format!("the scene has more than {tokens_max} words and signs");
+        let over = Diagnostic::over_limit(self.span(start), message);
+        self.diagnostics.push(over.hint("split the scene, or let `fn` and `for` repeat what is alike"));
     }
 
     fn span(&self, start: usize) -> Span {
@@ -82,23 +106,6 @@ impl Lexer<'_> {
     /// The byte `ahead` of the current one; 0 behind the end.
     fn peek(&self, ahead: usize) -> u8 {
         self.bytes.get(self.at + ahead).copied().unwrap_or(0)
-    }
-
-    /// Spaces, line ends and comments: `# …`, `// …`, `/* … */`.
-    fn skip_blank(&mut self) {
-        while let Some(&byte) = self.bytes.get(self.at) {
-            match byte {
-                b' ' | b'\t' | b'\r' => self.at += 1,
-                b'\n' => {
-                    self.newline = true;
-                    self.at += 1;
-                }
-                b'#' => self.skip_line(),
-                b'/' if self.peek(1) == b'/' => self.skip_line(),
-                b'/' if self.peek(1) == b'*' => self.skip_block(),
-                _ => break,
-            }
-        }
     }
 
     fn skip_line(&mut self) {
@@ -217,24 +224,12 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
+    /// Signs that are told by their second byte.
     fn sign(&mut self, byte: u8) -> Option<Kind> {
         let (kind, length) = match (byte, self.peek(1)) {
-            (b'(', _) => (Kind::OpenParen, 1),
-            (b')', _) => (Kind::CloseParen, 1),
-            (b'{', _) => (Kind::OpenBrace, 1),
-            (b'}', _) => (Kind::CloseBrace, 1),
-            (b',', _) => (Kind::Comma, 1),
-            (b';', _) => (Kind::Semicolon, 1),
-            (b':', _) => (Kind::Colon, 1),
-            (b'?', _) => (Kind::Question, 1),
             (b'.', b'.') => (Kind::Range, 2),
             (b'.', _) => (Kind::Dot, 1),
-            (b'+', _) => (Kind::Plus, 1),
-            (b'-', _) => (Kind::Minus, 1),
-            (b'*', _) => (Kind::Star, 1),
             (b'/', _) => (Kind::Slash, 1),
-            (b'%', _) => (Kind::Percent, 1),
-            (b'^', _) => (Kind::Caret, 1),
             (b'=', b'=') => (Kind::Equal, 2),
             (b'=', _) => (Kind::Assign, 1),
             (b'!', b'=') => (Kind::NotEqual, 2),
@@ -302,12 +297,55 @@ impl Lexer<'_> {
     }
 }
 
-/// By byte: whether it is part of names.
+/// What a byte begins.
+#[derive(Clone, Copy)]
+enum Begins {
+    Blank,
+    /// The next line.
+    Line,
+    Name,
+    Number,
+    /// A sign of this byte alone.
+    Sign(Kind),
+    /// That depends on what follows.
+    Other,
+}
+
+const BEGINS: [Begins; 256] = {
+    let mut table = [Begins::Other; 256];
+    let mut byte = 0;
+    while byte < table.len() {
+        table[byte] = match byte as u8 {
+            b' ' | b'\t' | b'\r' => Begins::Blank,
+            b'\n' => Begins::Line,
+            b'a'..=b'z' | b'A'..=b'Z' | b'_' => Begins::Name,
+            b'0'..=b'9' => Begins::Number,
+            b'(' => Begins::Sign(Kind::OpenParen),
+            b')' => Begins::Sign(Kind::CloseParen),
+            b'{' => Begins::Sign(Kind::OpenBrace),
+            b'}' => Begins::Sign(Kind::CloseBrace),
+            b',' => Begins::Sign(Kind::Comma),
+            b';' => Begins::Sign(Kind::Semicolon),
+            b':' => Begins::Sign(Kind::Colon),
+            b'?' => Begins::Sign(Kind::Question),
+            b'+' => Begins::Sign(Kind::Plus),
+            b'-' => Begins::Sign(Kind::Minus),
+            b'*' => Begins::Sign(Kind::Star),
+            b'%' => Begins::Sign(Kind::Percent),
+            b'^' => Begins::Sign(Kind::Caret),
+            _ => Begins::Other,
+        };
+        byte += 1;
+    }
+    table
+};
+
+/// By byte: whether it goes on a name.
 const IN_WORD: [bool; 256] = {
     let mut table = [false; 256];
     let mut byte = 0;
-    while byte < 128 {
-        table[byte] = (byte as u8).is_ascii_alphanumeric() || byte as u8 == b'_';
+    while byte < table.len() {
+        table[byte] = matches!(BEGINS[byte], Begins::Name | Begins::Number);
         byte += 1;
     }
     table

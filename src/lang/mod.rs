@@ -45,7 +45,6 @@ pub use source::{Place, SourceFile, Sources, Span};
 
 use crate::limits::{LIMITS, Limits};
 use diagnostic::Diagnostics;
-use symbol::Interner;
 
 /// Gives the text of an included file, or why there is none, in words for people. Its path is relative to the
 /// scene's folder, has `/` between folders and never leads out of it.
@@ -86,7 +85,7 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, limits: &Limits) -> Compiled {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
-    let names = Interner::extending(Some(&library::library().names));
+    let names = library::library().names.clone();
     let loaded = load::load(name, text, resolve, names, limits, &mut sources, &mut diagnostics);
     let scene = lower::lower(loaded, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };

@@ -10,10 +10,9 @@ impl Symbol {
     }
 }
 
-/// Gives equal names equal numbers, counted from 0; continues the numbers of `base`, whose names it knows.
-#[derive(Debug, Default)]
+/// Gives equal names equal numbers, counted from 0.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Interner {
-    base: Option<&'static Interner>,
     text: String,
     /// Where each name ends in `text`.
     ends: Vec<u32>,
@@ -24,32 +23,18 @@ pub(super) struct Interner {
 #[derive(Debug, Clone, Copy, Default)]
 struct Place {
     key: Key,
-    /// The own number plus 1; 0 if the place is free.
+    /// The name's number plus 1; 0 if the place is free.
     number: u32,
 }
 
 impl Interner {
-    pub fn extending(base: Option<&'static Interner>) -> Self {
-        Self { base, ..Self::default() }
-    }
-
-    fn offset(&self) -> usize {
-        self.base.map_or(0, Self::len)
-    }
-
     /// How many names are known.
     pub fn len(&self) -> usize {
-        self.offset() + self.ends.len()
+        self.ends.len()
     }
 
     pub fn name(&self, symbol: Symbol) -> &str {
-        match self.base {
-            Some(base) if symbol.index() < base.len() => base.name(symbol),
-            _ => self.own_name(symbol.index().wrapping_sub(self.offset())),
-        }
-    }
-
-    fn own_name(&self, index: usize) -> &str {
+        let index = symbol.index();
         let start =
             index.checked_sub(1).and_then(|before| self.ends.get(before)).map_or(0, |&end| end as usize);
         let end = self.ends.get(index).map_or(start, |&end| end as usize);
@@ -63,50 +48,44 @@ impl Interner {
     /// The same for a caller that has the name's key already.
     #[inline]
     pub fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
-        let hash = key.hash();
-        if let Some(found) = self.base.and_then(|base| base.find(name, key, hash)) {
-            return found;
+        match self.find(name, key) {
+            Some(known) => known,
+            None => self.add(name, key),
         }
-        if let Some(found) = self.find(name, key, hash) {
-            return found;
-        }
-        self.add(name, key, hash)
     }
 
-    fn add(&mut self, name: &str, key: Key, hash: usize) -> Symbol {
+    fn add(&mut self, name: &str, key: Key) -> Symbol {
         self.text.push_str(name);
         self.ends.push(self.text.len() as u32);
         if self.table.len() < 2 * self.ends.len() {
             self.grow();
         }
-        self.place(Place { key, number: self.ends.len() as u32 }, hash);
-        Symbol((self.len() - 1) as u32)
+        self.place(Place { key, number: self.ends.len() as u32 });
+        Symbol(self.ends.len() as u32 - 1)
     }
 
     /// The symbol of a name that is known already.
     pub fn get(&self, name: &str) -> Option<Symbol> {
-        let key = Key::of(name.as_bytes());
-        let hash = key.hash();
-        self.base.and_then(|base| base.find(name, key, hash)).or_else(|| self.find(name, key, hash))
+        self.find(name, Key::of(name.as_bytes()))
     }
 
     #[inline]
-    fn find(&self, name: &str, key: Key, hash: usize) -> Option<Symbol> {
+    fn find(&self, name: &str, key: Key) -> Option<Symbol> {
         let mask = self.table.len().checked_sub(1)?;
-        let mut slot = hash & mask;
+        let mut slot = key.hash() & mask;
         loop {
             let place = self.table.get(slot)?;
-            let index = place.number.checked_sub(1)? as usize;
-            if place.key == key && (key.is_whole_name() || self.own_name(index) == name) {
-                return Some(Symbol((self.offset() + index) as u32));
+            let symbol = Symbol(place.number.checked_sub(1)?);
+            if place.key == key && (key.is_whole_name() || self.name(symbol) == name) {
+                return Some(symbol);
             }
             slot = (slot + 1) & mask;
         }
     }
 
-    fn place(&mut self, place: Place, hash: usize) {
+    fn place(&mut self, place: Place) {
         let mask = self.table.len() - 1;
-        let mut slot = hash & mask;
+        let mut slot = place.key.hash() & mask;
         while self.table[slot].number != 0 {
             slot = (slot + 1) & mask;
         }
@@ -118,7 +97,7 @@ impl Interner {
         let before = std::mem::replace(&mut self.table, vec![Place::default(); size]);
         for place in before {
             if place.number != 0 {
-                self.place(place, place.key.hash());
+                self.place(place);
             }
         }
     }
@@ -184,11 +163,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_names_are_equal_symbols_across_the_base() {
+    fn equal_names_are_equal_symbols() {
         let mut base = Interner::default();
         let (a, b) = (base.intern("sphere"), base.intern("box"));
-        let base: &'static Interner = Box::leak(Box::new(base));
-        let mut own = Interner::extending(Some(base));
+        let mut own = base.clone();
         // Shorter and longer than a key.
         let names = (0..500).map(|number| format!("{}{number}", ["n", "a_longer_name_"][number % 2]));
         let names: Vec<String> = names.collect();
@@ -197,6 +175,7 @@ mod tests {
         for (name, &symbol) in names.iter().zip(&symbols) {
             assert_eq!(own.name(symbol), name);
             assert_eq!(own.get(name), Some(symbol));
+            assert_eq!(own.intern(name), symbol);
         }
         assert_eq!(own.name(b), "box");
         assert_eq!(own.len(), 502);
