@@ -52,10 +52,18 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// Open addressing: 1 + a node's index, or 0; a power of two of places, at most half of them taken.
-    places: Vec<u32>,
+    /// Open addressing; a power of two of places, at most half of them taken.
+    places: Vec<Place>,
     nodes_max: usize,
     full: bool,
+}
+
+/// Where a node is found by its hash.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    hash: u32,
+    /// 1 + the node's index; 0 if the place is free.
+    number: u32,
 }
 
 impl Default for Graph {
@@ -74,7 +82,7 @@ impl Graph {
     pub fn with_limits(limits: &Limits) -> Self {
         Self {
             nodes: Vec::new(),
-            places: vec![0; 256],
+            places: vec![Place::default(); 256],
             nodes_max: limits.graph_nodes_max.max(1),
             full: false,
         }
@@ -114,25 +122,25 @@ impl Graph {
     #[inline]
     fn intern(&mut self, node: Node) -> NodeId {
         let key = node.key();
+        let hash = hash(key);
         let mask = self.places.len() - 1;
-        let mut place = hash(key) as usize & mask;
+        let mut at = hash as usize & mask;
         loop {
-            match self.places[place] {
-                0 => break,
-                taken => {
-                    if self.nodes[taken as usize - 1].key() == key {
-                        return NodeId(taken - 1);
-                    }
-                }
+            let place = self.places[at];
+            if place.number == 0 {
+                break;
             }
-            place = (place + 1) & mask;
+            if place.hash == hash && self.nodes[place.number as usize - 1].key() == key {
+                return NodeId(place.number - 1);
+            }
+            at = (at + 1) & mask;
         }
         if self.nodes.len() >= self.nodes_max {
             self.full = true;
             return NodeId(0);
         }
         self.nodes.push(node);
-        self.places[place] = self.nodes.len() as u32;
+        self.places[at] = Place { hash, number: self.nodes.len() as u32 };
         if self.nodes.len() * 2 > self.places.len() {
             self.grow();
         }
@@ -142,13 +150,13 @@ impl Graph {
     #[cold]
     fn grow(&mut self) {
         let mask = self.places.len() * 4 - 1;
-        let mut places = vec![0; mask + 1];
-        for (index, node) in self.nodes.iter().enumerate() {
-            let mut place = hash(node.key()) as usize & mask;
-            while places[place] != 0 {
-                place = (place + 1) & mask;
+        let mut places = vec![Place::default(); mask + 1];
+        for &place in self.places.iter().filter(|place| place.number != 0) {
+            let mut at = place.hash as usize & mask;
+            while places[at].number != 0 {
+                at = (at + 1) & mask;
             }
-            places[place] = index as u32 + 1;
+            places[at] = place;
         }
         self.places = places;
     }
@@ -156,9 +164,13 @@ impl Graph {
 
 /// Mixes a node's key; every bit of it reaches the low bits of the result.
 #[inline(always)]
-fn hash([head, a, b]: [u32; 3]) -> u64 {
-    let mut h = (u64::from(a) | u64::from(b) << 32) ^ u64::from(head).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    h = (h ^ (h >> 32)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    h = (h ^ (h >> 32)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    h ^ (h >> 32)
+fn hash([head, a, b]: [u32; 3]) -> u32 {
+    let operands = u64::from(a) | u64::from(b) << 32;
+    let mixed = (operands ^ u64::from(head).wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_add(SEED);
+    let product = u128::from(mixed) * 0xD6E8_FEB8_6659_FD93;
+    let folded = product as u64 ^ (product >> 64) as u64;
+    folded as u32 ^ (folded >> 32) as u32
 }
+
+/// Keeps the mix of small keys, as most are, from being 0.
+const SEED: u64 = 0xA076_1D64_78BD_642F;

@@ -2,7 +2,7 @@
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
-use super::symbol::{Interner, Symbol};
+use super::symbol::{Interner, Key, Symbol};
 use super::token::{Kind, Token};
 
 /// Appends the tokens of `text`, whose first byte has the offset `base`, and a last one of kind `End`.
@@ -30,16 +30,7 @@ pub(super) fn tokenize(
         lexer.at = BYTE_ORDER_MARK.len_utf8();
     }
     tokens.reserve((text.len() / 3).min(tokens_max) + 1);
-    while let Some((kind, symbol, start)) = lexer.next() {
-        if tokens.len() >= tokens_max {
-            let message = format!("the scene has more than {tokens_max} words and signs");
-            let over = Diagnostic::over_limit(lexer.span(start), message);
-            lexer.diagnostics.push(over.hint("split the scene, or let `fn` and `for` repeat what is alike"));
-            break;
-        }
-        let newline = std::mem::take(&mut lexer.newline);
-        tokens.push(Token { kind, newline, symbol, span: lexer.span(start) });
-    }
+    lexer.run(tokens, tokens_max);
     let end = base + text.len() as u32;
     tokens.push(Token { kind: Kind::End, newline: true, symbol: Symbol(0), span: Span::new(end, end) });
 }
@@ -57,21 +48,55 @@ struct Lexer<'a> {
 }
 
 impl Lexer<'_> {
-    fn next(&mut self) -> Option<(Kind, Symbol, usize)> {
-        self.skip_blank();
-        let start = self.at;
-        let byte = *self.bytes.get(start)?;
-        let (kind, symbol) = match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'_' => self.name(),
-            b'0'..=b'9' => self.number(),
-            b'.' if self.peek(1).is_ascii_digit() => self.number(),
-            b'"' => self.quoted(),
-            _ => match self.sign(byte) {
-                Some(kind) => (kind, Symbol(0)),
-                None => (self.unknown(), Symbol(0)),
-            },
-        };
-        Some((kind, symbol, start))
+    fn run(&mut self, tokens: &mut Vec<Token>, tokens_max: usize) {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            let start = self.at;
+            let (kind, symbol) = match BEGINS[usize::from(byte)] {
+                Begins::Blank => {
+                    self.at += 1;
+                    continue;
+                }
+                Begins::Line => {
+                    self.newline = true;
+                    self.at += 1;
+                    continue;
+                }
+                Begins::Name => self.name(),
+                Begins::Number => self.number(),
+                Begins::Sign(kind) => {
+                    self.at += 1;
+                    (kind, Symbol(0))
+                }
+                Begins::Other => match self.other(byte) {
+                    Some(found) => found,
+                    None => continue,
+                },
+            };
+            if tokens.len() >= tokens_max {
+                return self.too_many(start, tokens_max);
+            }
+            let newline = std::mem::take(&mut self.newline);
+            tokens.push(Token { kind, newline, symbol, span: self.span(start) });
+        }
+    }
+
+    /// What needs more than its first byte to be told; none for a comment.
+    fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
+        match (byte, self.peek(1)) {
+            (b'#', _) | (b'/', b'/') => self.skip_line(),
+            (b'/', b'*') => self.skip_block(),
+            (b'.', next) if next.is_ascii_digit() => return Some(self.number()),
+            (b'"', _) => return Some(self.quoted()),
+            _ => return Some((self.sign(byte).unwrap_or_else(|| self.unknown()), Symbol(0))),
+        }
+        None
+    }
+
+    #[cold]
+    fn too_many(&mut self, start: usize, tokens_max: usize) {
+        let message = format!("the scene has more than {tokens_max} words and signs");
+        let over = Diagnostic::over_limit(self.span(start), message);
+        self.diagnostics.push(over.hint("split the scene, or let `fn` and `for` repeat what is alike"));
     }
 
     fn span(&self, start: usize) -> Span {
@@ -81,23 +106,6 @@ impl Lexer<'_> {
     /// The byte `ahead` of the current one; 0 behind the end.
     fn peek(&self, ahead: usize) -> u8 {
         self.bytes.get(self.at + ahead).copied().unwrap_or(0)
-    }
-
-    /// Spaces, line ends and comments: `# …`, `// …`, `/* … */`.
-    fn skip_blank(&mut self) {
-        while let Some(&byte) = self.bytes.get(self.at) {
-            match byte {
-                b'\n' => {
-                    self.newline = true;
-                    self.at += 1;
-                }
-                b' ' | b'\t' | b'\r' => self.at += 1,
-                b'#' => self.skip_line(),
-                b'/' if self.peek(1) == b'/' => self.skip_line(),
-                b'/' if self.peek(1) == b'*' => self.skip_block(),
-                _ => break,
-            }
-        }
     }
 
     fn skip_line(&mut self) {
@@ -122,49 +130,82 @@ impl Lexer<'_> {
         }
     }
 
+    /// What stands from here on.
+    fn rest(&self) -> &[u8] {
+        self.bytes.get(self.at..).unwrap_or(&[])
+    }
+
+    /// How many letters, digits and underscores stand here.
+    #[inline]
+    fn word_length(&self) -> usize {
+        let rest = self.rest();
+        rest.iter().position(|&byte| !IN_WORD[usize::from(byte)]).unwrap_or(rest.len())
+    }
+
+    #[inline]
     fn name(&mut self) -> (Kind, Symbol) {
-        let start = self.at;
-        while self.peek(0).is_ascii_alphanumeric() || self.peek(0) == b'_' {
-            self.at += 1;
-        }
-        (Kind::Name, self.names.intern(&self.text[start..self.at]))
+        let (start, length) = (self.at, self.word_length());
+        let key = Key::of_first(self.rest(), length);
+        self.at += length;
+        (Kind::Name, self.names.intern_with_key(&self.text[start..self.at], key))
     }
 
-    fn digits(&mut self) {
-        while self.peek(0).is_ascii_digit() {
+    /// Takes digits and appends them to those of `number`, which may overflow.
+    #[inline]
+    fn digits(&mut self, mut number: u64) -> u64 {
+        while let Some(&byte) = self.bytes.get(self.at) {
+            let digit = byte.wrapping_sub(b'0');
+            if digit > 9 {
+                break;
+            }
+            number = number.wrapping_mul(10).wrapping_add(u64::from(digit));
             self.at += 1;
         }
+        number
     }
 
+    #[inline]
     fn number(&mut self) -> (Kind, Symbol) {
         let start = self.at;
-        self.digits();
+        let mut number = self.digits(0);
+        let mut digits = self.at - start;
+        let mut decimals = 0;
         // `0..32` is a range, `0.` a number.
         if self.peek(0) == b'.' && self.peek(1) != b'.' {
             self.at += 1;
-            self.digits();
+            let point = self.at;
+            number = self.digits(number);
+            decimals = self.at - point;
+            digits += decimals;
         }
+        let mut value = if digits <= DIGITS_MAX { exact_value(number, decimals) } else { None };
         if matches!(self.peek(0), b'e' | b'E') {
             let sign = usize::from(matches!(self.peek(1), b'+' | b'-'));
             if self.peek(1 + sign).is_ascii_digit() {
                 self.at += 1 + sign;
-                self.digits();
+                self.digits(0);
+                value = None;
             }
         }
         let end = self.at;
-        while self.peek(0).is_ascii_alphanumeric() || self.peek(0) == b'_' {
-            self.at += 1;
+        if IN_WORD[usize::from(self.peek(0))] {
+            self.at += self.word_length();
+            self.number_in_name(start, end);
         }
-        if self.at > end {
-            let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
-            let hint = match tail {
-                "f" | "F" | "u" | "lf" => format!("numbers have no suffix: write `{number}`"),
-                _ => format!("to multiply write `{number} * {tail}`"),
-            };
-            let wrong = Diagnostic::new(self.span(start), "a number runs into a name");
-            self.diagnostics.push(wrong.hint(hint));
-        }
-        (Kind::Number, Symbol(value(&self.text[start..end]).to_bits()))
+        let value = value.unwrap_or_else(|| self.text[start..end].parse().unwrap_or(f32::INFINITY));
+        (Kind::Number, Symbol(value.to_bits()))
+    }
+
+    /// Reports what follows a number without a gap.
+    #[cold]
+    fn number_in_name(&mut self, start: usize, end: usize) {
+        let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
+        let hint = match tail {
+            "f" | "F" | "u" | "lf" => format!("numbers have no suffix: write `{number}`"),
+            _ => format!("to multiply write `{number} * {tail}`"),
+        };
+        let wrong = Diagnostic::new(self.span(start), "a number runs into a name");
+        self.diagnostics.push(wrong.hint(hint));
     }
 
     fn quoted(&mut self) -> (Kind, Symbol) {
@@ -183,24 +224,12 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
+    /// Signs that are told by their second byte.
     fn sign(&mut self, byte: u8) -> Option<Kind> {
         let (kind, length) = match (byte, self.peek(1)) {
-            (b'(', _) => (Kind::OpenParen, 1),
-            (b')', _) => (Kind::CloseParen, 1),
-            (b'{', _) => (Kind::OpenBrace, 1),
-            (b'}', _) => (Kind::CloseBrace, 1),
-            (b',', _) => (Kind::Comma, 1),
-            (b';', _) => (Kind::Semicolon, 1),
-            (b':', _) => (Kind::Colon, 1),
-            (b'?', _) => (Kind::Question, 1),
             (b'.', b'.') => (Kind::Range, 2),
             (b'.', _) => (Kind::Dot, 1),
-            (b'+', _) => (Kind::Plus, 1),
-            (b'-', _) => (Kind::Minus, 1),
-            (b'*', _) => (Kind::Star, 1),
             (b'/', _) => (Kind::Slash, 1),
-            (b'%', _) => (Kind::Percent, 1),
-            (b'^', _) => (Kind::Caret, 1),
             (b'=', b'=') => (Kind::Equal, 2),
             (b'=', _) => (Kind::Assign, 1),
             (b'!', b'=') => (Kind::NotEqual, 2),
@@ -268,25 +297,70 @@ impl Lexer<'_> {
     }
 }
 
-/// The nearest f32 of a number.
-fn value(text: &str) -> f32 {
+/// What a byte begins.
+#[derive(Clone, Copy)]
+enum Begins {
+    Blank,
+    /// The next line.
+    Line,
+    Name,
+    Number,
+    /// A sign of this byte alone.
+    Sign(Kind),
+    /// That depends on what follows.
+    Other,
+}
+
+const BEGINS: [Begins; 256] = {
+    let mut table = [Begins::Other; 256];
+    let mut byte = 0;
+    while byte < table.len() {
+        table[byte] = match byte as u8 {
+            b' ' | b'\t' | b'\r' => Begins::Blank,
+            b'\n' => Begins::Line,
+            b'a'..=b'z' | b'A'..=b'Z' | b'_' => Begins::Name,
+            b'0'..=b'9' => Begins::Number,
+            b'(' => Begins::Sign(Kind::OpenParen),
+            b')' => Begins::Sign(Kind::CloseParen),
+            b'{' => Begins::Sign(Kind::OpenBrace),
+            b'}' => Begins::Sign(Kind::CloseBrace),
+            b',' => Begins::Sign(Kind::Comma),
+            b';' => Begins::Sign(Kind::Semicolon),
+            b':' => Begins::Sign(Kind::Colon),
+            b'?' => Begins::Sign(Kind::Question),
+            b'+' => Begins::Sign(Kind::Plus),
+            b'-' => Begins::Sign(Kind::Minus),
+            b'*' => Begins::Sign(Kind::Star),
+            b'%' => Begins::Sign(Kind::Percent),
+            b'^' => Begins::Sign(Kind::Caret),
+            _ => Begins::Other,
+        };
+        byte += 1;
+    }
+    table
+};
+
+/// By byte: whether it goes on a name.
+const IN_WORD: [bool; 256] = {
+    let mut table = [false; 256];
+    let mut byte = 0;
+    while byte < table.len() {
+        table[byte] = matches!(BEGINS[byte], Begins::Name | Begins::Number);
+        byte += 1;
+    }
+    table
+};
+
+/// Most decimal digits that every u64 of them holds.
+const DIGITS_MAX: usize = 19;
+
+/// The nearest f32 of digits of which the last `decimals` stand behind the point, where one division finds it.
+#[inline]
+fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
     // Both parts are exact in f32, so one division rounds correctly.
     const POWERS: [f32; 11] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10];
-    let (mut digits, mut decimals, mut in_decimals) = (0_u32, 0, false);
-    for byte in text.bytes() {
-        match byte {
-            b'0'..=b'9' if digits < 1_600_000 => {
-                digits = digits * 10 + u32::from(byte - b'0');
-                decimals += usize::from(in_decimals);
-            }
-            b'.' => in_decimals = true,
-            _ => return text.parse().unwrap_or(f32::INFINITY),
-        }
-    }
-    match POWERS.get(decimals) {
-        Some(power) => digits as f32 / power,
-        None => text.parse().unwrap_or(f32::INFINITY),
-    }
+    let power = POWERS.get(decimals)?;
+    (digits <= 1 << f32::MANTISSA_DIGITS).then(|| digits as f32 / power)
 }
 
 #[cfg(test)]
@@ -307,6 +381,13 @@ mod tests {
         };
         let messages = diagnostics.finish().into_iter().map(|one| one.message).collect();
         (tokens.iter().map(shown).collect(), messages)
+    }
+
+    fn value(text: &str) -> f32 {
+        let (mut tokens, mut diagnostics) = (Vec::new(), Diagnostics::new(20));
+        tokenize(text, 0, 1000, &mut Interner::default(), &mut tokens, &mut diagnostics);
+        assert_eq!(tokens[0].span.end as usize, text.len());
+        tokens[0].value()
     }
 
     fn words(text: &str) -> Vec<String> {
@@ -333,6 +414,9 @@ mod tests {
             ".3",
             "2.",
             "16777217",
+            "33554434.5",
+            "18446744073709551617",
+            "0.00000000000000000001e21",
             "1.6777217",
             "0.16",
             "123456.7",

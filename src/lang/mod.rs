@@ -46,7 +46,6 @@ pub use suggest::nearest;
 
 use crate::limits::{LIMITS, Limits};
 use diagnostic::Diagnostics;
-use symbol::Interner;
 
 /// Gives the text of an included file, or why there is none, in words for people. Its path is relative to the
 /// scene's folder, has `/` between folders and never leads out of it.
@@ -89,7 +88,7 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, limits: &Limits) -> Compiled {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
-    let names = Interner::extending(Some(&library::library().names));
+    let names = library::library().names.clone();
     let mut includes_asked = Vec::new();
     let mut note_and_resolve = |path: &str| {
         if !includes_asked.iter().any(|known| known == path) {

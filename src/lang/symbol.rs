@@ -10,121 +10,152 @@ impl Symbol {
     }
 }
 
-/// Gives equal names equal numbers, counted from 0; continues the numbers of `base`, whose names it knows.
-#[derive(Debug, Default)]
+/// Gives equal names equal numbers, counted from 0.
+#[derive(Debug, Clone, Default)]
 pub(super) struct Interner {
-    base: Option<&'static Interner>,
     text: String,
     /// Where each name ends in `text`.
     ends: Vec<u32>,
-    /// Open addressing with linear probing: the hash, and 0 if free, else the own number plus 1. A power of two, at most
-    /// half full.
-    table: Vec<(u32, u32)>,
+    /// Open addressing with linear probing. A power of two of places, at most half of them taken.
+    table: Vec<Place>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    key: Key,
+    /// The name's number plus 1; 0 if the place is free.
+    number: u32,
 }
 
 impl Interner {
-    pub fn extending(base: Option<&'static Interner>) -> Self {
-        Self { base, ..Self::default() }
-    }
-
-    fn offset(&self) -> usize {
-        self.base.map_or(0, Self::len)
-    }
-
     /// How many names are known.
     pub fn len(&self) -> usize {
-        self.offset() + self.ends.len()
+        self.ends.len()
     }
 
     pub fn name(&self, symbol: Symbol) -> &str {
-        match self.base {
-            Some(base) if symbol.index() < base.len() => base.name(symbol),
-            _ => self.own_name(symbol.index().wrapping_sub(self.offset())),
-        }
-    }
-
-    fn own_range(&self, index: usize) -> std::ops::Range<usize> {
+        let index = symbol.index();
         let start =
             index.checked_sub(1).and_then(|before| self.ends.get(before)).map_or(0, |&end| end as usize);
-        start..self.ends.get(index).map_or(start, |&end| end as usize)
-    }
-
-    fn own_name(&self, index: usize) -> &str {
-        self.text.get(self.own_range(index)).unwrap_or("")
-    }
-
-    fn own_bytes(&self, index: usize) -> &[u8] {
-        self.text.as_bytes().get(self.own_range(index)).unwrap_or(&[])
+        let end = self.ends.get(index).map_or(start, |&end| end as usize);
+        self.text.get(start..end).unwrap_or("")
     }
 
     pub fn intern(&mut self, name: &str) -> Symbol {
-        let hash = hash(name);
-        if let Some(found) = self.base.and_then(|base| base.find(name, hash)) {
-            return found;
+        self.intern_with_key(name, Key::of(name.as_bytes()))
+    }
+
+    /// The same for a caller that has the name's key already.
+    #[inline]
+    pub fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
+        match self.find(name, key) {
+            Some(known) => known,
+            None => self.add(name, key),
         }
-        if let Some(found) = self.find(name, hash) {
-            return found;
-        }
+    }
+
+    fn add(&mut self, name: &str, key: Key) -> Symbol {
         self.text.push_str(name);
         self.ends.push(self.text.len() as u32);
-        if self.table.len() < 2 * (self.ends.len() + 1) {
+        if self.table.len() < 2 * self.ends.len() {
             self.grow();
         }
-        self.place(hash, self.ends.len() as u32);
-        Symbol((self.len() - 1) as u32)
+        self.place(Place { key, number: self.ends.len() as u32 });
+        Symbol(self.ends.len() as u32 - 1)
     }
 
     /// The symbol of a name that is known already.
     pub fn get(&self, name: &str) -> Option<Symbol> {
-        let hash = hash(name);
-        self.base.and_then(|base| base.find(name, hash)).or_else(|| self.find(name, hash))
+        self.find(name, Key::of(name.as_bytes()))
     }
 
-    fn find(&self, name: &str, hash: u32) -> Option<Symbol> {
+    #[inline]
+    fn find(&self, name: &str, key: Key) -> Option<Symbol> {
         let mask = self.table.len().checked_sub(1)?;
-        let mut slot = hash as usize & mask;
+        let mut slot = key.hash() & mask;
         loop {
-            let &(known, number) = self.table.get(slot)?;
-            let index = number.checked_sub(1)? as usize;
-            if known == hash && self.own_bytes(index) == name.as_bytes() {
-                return Some(Symbol((self.offset() + index) as u32));
+            let place = self.table.get(slot)?;
+            let symbol = Symbol(place.number.checked_sub(1)?);
+            if place.key == key && (key.is_whole_name() || self.name(symbol) == name) {
+                return Some(symbol);
             }
             slot = (slot + 1) & mask;
         }
     }
 
-    fn place(&mut self, hash: u32, number: u32) {
+    fn place(&mut self, place: Place) {
         let mask = self.table.len() - 1;
-        let mut slot = hash as usize & mask;
-        while self.table[slot].1 != 0 {
+        let mut slot = place.key.hash() & mask;
+        while self.table[slot].number != 0 {
             slot = (slot + 1) & mask;
         }
-        self.table[slot] = (hash, number);
+        self.table[slot] = place;
     }
 
     fn grow(&mut self) {
-        let size = (4 * (self.ends.len() + 1)).next_power_of_two();
-        let before = std::mem::replace(&mut self.table, vec![(0, 0); size]);
-        for (hash, number) in before {
-            if number != 0 {
-                self.place(hash, number);
+        let size = (4 * self.ends.len()).next_power_of_two();
+        let before = std::mem::replace(&mut self.table, vec![Place::default(); size]);
+        for place in before {
+            if place.number != 0 {
+                self.place(place);
             }
         }
     }
 }
 
-/// Multiply and fold over eight bytes at a time.
-fn hash(name: &str) -> u32 {
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64 ^ name.len() as u64;
-    for chunk in name.as_bytes().chunks(8) {
-        let word = match chunk.try_into() {
-            Ok(eight) => u64::from_le_bytes(eight),
-            Err(_) => chunk.iter().fold(0, |word, &byte| word << 8 | u64::from(byte)),
-        };
-        let product = u128::from(state ^ word) * 0xd6e8_feb8_6659_fd93_u128;
-        state = product as u64 ^ (product >> 64) as u64;
+/// What names are looked up by: up to [`Key::WHOLE_MAX`] bytes the name itself, of longer ones a digest.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Key(u64);
+
+impl Key {
+    /// Bytes of a name that fit beside its length, which stands in the highest byte.
+    const WHOLE_MAX: usize = 7;
+    const DIGEST: u64 = 0xff << 56;
+
+    pub fn of(name: &[u8]) -> Self {
+        Self::of_first(name, name.len())
     }
-    (state ^ state >> 32) as u32
+
+    /// The key of the first `length` bytes of `text`, which is at least that long.
+    #[inline]
+    pub fn of_first(text: &[u8], length: usize) -> Self {
+        if length > Self::WHOLE_MAX {
+            return Self::digest(text.get(..length).unwrap_or(text));
+        }
+        let word = match text.first_chunk() {
+            Some(eight) => u64::from_le_bytes(*eight) & ((1 << (8 * length)) - 1),
+            None => text.iter().take(length).rev().fold(0, |word, &byte| word << 8 | u64::from(byte)),
+        };
+        Self(word | (length as u64) << 56)
+    }
+
+    fn digest(name: &[u8]) -> Self {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64 ^ name.len() as u64;
+        for chunk in name.chunks(8) {
+            let word = match chunk.try_into() {
+                Ok(eight) => u64::from_le_bytes(eight),
+                Err(_) => chunk.iter().fold(0, |word, &byte| word << 8 | u64::from(byte)),
+            };
+            state = multiply_and_fold(state ^ word);
+        }
+        Self(state | Self::DIGEST)
+    }
+
+    /// Whether equal keys are equal names.
+    fn is_whole_name(self) -> bool {
+        self.0 < Self::DIGEST
+    }
+
+    #[inline]
+    fn hash(self) -> usize {
+        multiply_and_fold(self.0) as usize
+    }
+}
+
+#[inline]
+fn multiply_and_fold(word: u64) -> u64 {
+    let product = u128::from(word) * 0xd6e8_feb8_6659_fd93_u128;
+    product as u64 ^ (product >> 64) as u64
 }
 
 #[cfg(test)]
@@ -132,20 +163,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_names_are_equal_symbols_across_the_base() {
+    fn equal_names_are_equal_symbols() {
         let mut base = Interner::default();
         let (a, b) = (base.intern("sphere"), base.intern("box"));
-        let base: &'static Interner = Box::leak(Box::new(base));
-        let mut own = Interner::extending(Some(base));
-        let names: Vec<String> = (0..500).map(|number| format!("name_{number}")).collect();
+        let mut own = base.clone();
+        // Shorter and longer than a key.
+        let names = (0..500).map(|number| format!("{}{number}", ["n", "a_longer_name_"][number % 2]));
+        let names: Vec<String> = names.collect();
         let symbols: Vec<Symbol> = names.iter().map(|name| own.intern(name)).collect();
         assert_eq!((own.intern("sphere"), own.intern("box")), (a, b));
         for (name, &symbol) in names.iter().zip(&symbols) {
             assert_eq!(own.name(symbol), name);
             assert_eq!(own.get(name), Some(symbol));
+            assert_eq!(own.intern(name), symbol);
         }
         assert_eq!(own.name(b), "box");
         assert_eq!(own.len(), 502);
         assert_eq!(own.get("unknown"), None);
+    }
+
+    #[test]
+    fn names_that_share_bytes_are_told_apart() {
+        let names = ["", "a", "aa", "a\0", "\0", "sevenab", "eight_ab", "eight_abc", "eight_ab\0", "ä", "\u{7ff}é"];
+        let mut own = Interner::default();
+        let symbols = names.map(|name| own.intern(name));
+        assert_eq!(own.len(), names.len());
+        assert_eq!(names.map(|name| own.intern(name)), symbols);
     }
 }

@@ -47,6 +47,8 @@ pub(super) fn parse(
     let mut parser = Parser {
         tokens,
         at: 0,
+        current: tokens.first().copied().unwrap_or(END),
+        end_before: 0,
         names,
         ast,
         diagnostics,
@@ -62,6 +64,10 @@ pub(super) fn parse(
 struct Parser<'a> {
     tokens: &'a [Token],
     at: usize,
+    /// The token at `at`.
+    current: Token,
+    /// The end of the token before the current one; 0 if there is none.
+    end_before: u32,
     names: &'a Interner,
     ast: &'a mut Ast,
     diagnostics: &'a mut Diagnostics,
@@ -81,7 +87,7 @@ const END: Token =
 
 impl Parser<'_> {
     fn token(&self) -> Token {
-        self.ahead(0)
+        self.current
     }
 
     fn ahead(&self, count: usize) -> Token {
@@ -92,14 +98,17 @@ impl Parser<'_> {
     }
 
     fn kind(&self) -> Kind {
-        self.token().kind
+        self.current.kind
     }
 
     /// The current token, left behind. The last one, `End`, stays.
+    #[inline]
     fn advance(&mut self) -> Token {
-        let token = self.token();
-        if self.at + 1 < self.tokens.len() {
+        let token = self.current;
+        if let Some(&next) = self.tokens.get(self.at + 1) {
             self.at += 1;
+            self.current = next;
+            self.end_before = token.span.end;
         }
         token
     }
@@ -120,15 +129,9 @@ impl Parser<'_> {
         found
     }
 
-    /// The end of the token before the current one.
-    fn end_before(&self) -> u32 {
-        let before = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
-        before.map_or(self.token().span.start, |token| token.span.end)
-    }
-
     /// From `start` to the end of the last token that was taken.
     fn since(&self, start: Span) -> Span {
-        Span::new(start.start, self.end_before().max(start.end))
+        Span::new(start.start, self.end_before.max(start.end))
     }
 
     /// Reports `diagnostic`, unless something was said about the current token already, here or by the lexer.

@@ -7,7 +7,7 @@ use super::parse;
 
 /// The items of a text, expressions in prefix form, and the messages.
 fn parsed(text: &str) -> (Vec<String>, Vec<String>) {
-    let mut names = Interner::extending(Some(&library().names));
+    let mut names = library().names.clone();
     let (mut tokens, mut diagnostics, mut ast) = (Vec::new(), Diagnostics::new(20), Ast::default());
     tokenize(text, 0, 10_000, &mut names, &mut tokens, &mut diagnostics);
     let items = parse(&tokens, &names, 64, &mut ast, &mut diagnostics);
