@@ -5,8 +5,6 @@
 
 #![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-
 use cpu_time::ProcessTime;
 use mariana::audio::song::Song;
 use mariana::export::song_features::SongFeatures;
@@ -16,7 +14,7 @@ use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, compiled_variant, link_scene, variant_of};
 use mariana::gpu::scene_resources::SceneResources;
 use mariana::gpu::shader_source::ShaderLibrary;
-use mariana::scenes::SceneSource;
+use mariana::scenes::{ReadyScene, SceneSource};
 
 const BY_HAND: &str = include_str!("../tests/oracle/speakers.glsl");
 const SIZE: (u32, u32) = (640, 360);
@@ -25,8 +23,7 @@ const ROUNDS: usize = 25;
 fn main() {
     let context = Headless::new(false).unwrap();
     let (gl, library) = (context.gl(), ShaderLibrary::embedded());
-    let world = Arc::new(SceneSource::Shipped("speakers".into()).world().unwrap());
-    let buffers = Arc::new(world.tape_buffers().unwrap());
+    let ReadyScene { world, buffers } = SceneSource::Shipped("speakers".into()).ready().unwrap();
     let resources = SceneResources::upload(gl, world.clone(), buffers.clone()).unwrap();
     let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
     let compiled = variant_of(&world, &buffers, Mode::Compiled, gl.info(), Counting::Off).unwrap();

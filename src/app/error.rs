@@ -3,6 +3,7 @@
 use crate::audio::PlayerError;
 use crate::export::ExportError;
 use crate::gpu::error::GpuError;
+use crate::scenes::SceneError;
 
 /// An error of the window.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +34,9 @@ pub enum AppError {
     /// The overlay's shaders or buffers are refused.
     #[error("the driver refuses what draws text over the picture ({0}): update the graphics driver")]
     Overlay(String),
+    /// The scene cannot be read, or has mistakes.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),

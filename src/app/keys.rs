@@ -13,6 +13,17 @@ pub enum Action {
     ChangeVolume(f32),
     /// Mute or unmute.
     ToggleMute,
+    /// Change between the interpreted and the compiled scene.
+    ToggleMode,
+    /// The next scene, or the previous one.
+    ChangeScene {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// Show or hide the parameters' sliders.
+    ToggleSliders,
+    /// Show or hide the line about the scene.
+    ToggleCorner,
     /// Enter or leave full screen.
     ToggleFullscreen,
     /// Leave full screen; never quits.
@@ -84,6 +95,41 @@ pub const BINDINGS: &[Binding] = &[
         written: "M",
         action: Action::ToggleMute,
         meaning: "mute, or unmute; the picture goes on",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("n")],
+        written: "N",
+        action: Action::ChangeScene { forward: true },
+        meaning: "the next scene",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("p")],
+        written: "P",
+        action: Action::ChangeScene { forward: false },
+        meaning: "the previous scene",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("c")],
+        written: "C",
+        action: Action::ToggleMode,
+        meaning: "interpreted, or compiled; the picture is the same",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::Tab)],
+        written: "Tab",
+        action: Action::ToggleSliders,
+        meaning: "the sliders of the scene's parameters",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("i")],
+        written: "I",
+        action: Action::ToggleCorner,
+        meaning: "a line about the scene",
         repeats: false,
     },
     Binding {

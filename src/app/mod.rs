@@ -4,6 +4,7 @@ pub mod error;
 pub mod keys;
 pub mod overlay;
 pub mod pacing;
+mod scene_stage;
 mod show;
 mod window;
 

@@ -1,17 +1,19 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalPosition;
 use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
 use super::error::AppError;
 use super::keys::{self, Action};
-use super::overlay::{Overlay, OverlayContent};
+use super::overlay::Overlay;
 use super::pacing::Pacing;
+use super::scene_stage::{SceneLoader, SceneStage};
 use super::window::GlWindowContext;
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
@@ -19,12 +21,14 @@ use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
-use crate::frame::Frame;
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
+use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
 /// Frame cap where the monitor tells no rate.
 const FPS_DEFAULT: f64 = 60.0;
+/// Threads that compile programs: one for the scene's own, one for the interpreter's.
+const COMPILERS: usize = 2;
 /// How often a show that stands still looks around.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 /// How often status (title, messages) is looked at.
@@ -39,6 +43,8 @@ const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
     let decoder = song.open()?;
+    let waker: Arc<OnceLock<EventLoopProxy<()>>> = Arc::default();
+    let (loader, first) = load_first(&scene, &waker)?;
     let event_loop = match EventLoop::new() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -48,7 +54,11 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
         }
         Err(error) => return Err(AppError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
     };
+    // There is one event loop, and it is set here alone.
+    let _ = waker.set(event_loop.create_proxy());
     let mut show = Show {
+        proxy: event_loop.create_proxy(),
+        loader: Some((loader, first)),
         name: display_name(&decoder),
         source: Some(Box::new(decoder)),
         settings,
@@ -61,6 +71,31 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
         .run_app(&mut show)
         .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
     show.error.map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// Starts the loader and waits for the scene at the start: without it there is no show.
+fn load_first(
+    scene: &SceneChoice,
+    waker: &Arc<OnceLock<EventLoopProxy<()>>>,
+) -> Result<(SceneLoader, (SceneSource, ReadyScene)), AppError> {
+    let mut textures = TextureCache::default();
+    let waker = waker.clone();
+    let wake = move || {
+        if let Some(proxy) = waker.get() {
+            // After the end there is nobody to wake.
+            let _ = proxy.send_event(());
+        }
+    };
+    let loader: SceneLoader = Loader::start(move |source| source.ready_with(&mut textures), wake)
+        .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
+    loader.request(scene.source.clone());
+    let first = loop {
+        match loader.poll() {
+            Some(loaded) => break (loaded.source, loaded.value?),
+            None => std::thread::sleep(Duration::from_millis(1)),
+        }
+    };
+    Ok((loader, first))
 }
 
 /// What winit says, without the place in its source that it begins with.
@@ -76,6 +111,9 @@ struct Show {
     source: Option<Box<dyn FrameSource>>,
     settings: PlaySettings,
     scene: SceneChoice,
+    /// Taken by the stage when the window stands, with the first scene.
+    loader: Option<(SceneLoader, (SceneSource, ReadyScene))>,
+    proxy: EventLoopProxy<()>,
     started: Instant,
     stage: Option<Stage>,
     error: Option<AppError>,
@@ -87,11 +125,10 @@ struct Stage {
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     renderer: Renderer,
-    program: crate::gpu::program::Program,
-    resources: crate::gpu::scene_resources::SceneResources,
+    scene: SceneStage,
     pacing: Pacing,
-    /// What the last frame showed; a show that stands still is not drawn again.
-    shown: Option<(Moment, (u32, u32))>,
+    /// What the last frame showed: moment, size and the scene's revision. A show that stands still is not drawn again.
+    shown: Option<(Moment, (u32, u32), u64)>,
     frames: u64,
     status_due: Instant,
     told_silent: Option<String>,
@@ -103,6 +140,10 @@ struct Stage {
     overlay: Overlay,
     /// Whether the keys are shown.
     help: bool,
+    /// Whether the parameters' sliders are shown.
+    sliders: bool,
+    /// Whether the line about the scene is shown.
+    corner: bool,
     // Last: everything above that holds OpenGL objects goes first.
     window: GlWindowContext,
 }
@@ -122,17 +163,14 @@ impl Show {
         }
         let library = &self.scene.shaders;
         let renderer = Renderer::new(window.gl(), library, Counting::Off)?;
-        let world = std::sync::Arc::new(self.scene.source.world().map_err(crate::export::ExportError::from)?);
-        let buffers = std::sync::Arc::new(world.tape_buffers().map_err(crate::gpu::error::GpuError::from)?);
-        let variant = crate::gpu::scene_program::variant_of(
-            &world,
-            &buffers,
-            crate::gpu::scene_program::Mode::Compiled,
-            window.gl().info(),
-            Counting::Off,
-        )?;
-        let program = crate::gpu::scene_program::link_scene(window.gl(), library, &variant)?;
-        let resources = crate::gpu::scene_resources::SceneResources::upload(window.gl(), world, buffers)?;
+        let Some((loader, first)) = self.loader.take() else { return Ok(()) };
+        let contexts = window.worker_contexts(COMPILERS);
+        let proxy = self.proxy.clone();
+        let wake = move || {
+            // After the end there is nobody to wake.
+            let _ = proxy.send_event(());
+        };
+        let scene = SceneStage::new(window.gl(), contexts, library, self.scene.sdf, loader, first, wake)?;
         let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
@@ -149,8 +187,7 @@ impl Show {
             player,
             paused: false,
             renderer,
-            program,
-            resources,
+            scene,
             pacing: Pacing::new(fps, now),
             shown: None,
             frames: 0,
@@ -163,6 +200,8 @@ impl Show {
             occluded: false,
             overlay: Overlay::new(window.gl(), window.window()),
             help: false,
+            sliders: false,
+            corner: false,
             window,
         });
         Ok(())
@@ -176,15 +215,22 @@ impl Show {
         // A window beyond the driver's textures is drawn smaller and enlarged.
         let limit = stage.window.gl().info().texture_side_max;
         let drawn = (size.0.min(limit), size.1.min(limit));
-        if stage.shown != Some((moment, drawn)) {
-            let frame = Frame::new(stage.resources.world(), moment.song_time, moment.features, drawn);
-            stage.renderer.draw(&frame, &stage.resources, &stage.program)?;
+        if !stage.scene.is_ready() {
+            return Ok(());
+        }
+        let now_shown = (moment, drawn, stage.scene.revision());
+        if stage.shown != Some(now_shown) {
+            stage.scene.draw(&mut stage.renderer, moment.song_time, moment.features, drawn)?;
         }
         stage.renderer.show(size)?;
-        let content = OverlayContent { help: stage.help, ..Default::default() };
-        stage.overlay.paint(stage.window.window(), size, content)?;
+        let corner = stage.corner.then(|| stage.scene.corner()).flatten();
+        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let painted = stage.overlay.paint(stage.window.window(), size, content)?;
         stage.window.swap()?;
-        stage.shown = Some((moment, drawn));
+        stage.shown = Some(now_shown);
+        if painted.params_changed {
+            stage.scene.note_moved();
+        }
         if stage.frames == 0 {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
             stage.player.set_paused(stage.paused);
@@ -205,6 +251,10 @@ impl Show {
             Action::Seek(seconds) => stage.player.seek_by(seconds),
             Action::ChangeVolume(delta) => stage.player.change_volume(delta),
             Action::ToggleMute => stage.player.toggle_mute(),
+            Action::ToggleMode => stage.scene.toggle_mode(),
+            Action::ChangeScene { forward } => stage.scene.go(forward),
+            Action::ToggleSliders => stage.sliders = !stage.sliders,
+            Action::ToggleCorner => stage.corner = !stage.corner,
             Action::ToggleFullscreen => stage.window.set_fullscreen(!stage.window.is_fullscreen()),
             Action::LeaveFullscreen => stage.window.set_fullscreen(false),
             Action::ToggleHelp => {
@@ -242,7 +292,10 @@ impl Show {
             }
             stage.told_source.clone_from(&status.source_error);
         }
-        let title = title(&self.name, Some(&status), self.settings.silent);
+        let mut title = title(&self.name, Some(&status), self.settings.silent);
+        if let Some((scene, mode)) = stage.scene.name().zip(stage.scene.mode()) {
+            title = format!("{title} - {scene}, {mode}");
+        }
         if title != stage.title {
             stage.window.window().set_title(&title);
             stage.title = title;
@@ -342,9 +395,15 @@ impl ApplicationHandler for Show {
         self.look_at_status(event_loop);
         let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };
+        if let Err(error) = stage.scene.update() {
+            return self.fail(error.into(), event_loop);
+        }
         let now = Instant::now();
         let overlay_due = stage.overlay.due(&OverlayContent { help: stage.help, ..Default::default() });
-        let moving = stage.shown.is_none_or(|(shown, _)| stage.player.now(latency) != shown)
+        let revision = stage.scene.revision();
+        let moving = stage
+            .shown
+            .is_none_or(|(shown, _, drawn)| stage.player.now(latency) != shown || drawn != revision)
             || overlay_due.is_some_and(|due| due <= now);
         let rest = overlay_due.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL));
         // The first picture starts the song, seen or not.

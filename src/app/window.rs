@@ -17,6 +17,7 @@ use winit::raw_window_handle::HasWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use super::error::AppError;
+use crate::gpu::background::WorkerContext;
 use crate::gpu::gl::Gl;
 
 /// A window, its surface and its current context.
@@ -25,6 +26,7 @@ pub struct GlWindowContext {
     gl: Gl,
     context: PossiblyCurrentContext,
     surface: Surface<WindowSurface>,
+    config: glutin::config::Config,
     window: Window,
 }
 
@@ -86,7 +88,19 @@ impl GlWindowContext {
         }
         let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
         tracing::info!("window context by {}", config_kind(&config));
-        Ok(Self { gl, context, surface, window })
+        Ok(Self { gl, context, surface, config, window })
+    }
+
+    /// Contexts that share their objects with the window's, for compiling on other threads; fewer than asked for where
+    /// the driver gives none.
+    pub fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
+        let made = (0..count).map(|_| {
+            WorkerContext::sharing(&self.config.display(), &self.config, &self.context).map_err(|error| {
+                tracing::info!("no second context ({error}); scenes are compiled between frames");
+            })
+        });
+        let is_egl = matches!(self.config, glutin::config::Config::Egl(_));
+        if is_egl { made.flatten().collect() } else { Vec::new() }
     }
 
     /// The functions of the context.

@@ -1,6 +1,5 @@
 //! Measurements without a window: frame times, CPU time, evaluations and clauses, a row for each mode.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -19,6 +18,7 @@ use crate::gpu::renderer::{Counting, Evaluations, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::timer::GpuTimer;
+use crate::scenes::ReadyScene;
 use crate::world::Cost;
 
 /// What to measure.
@@ -91,8 +91,7 @@ pub struct ModeReport {
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
     let start = Instant::now();
-    let world = Arc::new(request.scene.source.world()?);
-    let buffers = Arc::new(world.tape_buffers()?);
+    let ReadyScene { world, buffers } = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
     let frame = Frame::new(&world, request.at, features, request.size);
 

@@ -1,7 +1,5 @@
 //! A scene with everything that draws it, without a window.
 
-use std::sync::Arc;
-
 use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::dsp::Features;
@@ -13,7 +11,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::scenes::SceneSource;
+use crate::scenes::{ReadyScene, SceneSource};
 use crate::world::{TapeBuffers, World};
 
 /// Which scene to draw, and how.
@@ -46,8 +44,7 @@ impl Painter {
     /// # Errors
     /// The scene or the driver refuse.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
-        let world = Arc::new(choice.source.world()?);
-        let buffers = Arc::new(world.tape_buffers()?);
+        let ReadyScene { world, buffers } = choice.source.ready()?;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
         let mut mode = match choice.sdf {

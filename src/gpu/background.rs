@@ -11,9 +11,12 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
-use glutin::api::egl;
-use glutin::context::{AsRawContext, ContextApi, ContextAttributesBuilder, GlProfile, Version};
-use glutin::display::GlDisplay;
+use glutin::config::Config;
+use glutin::context::{
+    AsRawContext, ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentContext, PossiblyCurrentContext,
+    Version,
+};
+use glutin::display::{Display, GlDisplay};
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -26,8 +29,8 @@ use crate::frame::block::FrameBlock;
 
 /// A context for a worker, not current anywhere yet.
 pub struct WorkerContext {
-    display: egl::display::Display,
-    context: egl::context::NotCurrentContext,
+    display: Display,
+    context: NotCurrentContext,
 }
 
 impl WorkerContext {
@@ -36,8 +39,8 @@ impl WorkerContext {
     /// # Errors
     /// What EGL says.
     pub fn sharing(
-        display: &egl::display::Display,
-        config: &egl::config::Config,
+        display: &Display,
+        config: &Config,
         with: &impl AsRawContext,
     ) -> glutin::error::Result<Self> {
         let attributes = ContextAttributesBuilder::new()
@@ -48,6 +51,19 @@ impl WorkerContext {
         // SAFETY: display, configuration and the shared context are of one EGL library and alive.
         let context = unsafe { display.create_context(config, &attributes) }?;
         Ok(Self { display: display.clone(), context })
+    }
+
+    /// Makes it current on this thread. Only EGL can without a window.
+    fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
+        let current = match self.context {
+            #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
+            NotCurrentContext::Egl(context) => {
+                context.make_current_surfaceless().map(PossiblyCurrentContext::Egl)
+            }
+            #[allow(unreachable_patterns)]
+            _ => return Err("contexts without a window need EGL".into()),
+        };
+        current.map(|context| (self.display, context)).map_err(|error| error.to_string())
     }
 }
 
@@ -82,6 +98,9 @@ pub struct BackgroundCompiler {
     queue: Arc<Queue>,
     finished: Receiver<Finished>,
     threads: Vec<JoinHandle<()>>,
+    /// Where programs are made between frames, if there are no threads.
+    gl: Gl,
+    library: ShaderLibrary,
 }
 
 #[derive(Default)]
@@ -117,11 +136,13 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread.
+    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread. Without any context,
+    /// programs are made by [`BackgroundCompiler::poll`], in the context of `gl`.
     ///
     /// # Errors
     /// What the system says about threads.
     pub fn start(
+        gl: &Gl,
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
         wake: impl Fn() + Send + Clone + 'static,
@@ -135,7 +156,7 @@ impl BackgroundCompiler {
             let worker = std::thread::Builder::new().name("compiler".into());
             threads.push(worker.spawn(move || work(context, &queue, &sender, &library, &wake))?);
         }
-        Ok(Self { queue, finished, threads })
+        Ok(Self { queue, finished, threads, gl: gl.clone(), library: library.clone() })
     }
 
     /// Asks for a program, after those asked for before.
@@ -149,8 +170,13 @@ impl BackgroundCompiler {
         self.queue.lock().jobs.retain(|job| !obsolete(job.id));
     }
 
-    /// A job that is done, if there is one; never waits.
+    /// A job that is done, if there is one; waits for none.
     pub fn poll(&self) -> Option<Finished> {
+        if self.threads.is_empty() {
+            let job = self.queue.lock().jobs.pop_front()?;
+            let program = (job.variant)().and_then(|variant| link_scene(&self.gl, &self.library, &variant));
+            return Some(Finished { id: job.id, program: program.map(Program::into_ready) });
+        }
         self.finished.try_recv().ok()
     }
 }
@@ -179,10 +205,9 @@ fn work(
     wake: &dyn Fn(),
 ) {
     yield_to_drawing();
-    let WorkerContext { display, context } = worker;
     // Kept current to the end of the thread, after everything that was made in it.
-    let context = context.make_current_surfaceless();
-    let mut studio = context.as_ref().map_err(ToString::to_string).and_then(|_context| {
+    let context = worker.make_current();
+    let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
         let gl = Gl::load(|name| display.get_proc_address(name), false).map_err(|error| error.to_string())?;
         let renderer = Renderer::new(&gl, library, Counting::Off).map_err(|error| error.to_string())?;
         Ok((gl, renderer))

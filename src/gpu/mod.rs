@@ -1,6 +1,5 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
-#[cfg(all(unix, not(target_os = "macos")))]
 pub mod background;
 pub mod error;
 pub mod gl;

@@ -2,13 +2,13 @@
 
 mod content;
 mod error;
-mod world;
 mod folder;
 mod loader;
 mod order;
 mod quiet;
 mod textures;
 mod watch;
+mod world;
 
 use std::path::{Path, PathBuf};
 
@@ -18,6 +18,7 @@ pub use error::SceneError;
 pub use loader::{Loaded, Loader};
 pub use order::SceneList;
 pub use textures::TextureCache;
+pub use world::ReadyScene;
 
 use crate::lang::{self, Compiled};
 use crate::limits::LIMITS;

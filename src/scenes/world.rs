@@ -1,45 +1,55 @@
 //! From a source to a world that can be drawn.
 
-use image::RgbaImage;
+use std::path::PathBuf;
+use std::sync::Arc;
 
+use super::textures::TextureCache;
 use super::{SceneError, SceneSource};
-use crate::lang::Compiled;
-use crate::world::World;
+use crate::lang::{Compiled, Diagnostic, render_all};
+use crate::world::{TapeBuffers, World};
+
+/// A world with the programs of its tape.
+#[derive(Debug, Clone)]
+pub struct ReadyScene {
+    /// The world.
+    pub world: Arc<World>,
+    /// Its programs.
+    pub buffers: Arc<TapeBuffers>,
+}
 
 impl SceneSource {
     /// Reads, compiles and prepares a scene.
     ///
     /// # Errors
-    /// A file that cannot be read, mistakes in the text (with all diagnostics), a scene over the limits.
-    pub fn world(&self) -> Result<World, SceneError> {
-        let compiled = self.compile()?;
-        self.world_of(compiled)
+    /// A file that cannot be read, mistakes in the text (with all diagnostics), pictures that are not there, a scene over
+    /// the limits.
+    pub fn ready(&self) -> Result<ReadyScene, SceneError> {
+        self.ready_with(&mut TextureCache::default()).0
     }
 
-    fn world_of(&self, mut compiled: Compiled) -> Result<World, SceneError> {
-        let Some(scene) = compiled.scene.take() else {
-            return Err(self.mistakes(&compiled));
-        };
-        let pictures: Vec<RgbaImage> = scene
-            .textures
-            .iter()
-            .map(|texture| {
-                let bytes: &[u8] = if texture.name == "wood.png" {
-                    include_bytes!("../../assets/textures/wood.png")
-                } else {
-                    include_bytes!("../../assets/textures/mallard.png")
-                };
-                image::load_from_memory(bytes).map(|p| p.to_rgba8()).unwrap_or_default()
-            })
-            .collect();
-        Ok(World::new(&self.name(), scene, pictures)?)
-    }
-
-    fn mistakes(&self, compiled: &Compiled) -> SceneError {
-        SceneError::Mistakes {
-            name: self.name(),
-            plain: compiled.render(false),
-            colored: compiled.render(true),
+    /// The same with pictures from a cache, and the files whose change asks for doing it again, whether it worked or not.
+    pub fn ready_with(&self, textures: &mut TextureCache) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
+        match self.compile() {
+            Ok(compiled) => {
+                let files = self.files(Some(&compiled));
+                (self.prepare(compiled, textures), files)
+            }
+            Err(error) => (Err(error), self.files(None)),
         }
+    }
+
+    fn prepare(&self, mut compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {
+        let Some(scene) = compiled.scene.take() else {
+            return Err(self.mistakes(&compiled.diagnostics, &compiled));
+        };
+        let pictures = textures.load(self, &scene).map_err(|wrong| self.mistakes(&wrong, &compiled))?;
+        let world = World::new(&self.name(), scene, pictures)?;
+        let buffers = Arc::new(world.tape_buffers()?);
+        Ok(ReadyScene { world: Arc::new(world), buffers })
+    }
+
+    fn mistakes(&self, diagnostics: &[Diagnostic], compiled: &Compiled) -> SceneError {
+        let render = |color| render_all(diagnostics, &compiled.sources, color);
+        SceneError::Mistakes { name: self.name(), plain: render(false), colored: render(true) }
     }
 }

@@ -19,6 +19,8 @@ pub use frame_tape::{FrameTape, FrameValues, LightValues};
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 
+use std::sync::Arc;
+
 use image::RgbaImage;
 
 use crate::graph::{FrameInputs, GraphError, NodeId};
@@ -106,7 +108,7 @@ pub struct World {
     /// What the processor evaluates once a frame.
     pub frame_tape: FrameTape,
     /// The pictures of [`Scene::textures`].
-    pub pictures: Vec<RgbaImage>,
+    pub pictures: Vec<Arc<RgbaImage>>,
 }
 
 impl World {
@@ -114,7 +116,7 @@ impl World {
     ///
     /// # Errors
     /// A scene that takes more nodes or clauses than the limits.
-    pub fn new(name: &str, mut scene: Scene, pictures: Vec<RgbaImage>) -> Result<Self, WorldError> {
+    pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;

@@ -1,0 +1,453 @@
+//! The scene on the stage: which world is drawn, by which program, and what comes next.
+//!
+//! ```text
+//! loader (text → world) → upload → interpreter that is there already → drawn in the next frame
+//!                                 → compiler threads → its own program → drawn when it is ready
+//! ```
+//!
+//! Whatever comes is prepared beside what is shown, and takes its place only when a program can draw it: no scene is
+//! ever lost to one that is broken or slow to compile.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::time::Instant;
+
+use super::overlay::{Notice, OverlayContent, Problem, Slider};
+use crate::config::SdfChoice;
+use crate::frame::Frame;
+use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
+use crate::gpu::error::GpuError;
+use crate::gpu::gl::Gl;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::{Interpreter, Mode, compiled_variant};
+use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
+
+/// What the loader gives.
+pub type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
+
+/// Scenes with more clauses stay interpreted unless they are asked to be compiled: drivers take minutes for them.
+const COMPILED_BY_ITSELF_MAX: usize = 20_000;
+
+/// A scene with what can draw it.
+struct Cast {
+    id: u64,
+    source: SceneSource,
+    resources: SceneResources,
+    /// The variant of the interpreter that it needs; none if its tape does not fit the driver.
+    interpreter: Option<Interpreter>,
+    interpreted: Option<Rc<Program>>,
+    compiled: Option<Program>,
+    sliders: Vec<Slider>,
+}
+
+/// What a program in the making is for.
+enum Task {
+    Compiled(u64),
+    Interpreter(Interpreter),
+}
+
+/// The scene on the stage, and the one behind it.
+pub struct SceneStage {
+    gl: Gl,
+    choice: SdfChoice,
+    loader: SceneLoader,
+    list: SceneList,
+    /// What was asked for last: shown, or on its way.
+    source: SceneSource,
+    on_stage: Option<Cast>,
+    coming: Option<Cast>,
+    interpreters: Vec<(Interpreter, Rc<Program>)>,
+    tasks: HashMap<u64, Task>,
+    next_id: u64,
+    /// Parameters that the user moved, by name: they outlive the text that declares them.
+    moved: HashMap<String, f32>,
+    problem: Option<(String, String)>,
+    notice: Option<(String, Instant)>,
+    /// Counts what makes the same moment look different.
+    revision: u64,
+    // Last: its threads draw with what the fields above hold.
+    compiler: BackgroundCompiler,
+}
+
+impl SceneStage {
+    /// Prepares the first scene, which `loader` watches.
+    ///
+    /// # Errors
+    /// What the driver or the system refuses.
+    pub fn new(
+        gl: &Gl,
+        contexts: Vec<WorkerContext>,
+        library: &ShaderLibrary,
+        choice: SdfChoice,
+        loader: SceneLoader,
+        (source, first): (SceneSource, ReadyScene),
+        wake: impl Fn() + Send + Clone + 'static,
+    ) -> Result<Self, GpuError> {
+        let compiler = BackgroundCompiler::start(gl, contexts, library, wake)
+            .map_err(|error| GpuError::NoWorker { reason: error.to_string() })?;
+        let mut stage = Self {
+            gl: gl.clone(),
+            choice,
+            loader,
+            list: SceneList::around(&source),
+            source: source.clone(),
+            on_stage: None,
+            coming: None,
+            interpreters: Vec::new(),
+            tasks: HashMap::new(),
+            next_id: 0,
+            moved: HashMap::new(),
+            problem: None,
+            notice: None,
+            revision: 0,
+            compiler,
+        };
+        stage.prepare(source, first)?;
+        Ok(stage)
+    }
+
+    /// Takes in what the loader and the compilers have finished.
+    ///
+    /// # Errors
+    /// The driver refuses what nothing else can stand in for.
+    pub fn update(&mut self) -> Result<(), GpuError> {
+        while let Some(loaded) = self.loader.poll() {
+            self.take_loaded(loaded)?;
+        }
+        while let Some(finished) = self.compiler.poll() {
+            let program = finished.program.map(|ready| Program::adopt(&self.gl, ready));
+            match (self.tasks.remove(&finished.id), program) {
+                (Some(Task::Interpreter(interpreter)), Ok(program)) => {
+                    self.interpreters.push((interpreter, Rc::new(program)));
+                }
+                (Some(Task::Compiled(id)), Ok(program)) => {
+                    if let Some(cast) = self.cast_mut(id) {
+                        cast.compiled = Some(program);
+                    }
+                }
+                (Some(task), Err(error)) => self.take_failure(&task, error)?,
+                (None, _) => {}
+            }
+        }
+        self.recast();
+        Ok(())
+    }
+
+    fn take_loaded(&mut self, loaded: Loaded<Result<ReadyScene, SceneError>>) -> Result<(), GpuError> {
+        if loaded.source != self.source {
+            return Ok(());
+        }
+        match loaded.value {
+            Ok(ready) => {
+                self.problem = None;
+                self.prepare(loaded.source, ready)
+            }
+            Err(error) => {
+                let text = match &error {
+                    SceneError::Mistakes { plain, .. } => plain.clone(),
+                    other => other.to_string(),
+                };
+                let heading = format!("{} has mistakes; the last good scene stays", loaded.source.name());
+                tracing::warn!("{error}");
+                self.problem = Some((heading, text));
+                Ok(())
+            }
+        }
+    }
+
+    /// What could not be made. A scene that has nothing else to be drawn with is a problem to be shown.
+    fn take_failure(&mut self, task: &Task, error: GpuError) -> Result<(), GpuError> {
+        let shown = self.on_stage.is_some();
+        let id = match task {
+            Task::Compiled(id) => Some(*id),
+            Task::Interpreter(_) => None,
+        };
+        let other_way = self.interpreters.iter().any(|(known, _)| {
+            let cast = id.and_then(|id| self.cast(id)).and_then(|cast| cast.interpreter.as_ref());
+            cast.is_some_and(|needed| known.covers(needed))
+        });
+        let waiting = !self.tasks.is_empty();
+        if !shown && !other_way && !waiting {
+            return Err(error);
+        }
+        tracing::warn!("{error}");
+        if id.is_some() {
+            self.problem =
+                Some(("The scene could not be compiled; it is interpreted".into(), error.to_string()));
+        }
+        Ok(())
+    }
+
+    /// Uploads a scene and asks for its programs.
+    fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
+        let pictures = ready.world.pictures.len();
+        let fits = Interpreter::fits(&ready.buffers, self.gl.info());
+        if let Err(error) = fits {
+            tracing::warn!("{error}");
+        }
+        let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, pictures));
+        let total = ready.buffers.cost.total;
+        let sliders = ready.world.scene.params.iter().map(|param| {
+            let value = self.moved.get(&param.name).copied().unwrap_or(param.default);
+            Slider {
+                name: param.name.clone(),
+                value: value.clamp(param.min, param.max),
+                min: param.min,
+                max: param.max,
+                default: param.default,
+            }
+        });
+        let sliders = sliders.collect();
+        let resources = SceneResources::upload(&self.gl, ready.world, ready.buffers)?;
+        let id = self.fresh_id();
+        self.forget_obsolete();
+        self.coming =
+            Some(Cast { id, source, resources, interpreter, interpreted: None, compiled: None, sliders });
+        let compiled_too = self.choice == SdfChoice::Auto && total <= COMPILED_BY_ITSELF_MAX;
+        if fits.is_err() || self.choice == SdfChoice::Compiled || compiled_too {
+            self.ask_for_compiled(id);
+        }
+        if self.choice != SdfChoice::Compiled {
+            self.ask_for_interpreter(id);
+        }
+        self.recast();
+        Ok(())
+    }
+
+    /// What was asked for scenes that will not be shown is not worth making.
+    fn forget_obsolete(&mut self) {
+        let kept = self.on_stage.as_ref().map(|cast| cast.id);
+        let obsolete: Vec<u64> = self
+            .tasks
+            .iter()
+            .filter(|(_, task)| matches!(task, Task::Compiled(id) if Some(*id) != kept))
+            .map(|(id, _)| *id)
+            .collect();
+        self.compiler.forget(|id| obsolete.contains(&id));
+    }
+
+    fn ask_for_compiled(&mut self, id: u64) {
+        let asked = self.tasks.values().any(|task| matches!(task, Task::Compiled(known) if *known == id));
+        let Some(cast) = self.cast(id).filter(|cast| !asked && cast.compiled.is_none()) else { return };
+        let world = cast.resources.world().clone();
+        let job = self.job(cast, move || {
+            Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), Counting::Off))
+        });
+        self.submit(job, Task::Compiled(id));
+    }
+
+    fn ask_for_interpreter(&mut self, id: u64) {
+        let Some(cast) = self.cast(id) else { return };
+        let Some(needed) = cast.interpreter.clone() else { return };
+        let known = self.interpreters.iter().map(|(known, _)| known);
+        let asked = self.tasks.values().filter_map(|task| match task {
+            Task::Interpreter(asked) => Some(asked),
+            Task::Compiled(_) => None,
+        });
+        if known.chain(asked).any(|known| known.covers(&needed)) {
+            return;
+        }
+        let variant = needed.clone();
+        let job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
+        self.submit(job, Task::Interpreter(needed));
+    }
+
+    fn job(
+        &self,
+        cast: &Cast,
+        variant: impl FnOnce() -> Result<crate::gpu::shader_source::Variant, GpuError> + Send + 'static,
+    ) -> ProgramJob {
+        let world = cast.resources.world();
+        let frame = Frame::new(world, 0.0, crate::dsp::Features::SILENCE, (16, 16));
+        ProgramJob {
+            id: self.next_id,
+            variant: Box::new(variant),
+            block: frame.block(world),
+            scene: cast.resources.names(),
+        }
+    }
+
+    fn submit(&mut self, job: ProgramJob, task: Task) {
+        let id = self.fresh_id();
+        debug_assert_eq!(id, job.id);
+        self.tasks.insert(id, task);
+        self.compiler.submit(job);
+    }
+
+    fn fresh_id(&mut self) -> u64 {
+        self.next_id += 1;
+        self.next_id - 1
+    }
+
+    fn cast(&self, id: u64) -> Option<&Cast> {
+        [&self.on_stage, &self.coming].into_iter().flatten().find(|cast| cast.id == id)
+    }
+
+    fn cast_mut(&mut self, id: u64) -> Option<&mut Cast> {
+        [&mut self.on_stage, &mut self.coming].into_iter().flatten().find(|cast| cast.id == id)
+    }
+
+    /// Gives the scenes their interpreter, and brings the one that is coming on the stage as soon as it can be drawn in a
+    /// way that was asked for.
+    fn recast(&mut self) {
+        let before = self.mode();
+        for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
+            if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
+                // The narrowest one that fits was asked for last.
+                let known = self.interpreters.iter().rev().find(|(known, _)| known.covers(needed));
+                cast.interpreted = known.map(|(_, program)| program.clone());
+            }
+        }
+        let compiled_only = self.choice == SdfChoice::Compiled;
+        let can_be_drawn = self
+            .coming
+            .as_ref()
+            .is_some_and(|cast| cast.compiled.is_some() || (cast.interpreted.is_some() && !compiled_only));
+        if can_be_drawn {
+            let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
+            self.revision += 1;
+            let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.name());
+            if replaced.is_some() && name(&replaced) != name(&self.on_stage) {
+                self.tell(name(&self.on_stage).unwrap_or_default());
+            }
+        } else if self.mode() != before {
+            self.revision += 1;
+            if let (Some(_), Some(mode)) = (before, self.mode()) {
+                self.tell(mode.to_string());
+            }
+        }
+    }
+
+    fn tell(&mut self, text: String) {
+        self.notice = Some((text, Instant::now()));
+    }
+
+    /// How the scene on the stage is drawn; none before there is one.
+    pub fn mode(&self) -> Option<Mode> {
+        let cast = self.on_stage.as_ref()?;
+        let order = match self.choice {
+            SdfChoice::Interpreted => [Mode::Interpreted, Mode::Compiled],
+            SdfChoice::Compiled | SdfChoice::Auto => [Mode::Compiled, Mode::Interpreted],
+        };
+        order.into_iter().find(|mode| cast.program(*mode).is_some())
+    }
+
+    /// Changes between interpreted and compiled. What is not there yet is made; until then the picture stays.
+    pub fn toggle_mode(&mut self) {
+        let Some((mode, id)) = self.mode().zip(self.on_stage.as_ref().map(|cast| cast.id)) else { return };
+        let wanted = match mode {
+            Mode::Interpreted => Mode::Compiled,
+            Mode::Compiled => Mode::Interpreted,
+        };
+        self.choice = match wanted {
+            Mode::Interpreted => SdfChoice::Interpreted,
+            Mode::Compiled => SdfChoice::Compiled,
+        };
+        match wanted {
+            Mode::Interpreted => self.ask_for_interpreter(id),
+            Mode::Compiled => self.ask_for_compiled(id),
+        }
+        self.recast();
+        let now = self.mode();
+        let possible =
+            self.on_stage.as_ref().is_some_and(|cast| wanted == Mode::Compiled || cast.interpreter.is_some());
+        self.tell(match now {
+            Some(now) if now == wanted => now.to_string(),
+            _ if possible => format!("{wanted}: the driver is at it"),
+            _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
+        });
+        self.revision += 1;
+    }
+
+    /// Asks for the next or the previous scene.
+    pub fn go(&mut self, forward: bool) {
+        let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
+        self.tell(next.name());
+        self.source = next.clone();
+        self.loader.request(next);
+    }
+
+    /// Draws the scene on the stage, if there is one.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn draw(
+        &self,
+        renderer: &mut Renderer,
+        time: f64,
+        features: crate::dsp::Features,
+        size: (u32, u32),
+    ) -> Result<(), GpuError> {
+        let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(()) };
+        let Some(program) = cast.program(mode) else { return Ok(()) };
+        let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
+        let frame = Frame::with_params(cast.resources.world(), time, features, size, &params);
+        renderer.draw(&frame, &cast.resources, program)
+    }
+
+    /// Takes over what the user did to the sliders.
+    pub fn note_moved(&mut self) {
+        let Some(cast) = &self.on_stage else { return };
+        for slider in &cast.sliders {
+            if slider.value == slider.default {
+                self.moved.remove(&slider.name);
+            } else {
+                self.moved.insert(slider.name.clone(), slider.value);
+            }
+        }
+        self.revision += 1;
+    }
+
+    /// Whether there is something to draw.
+    pub fn is_ready(&self) -> bool {
+        self.on_stage.is_some()
+    }
+
+    /// A number that changes whenever the same moment would look different.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// The name of the scene on the stage.
+    pub fn name(&self) -> Option<String> {
+        self.on_stage.as_ref().map(|cast| cast.source.name())
+    }
+
+    /// A line about the scene on the stage: its name, its mode, its clauses.
+    pub fn corner(&self) -> Option<String> {
+        let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
+        let cost = cast.resources.buffers().cost;
+        Some(format!("{} · {mode} · {} clauses", cast.source.name(), cost.distance))
+    }
+
+    /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.
+    pub fn overlay<'a>(
+        &'a mut self,
+        corner: Option<&'a str>,
+        with_sliders: bool,
+        help: bool,
+    ) -> OverlayContent<'a> {
+        let problem = self.problem.as_ref();
+        let notice = self.notice.as_ref();
+        let sliders = self.on_stage.as_mut().map(|cast| cast.sliders.as_mut_slice());
+        OverlayContent {
+            corner,
+            problem: problem.map(|(heading, text)| Problem { heading, text }),
+            notice: notice.map(|(text, since)| Notice { text, since: *since }),
+            params: sliders.filter(|sliders| with_sliders && !sliders.is_empty()),
+            help,
+        }
+    }
+}
+
+impl Cast {
+    fn program(&self, mode: Mode) -> Option<&Program> {
+        match mode {
+            Mode::Interpreted => self.interpreted.as_deref(),
+            Mode::Compiled => self.compiled.as_ref(),
+        }
+    }
+}
