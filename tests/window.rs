@@ -197,6 +197,64 @@ fn full_screen_comes_and_goes() {
     assert_eq!(told, "");
 }
 
+/// The least box of the pixels in which two pictures differ: left, top, right and bottom; none if they are the same.
+fn changed_box(a: &RgbaImage, b: &RgbaImage) -> Option<[u32; 4]> {
+    let changed = a.enumerate_pixels().filter(|(x, y, pixel)| b.get_pixel(*x, *y) != *pixel);
+    changed.fold(None, |found, (x, y, _)| {
+        let [left, top, right, bottom] = found.unwrap_or([x, y, x, y]);
+        Some([left.min(x), top.min(y), right.max(x), bottom.max(y)])
+    })
+}
+
+#[test]
+fn the_keys_show_over_the_picture_and_leave_no_trace() {
+    let desktop = Desktop::start();
+    let song = silent_song(desktop.folder(), 60.0);
+    let mut app = desktop.open(&song, &["--silent", "--size", SMALL]);
+    let before = pause_at_start(&mut app);
+    app.press(&["h"]);
+    wait_until("the keys over the picture", || changed_box(&before, &app.picture()).is_some());
+    let keys = app.picture();
+    let panel = changed_box(&before, &keys).unwrap();
+    let [left, top, right, bottom] = panel;
+    assert!(left > 20 && right < 300 && right - left > 100, "the panel is {panel:?}");
+    assert!(top > 2 && bottom < 177 && bottom - top > 100, "the panel is {panel:?}");
+    let mean = |picture: &RgbaImage| {
+        let inside = picture
+            .enumerate_pixels()
+            .filter(|(x, y, _)| (left..=right).contains(x) && (top..=bottom).contains(y));
+        inside.map(|(_, _, pixel)| f64::from(pixel.0[0])).sum::<f64>()
+            / f64::from((right - left + 1) * (bottom - top + 1))
+    };
+    assert!(mean(&keys) < 0.7 * mean(&before), "the panel is not dark: {} in {}", mean(&keys), mean(&before));
+    // It stands still, and costs nothing while it does.
+    let load = app.load(Duration::from_secs(1));
+    assert!(load < 0.1, "with the keys shown it takes {load} of a processor");
+    assert!(app.picture() == keys, "the keys move");
+    // A double click on it is no wish for full screen.
+    let double_click = ["click", "--repeat", "2", "--delay", "60", "1"];
+    app.xdotool(&["mousemove", "--window", app.window(), "160", "90"]);
+    app.xdotool(&double_click);
+    // Other pictures are drawn under it.
+    app.press(&["Right"]);
+    wait_until("another picture", || changed_box(&keys, &app.picture()).is_some());
+    app.press(&["Left"]);
+    wait_until("the first picture and the keys", || app.picture() == keys);
+    assert_eq!(app.size(), (320, 180));
+    // Gone at once, and no picture after it is another one than before.
+    app.press(&["F1"]);
+    wait_until("the first picture", || app.picture() == before);
+    app.press(&["Right", "Left"]);
+    app.wait_for_moment(0.0);
+    wait_until("the first picture, drawn again", || app.picture() == before);
+    app.xdotool(&double_click);
+    app.wait_for_size(SCREEN);
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {told}");
+    assert_eq!(told, "");
+}
+
 #[test]
 fn every_size_shows_both_speakers_in_proportion() {
     let desktop = Desktop::start();

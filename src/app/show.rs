@@ -399,22 +399,21 @@ impl ApplicationHandler for Show {
             return self.fail(error.into(), event_loop);
         }
         let now = Instant::now();
-        let overlay_due = stage.overlay.due(&OverlayContent { help: stage.help, ..Default::default() });
+        let corner = stage.corner.then(|| stage.scene.corner()).flatten();
+        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
         let moving = stage
             .shown
             .is_none_or(|(shown, _, drawn)| stage.player.now(latency) != shown || drawn != revision)
             || overlay_due.is_some_and(|due| due <= now);
-        let rest = overlay_due.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL));
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.frames == 0;
         if !moving || !seen {
             // Paused, ended or covered: nothing to draw until something happens.
-            event_loop.set_control_flow(ControlFlow::WaitUntil(if seen {
-                rest
-            } else {
-                now + IDLE_INTERVAL
-            }));
+            let idle = now + IDLE_INTERVAL;
+            let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
+            event_loop.set_control_flow(ControlFlow::WaitUntil(wake));
         } else if now >= stage.pacing.due() {
             stage.window.window().request_redraw();
             event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));

@@ -50,3 +50,70 @@ impl Gl {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Frame;
+    use crate::gpu::headless::Headless;
+    use crate::gpu::object::{Buffer, Texture, VertexArray};
+    use crate::gpu::renderer::{Counting, Renderer};
+    use crate::gpu::shader_source::ShaderLibrary;
+
+    const SWITCHES: [u32; 6] = [
+        glow::BLEND,
+        glow::CULL_FACE,
+        glow::DEPTH_TEST,
+        glow::FRAMEBUFFER_SRGB,
+        glow::SCISSOR_TEST,
+        glow::STENCIL_TEST,
+    ];
+
+    #[test]
+    fn a_guest_that_changes_everything_changes_no_picture() {
+        let context = Headless::new(false).unwrap();
+        let gl = context.gl();
+        let mut renderer = Renderer::new(gl, &ShaderLibrary::embedded(), Counting::Off).unwrap();
+        let frame = Frame::new(1.0, Default::default(), (64, 36));
+        renderer.draw(&frame).unwrap();
+        let before = renderer.read();
+        let (texture, buffer) = (Texture::new(gl).unwrap(), Buffer::new(gl).unwrap());
+        let vertices = VertexArray::new(gl).unwrap();
+        // SAFETY: plain state, and names that are ours.
+        gl.lend_window("testing", || unsafe {
+            SWITCHES.into_iter().for_each(|switch| gl.enable(switch));
+            gl.scissor(3, 3, 5, 5);
+            gl.blend_equation(glow::FUNC_SUBTRACT);
+            gl.blend_func(glow::ZERO, glow::ONE);
+            gl.color_mask(false, true, false, false);
+            gl.cull_face(glow::FRONT_AND_BACK);
+            gl.stencil_func(glow::NEVER, 0, 0xff);
+            gl.viewport(1, 2, 3, 4);
+            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 8);
+            gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+            gl.bind_vertex_array(Some(vertices.native()));
+            gl.bind_buffer(glow::ARRAY_BUFFER, Some(buffer.native()));
+        })
+        .unwrap();
+        // SAFETY: questions.
+        unsafe {
+            for switch in SWITCHES {
+                assert!(!gl.is_enabled(switch), "{switch:#06x} is still on");
+            }
+            for (name, expected) in [
+                (glow::BLEND_EQUATION_RGB, glow::FUNC_ADD),
+                (glow::BLEND_SRC_RGB, glow::ONE),
+                (glow::BLEND_DST_RGB, glow::ZERO),
+                (glow::UNPACK_ALIGNMENT, 4),
+                (glow::TEXTURE_BINDING_2D, 0),
+                (glow::VERTEX_ARRAY_BINDING, 0),
+                (glow::ARRAY_BUFFER_BINDING, 0),
+                (glow::CURRENT_PROGRAM, 0),
+            ] {
+                assert_eq!(gl.get_parameter_i32(name).cast_unsigned(), expected, "{name:#06x}");
+            }
+        }
+        renderer.draw(&frame).unwrap();
+        assert!(renderer.read() == before, "the picture is another one");
+    }
+}

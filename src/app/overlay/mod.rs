@@ -10,6 +10,8 @@ mod params;
 mod pointer;
 mod problem;
 mod style;
+#[cfg(test)]
+mod tests;
 
 use std::time::Instant;
 
@@ -89,13 +91,13 @@ impl Overlay {
         consumed
     }
 
-    /// When the window has to be drawn again for `content`'s sake: a moment that may have passed, or none.
-    pub fn due(&self, content: &OverlayContent<'_>) -> Option<Instant> {
-        let now = Instant::now();
+    /// When the window has to be drawn again for `content`'s sake: `now` or a later moment, or not at all unless
+    /// something happens.
+    pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
         let Some(shown) = &self.shown else { return (!content.is_empty(now)).then_some(now) };
         let changed = content.fingerprint(now) != shown.fingerprint;
         let touched = !self.input.egui_input().events.is_empty();
-        if changed || touched { Some(now) } else { shown.changes_at }
+        if changed || touched { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
     /// Paints `content` over what is in the framebuffer of `window`, which has `size` pixels. Calls no OpenGL when
@@ -120,7 +122,7 @@ impl Overlay {
         }
         let scale = window.scale_factor() as f32;
         let pixels_per_point = scale * style::zoom(points(size, scale));
-        let stands = self.due(&content).is_none_or(|due| due > now)
+        let stands = self.due(&content, now).is_none_or(|due| due > now)
             && self.shown.as_ref().is_some_and(|shown| {
                 shown.size == size && shown.pixels_per_point.to_bits() == pixels_per_point.to_bits()
             });
@@ -141,21 +143,21 @@ impl Overlay {
         content: &mut OverlayContent<'_>,
         now: Instant,
     ) -> Result<Painted, AppError> {
+        // First, as egui's textures have to go somewhere.
+        if self.painter.is_none() {
+            let painter = Painter::new(self.gl.shared(), "", None, false);
+            self.painter = Some(painter.map_err(|error| AppError::Overlay(error.to_string()))?);
+        }
         let interactive = content.has_params();
         let input = self.take_input(window, size, interactive);
         let laid_out = self.panels.lay_out(input, content, now);
         let output = laid_out.output;
         self.input.handle_platform_output(window, output.platform_output);
 
-        let painter = match &mut self.painter {
-            Some(painter) => painter,
-            none => none.insert(
-                Painter::new(self.gl.shared(), "", None, false)
-                    .map_err(|error| AppError::Overlay(error.to_string()))?,
-            ),
-        };
         let mut textures = output.textures_delta;
+        let painter = &mut self.painter;
         self.gl.lend_window("uploading the overlay's letters", || {
+            let Some(painter) = painter else { return textures.clear() };
             for (id, images) in textures.set.drain() {
                 for image in images {
                     painter.set_texture(id, &image);

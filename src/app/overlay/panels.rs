@@ -70,8 +70,9 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
     let mut changed = false;
+    let help = content.help.then(|| help::draw(&front, space));
     if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
-        let (rect, moved) = params::show(context, space, sliders);
+        let (rect, moved) = params::show(context, space, help, sliders);
         panels.push(rect);
         changed = moved;
         let beside = rect.left() - style::MARGIN;
@@ -83,9 +84,7 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
         panels.push(problem::draw(&back, left, problem));
     }
-    if content.help {
-        panels.push(help::draw(&front, space));
-    }
+    panels.extend(help);
     if let Some(notice) = &content.notice {
         draw_notice(&front, space, notice, now);
     }

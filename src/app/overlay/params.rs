@@ -22,14 +22,26 @@ pub fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN)
 }
 
-/// Lays the panel out at the upper right of `space`: where it is, and whether a value changed.
-pub fn show(context: &egui::Context, space: Rect, sliders: &mut [Slider]) -> (Rect, bool) {
+/// Lays the panel out at the upper right of `space`: where it is, and whether a value changed. Sliders that `cover` may
+/// hide are not to be moved by accident.
+pub fn show(
+    context: &egui::Context,
+    space: Rect,
+    cover: Option<Rect>,
+    sliders: &mut [Slider],
+) -> (Rect, bool) {
     let width = width(space.width() + 2.0 * style::MARGIN);
-    let area = Area::new(Id::unique("overlay parameters"))
+    let id = Id::unique("overlay parameters");
+    if context.memory(|memory| memory.area_rect(id)).is_none() {
+        // Its first pass finds its size and shows nothing.
+        context.request_discard("the size of the parameters' panel");
+    }
+    let area = Area::new(id)
         .kind(UiKind::Window)
         .order(Order::Middle)
         .fixed_pos(pos2(space.right() - width, space.top()))
         .constrain(false)
+        .interactable(cover.is_none_or(|cover| cover.right() <= space.right() - width))
         .fade_in(false);
     let shown = area.show(context, |ui| {
         style::frame()

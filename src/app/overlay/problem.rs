@@ -9,6 +9,8 @@ use crate::lang::columns;
 /// Sizes of the text, in points: it shrinks until the longest line fits.
 const SIZES: [f32; 5] = [13.0, 12.0, 11.0, 10.0, 9.0];
 const HEADING_GAP: f32 = 8.0;
+/// Distance of two lines, in heights of the font's own.
+const LINE_HEIGHT: f32 = 1.1;
 
 /// Draws the panel at the lower left of `space`; where it is. It is as large as its text, which is cut where it does
 /// not fit.
@@ -50,7 +52,9 @@ pub fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
 /// Width and height of a column, in points.
 fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     let font = style::monospace(size);
-    painter.fonts_mut(|fonts| vec2(fonts.glyph_width(&font, '0'), fonts.row_height(&font)))
+    painter.fonts_mut(|fonts| {
+        vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
+    })
 }
 
 /// Draws text so that each character begins in its column. Characters beyond ASCII may come from another font with other

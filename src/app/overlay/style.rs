@@ -18,8 +18,8 @@ pub const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
 /// Rails of sliders and caps of keys.
 pub const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
-/// The ground of a panel: near black, 80 % opaque.
-const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 204);
+/// The ground of a panel: near black, 84 % opaque.
+const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
 const CORNERS: CornerRadius = CornerRadius::same(7);
 

@@ -1,0 +1,157 @@
+//! The panels as a user meets them, in a window that is only thought of.
+
+use std::time::Instant;
+
+use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
+
+use super::panels::{LaidOut, Panels};
+use super::{Notice, OverlayContent, Problem, Slider, style};
+
+const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
+
+/// A window and its clock.
+struct Stage {
+    panels: Panels,
+    screen: Rect,
+    seconds: f64,
+}
+
+impl Stage {
+    fn new(screen: Vec2) -> Self {
+        Self { panels: Panels::new(), screen: Rect::from_min_size(Pos2::ZERO, screen), seconds: 0.0 }
+    }
+
+    /// One frame, 20 ms after the last.
+    fn frame(&mut self, events: Vec<Event>, mut content: OverlayContent<'_>) -> LaidOut {
+        self.seconds += 0.02;
+        let time = Some(self.seconds);
+        let input = RawInput { screen_rect: Some(self.screen), time, events, ..Default::default() };
+        let mut laid_out = self.panels.lay_out(input, &mut content, Instant::now());
+        // egui fails when nobody uses them.
+        laid_out.output.textures_delta.clear();
+        laid_out
+    }
+
+    /// Moves the pointer to `place` and clicks; whether a slider moved.
+    fn click(&mut self, place: Pos2, sliders: &mut [Slider]) -> bool {
+        let button = |pressed| Event::PointerButton {
+            pos: place,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let mut moved = false;
+        for events in [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)]] {
+            let content = OverlayContent { params: Some(sliders), ..Default::default() };
+            moved |= self.frame(events, content).params_changed;
+        }
+        moved
+    }
+}
+
+fn sliders(count: usize) -> Vec<Slider> {
+    let slider = |i| Slider { name: format!("knob {i}"), value: 0.0, min: 0.0, max: 4.0, default: 1.0 };
+    (0..count).map(slider).collect()
+}
+
+/// The bounds of all that is drawn, and the texts with their places.
+fn drawn(laid_out: &LaidOut) -> (Rect, Vec<(String, Rect)>) {
+    let mut texts = Vec::new();
+    let mut bounds = Rect::NOTHING;
+    for clipped in &laid_out.output.shapes {
+        bounds |= clipped.shape.visual_bounding_rect().intersect(clipped.clip_rect);
+        if let Shape::Text(text) = &clipped.shape {
+            let rect = Rect::from_min_size(text.pos, text.galley.size());
+            texts.push((text.galley.text().to_owned(), rect.intersect(clipped.clip_rect)));
+        }
+    }
+    (bounds, texts)
+}
+
+fn place_of(texts: &[(String, Rect)], wanted: &str) -> Rect {
+    let found = texts.iter().find(|(text, _)| text.trim() == wanted);
+    found.unwrap_or_else(|| panic!("no '{wanted}' in {texts:?}")).1
+}
+
+#[test]
+fn everything_shows_at_once_and_inside_the_window() {
+    let text = "error: no\n --> a.scene:1:1\n".repeat(100);
+    for screen in [SCREEN, Vec2::new(533.0, 400.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
+        let mut sliders = sliders(64);
+        let content = OverlayContent {
+            corner: Some("speakers · interpreted · 230 clauses"),
+            problem: Some(Problem { heading: "a.scene has mistakes", text: &text }),
+            notice: Some(Notice { text: "compiled", since: Instant::now() }),
+            params: Some(&mut sliders),
+            help: true,
+        };
+        let mut stage = Stage::new(screen);
+        let laid_out = stage.frame(Vec::new(), content);
+        let (bounds, texts) = drawn(&laid_out);
+        assert_eq!(laid_out.panels.len(), 3, "{:?}", laid_out.panels);
+        if screen.y > 100.0 {
+            assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
+            for panel in &laid_out.panels {
+                assert!(stage.screen.contains_rect(*panel), "{screen:?}: {panel:?}");
+            }
+            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "full screen, or back"] {
+                assert!(place_of(&texts, wanted).area() > 50.0, "{wanted} does not show");
+            }
+            assert!(texts.iter().any(|(text, _)| text.contains("more lines")), "{texts:?}");
+        }
+    }
+}
+
+#[test]
+fn underlines_stand_under_what_they_mean() {
+    let text = "1 | let größe = 球 + nonsense(2)\n  |                  ^^^^^^^^ here\n";
+    let problem = Some(Problem { heading: "a", text });
+    let laid_out = Stage::new(SCREEN).frame(Vec::new(), OverlayContent { problem, ..Default::default() });
+    let (_, texts) = drawn(&laid_out);
+    let (source, marks) = (place_of(&texts, "+ nonsense(2)"), place_of(&texts, "^^^^^^^^ here"));
+    // One begins with a space, the other with as many as the text before takes.
+    let cell = source.width() / " + nonsense(2)".len() as f32;
+    let (name, mark) = (source.left() + 3.0 * cell, marks.left() + 18.0 * cell);
+    assert!((name - mark).abs() < 0.05 * cell, "the name begins at {name}, its marks at {mark}");
+}
+
+#[test]
+fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
+    let mut stage = Stage::new(SCREEN);
+    let mut sliders = sliders(2);
+    let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
+    let laid_out = stage.frame(Vec::new(), content);
+    let (panel, texts) = (laid_out.panels[0], drawn(&laid_out).1);
+    assert!(!laid_out.params_changed && panel.right() > SCREEN.x - 20.0);
+    let rail_y = place_of(&texts, "knob 1").bottom() + 14.0;
+    // Beyond the right end: the greatest value; the other slider stays.
+    assert!(stage.click(Pos2::new(panel.right() - 30.0, rail_y), &mut sliders));
+    assert_eq!([sliders[0].value, sliders[1].value], [0.0, 4.0]);
+    stage.seconds += 2.0;
+    let middle = Pos2::new(panel.center().x, rail_y);
+    assert!(stage.click(middle, &mut sliders));
+    assert!((1.0..3.0).contains(&sliders[1].value), "{}", sliders[1].value);
+    assert!(stage.click(middle, &mut sliders));
+    assert_eq!([sliders[0].value, sliders[1].value], [0.0, 1.0]);
+    // The sign beside a value that is not the default resets it too.
+    stage.seconds += 2.0;
+    let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
+    let (_, texts) = drawn(&stage.frame(Vec::new(), content));
+    assert!(stage.click(place_of(&texts, "↺").center(), &mut sliders));
+    assert_eq!([sliders[0].value, sliders[1].value], [1.0, 1.0]);
+    // Beside the panel nothing moves.
+    assert!(!stage.click(Pos2::new(panel.left() - 20.0, rail_y), &mut sliders));
+}
+
+#[test]
+fn the_letters_that_are_used_are_in_the_fonts() {
+    let stage = Stage::new(SCREEN);
+    let mut output = stage.panels.context().run_pass(RawInput::default(), |context| {
+        for (font, text) in [(style::monospace(12.0), "…↺^|`äß"), (style::proportional(12.0), "…·äß")]
+        {
+            let missing = |c: &char| !context.fonts_mut(|fonts| fonts.has_glyph(&font, *c));
+            assert_eq!(text.chars().filter(missing).collect::<String>(), "", "{font:?}");
+        }
+    });
+    output.textures_delta.clear();
+}
