@@ -4,6 +4,7 @@ pub mod error;
 pub mod gl;
 pub mod headless;
 pub mod object;
+pub mod probe;
 pub mod program;
 pub mod renderer;
 pub mod shader_source;
