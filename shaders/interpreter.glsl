@@ -2,7 +2,7 @@
 // the variant's defines and its operators: `src/tape/interpreter.rs`, which writes operators.glsl.
 //
 // A program is a header texel and the texels of its clauses, four clauses in each:
-//   header.x     first texel of its table in `tape_table`
+//   header.x     first texel of its table in `tape_table`, and from bit 24 on how many texels of it are kept
 //   header.yzw   the slots of up to 12 outputs, a byte each, the lowest byte first
 // The slots 0..5 hold x, y, z and the normal at the start, as far as there are slots. A texel whose last word is
 // END is the last one; other words END do nothing. Rare operators stand only in the last place of a texel.
@@ -91,6 +91,7 @@ uint output_slot(uint word) {
 #define WRITE_SLOT(file, at, value) file[at] = value
 #endif
 
+#define FIRST_TEXEL(head) int(head.x & 0xFFFFFFu)
 #if TABLE == 0
 int table = 0;   // the table's first texel
 int page = 0;    // that of the page that immediates index
@@ -103,6 +104,14 @@ float table_entry(uint entry) {
 #define FETCH_IMMEDIATE(word) float entry = table_entry(b_is_immediate(word) ? BYTE(word, 3) : BYTE(word, 2))
 #else
 #define FETCH_IMMEDIATE(word)
+// How many texels of a table are copied. For arrays drivers must not know a small number: they would write the loop
+// out, which takes long to compile.
+#ifdef SELECTED
+#define KEPT_TEXELS(head) (TABLE / 4)
+#else
+#define KEPT_TEXELS(head) min(int(head.x >> 24), PAGE_TEXELS)
+#endif
+#define KEPT(i) (SLOTS + ((4 * i) & (TABLE - 1)))
 #ifdef SELECTED
 #define READ_A(type, file, word) (a_is_immediate(word) ? PICK_ENTRY(file, word, 2) : READ_SLOT(file, word, 2))
 #define READ_B(type, file, word) (b_is_immediate(word) ? PICK_ENTRY(file, word, 3) : READ_SLOT(file, word, 3))
@@ -148,20 +157,31 @@ void point_clause(uint word, const bool last, vec3 p, vec3 n) {
     WRITE_SLOT(point_file, at, r);
 }
 
-// Outputs 0 and 1 at a point. Textures are 0.
-vec2 run_point(int program, vec3 p, vec3 n) {
-    uvec4 head = texelFetch(tape, program);
+int point_program = 0;
+uvec4 point_head = uvec4(0u);
+
+// Takes the program that `run_loaded` runs. A tracer whose steps stay with one program saves its header and table.
+void load_program(int program) {
+    point_program = program;
+    point_head = texelFetch(tape, program);
 #if TABLE == 0
-    table = int(head.x);
+    table = FIRST_TEXEL(point_head);
+#else
+    for (int i = 0; i < KEPT_TEXELS(point_head); ++i) {
+        vec4 four = texelFetch(tape_table, FIRST_TEXEL(point_head) + i);
+        point_file[KEPT(i)] = four.x;
+        point_file[KEPT(i) + 1] = four.y;
+        point_file[KEPT(i) + 2] = four.z;
+        point_file[KEPT(i) + 3] = four.w;
+    }
+#endif
+}
+
+// Outputs 0 and 1 of the loaded program at a point. Textures are 0.
+vec2 run_loaded(vec3 p, vec3 n) {
+#if TABLE == 0
     page = table;
 #endif
-    for (int i = 0; i < TABLE / 4; ++i) {
-        vec4 four = texelFetch(tape_table, int(head.x) + i);
-        point_file[SLOTS + 4 * i] = four.x;
-        point_file[SLOTS + 4 * i + 1] = four.y;
-        point_file[SLOTS + 4 * i + 2] = four.z;
-        point_file[SLOTS + 4 * i + 3] = four.w;
-    }
     point_file[0] = p.x;
     point_file[1] = p.y;
     point_file[2] = p.z;
@@ -171,7 +191,7 @@ vec2 run_point(int program, vec3 p, vec3 n) {
     point_file[5] = n.z;
 #endif
     for (int texel = 1; texel <= TEXELS_MAX; ++texel) {
-        uvec4 words = texelFetch(tape, program + texel);
+        uvec4 words = texelFetch(tape, point_program + texel);
         COUNT_TEXEL(1.0);
 #ifdef EVERY_CASE
         point_clause(words.x, false, p, n);
@@ -183,7 +203,13 @@ vec2 run_point(int program, vec3 p, vec3 n) {
 #endif
         if ((words.w & 255u) == 0u) break;
     }
-    return vec2(READ_SLOT(point_file, head.y, 0), READ_SLOT(point_file, head.y, 1));
+    return vec2(READ_SLOT(point_file, point_head.y, 0), READ_SLOT(point_file, point_head.y, 1));
+}
+
+// The same of any program.
+vec2 run_point(int program, vec3 p, vec3 n) {
+    load_program(program);
+    return run_loaded(p, n);
 }
 
 // --- Four points ---
@@ -236,16 +262,17 @@ void lanes_clause(uint word, const bool last, vec4 x, vec4 y, vec4 z, vec3 n) {
 void run_lanes(int program, vec4 x, vec4 y, vec4 z, vec3 n, out vec4 results[12]) {
     uvec4 head = texelFetch(tape, program);
 #if TABLE == 0
-    table = int(head.x);
+    table = FIRST_TEXEL(head);
     page = table;
-#endif
-    for (int i = 0; i < TABLE / 4; ++i) {
-        vec4 four = texelFetch(tape_table, int(head.x) + i);
-        lanes_file[SLOTS + 4 * i] = vec4(four.x);
-        lanes_file[SLOTS + 4 * i + 1] = vec4(four.y);
-        lanes_file[SLOTS + 4 * i + 2] = vec4(four.z);
-        lanes_file[SLOTS + 4 * i + 3] = vec4(four.w);
+#else
+    for (int i = 0; i < KEPT_TEXELS(head); ++i) {
+        vec4 four = texelFetch(tape_table, FIRST_TEXEL(head) + i);
+        lanes_file[KEPT(i)] = vec4(four.x);
+        lanes_file[KEPT(i) + 1] = vec4(four.y);
+        lanes_file[KEPT(i) + 2] = vec4(four.z);
+        lanes_file[KEPT(i) + 3] = vec4(four.w);
     }
+#endif
     lanes_file[0] = x;
     lanes_file[1] = y;
     lanes_file[2] = z;

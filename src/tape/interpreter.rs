@@ -38,7 +38,8 @@ pub fn is_rare(op: Op) -> bool {
 
 impl Tape {
     /// Appends the tape to `words` as a program of the interpreter: a header texel, then the clauses.
-    /// `table_texel` is where its table begins in the buffer of tables, in texels of four entries.
+    /// `table_texel` is where its table begins in the buffer of tables, in texels of four entries,
+    /// below 2^24.
     ///
     /// Only the first [`PROGRAM_OUTPUTS_MAX`] outputs can be asked of the interpreter.
     pub fn append_program(&self, table_texel: u32, words: &mut Vec<u32>) {
@@ -48,7 +49,8 @@ impl Tape {
         }
         let (outputs, _) = outputs.as_chunks::<4>();
         let start = words.len();
-        words.push(table_texel);
+        let kept = self.table().len().min(KEPT_TABLE_MAX).div_ceil(4) as u32;
+        words.push(table_texel & 0xFF_FFFF | kept << 24);
         words.extend(outputs.iter().map(|four| u32::from_le_bytes(*four)));
         for (clause, instruction) in self.program_clauses() {
             if is_last(instruction) {
