@@ -6,6 +6,7 @@ pub mod gl;
 mod guest;
 pub mod headless;
 pub mod object;
+pub mod probe;
 pub mod program;
 pub mod renderer;
 pub mod scene_program;

@@ -49,7 +49,7 @@ pub fn input_name(input: Input) -> String {
 }
 
 /// Writes an operator's template with its operands put in.
-fn fill(text: &mut String, template: &str, a: &str, b: &str) {
+pub(super) fn fill(text: &mut String, template: &str, a: &str, b: &str) {
     let mut rest = template;
     while let Some(at) = rest.find('$') {
         text.push_str(&rest[..at]);

@@ -35,6 +35,7 @@ mod allocate;
 mod clause;
 mod evaluate;
 pub mod glsl;
+pub mod interpreter;
 mod print;
 
 pub use clause::{Clause, Instruction, Operand, opcode};

@@ -1,0 +1,309 @@
+// The tape's interpreter: runs programs that lie in texture buffers. Words, slots and operators: `src/tape/`;
+// the variant's defines and its operators: `src/tape/interpreter.rs`, which writes operators.glsl.
+//
+// A program is a header texel and the texels of its clauses, four clauses in each:
+//   header.x     first texel of its table in `tape_table`, and from bit 24 on how many texels of it are kept
+//   header.yzw   the slots of up to 12 outputs, a byte each, the lowest byte first
+// The slots 0..5 hold x, y, z and the normal at the start, as far as there are slots. A texel whose last word is
+// END is the last one; other words END do nothing. Rare operators stand only in the last place of a texel.
+
+#include "operators.glsl"
+
+uniform usamplerBuffer tape;        // RGBA32UI
+uniform samplerBuffer tape_table;   // RGBA32F: TABLE entries can be read beyond the end of any program's table
+
+#ifdef COUNT_EVALUATIONS
+float count_clauses = 0.0;          // clauses run in this pixel, times points, those that do nothing included
+#define COUNT_TEXEL(points) count_clauses += 4.0 * points
+#else
+#define COUNT_TEXEL(points)
+#endif
+
+const int PAGE = 1, LOAD = 2, STORE = 3, RELOAD = 4, SELECT_TEXTURE = 5, TEXTURE = 6;
+const int PAGE_TEXELS = 64;
+
+// Slots, and behind them the table's first TABLE entries. Of up to 8 slots and 16 entries each is a variable, and
+// an operand is selected by the bits of its number; more are arrays, where an operand is one read of one array.
+#if SLOTS <= 8 && TABLE <= 16
+#define SELECTED
+#endif
+
+// --- What a word says ---
+
+#define BYTE(word, place) ((word >> (8 * place)) & 255u)
+#define SLOT(word, place) (BYTE(word, place) & uint(SLOTS - 1))
+#define HAS(word, place, bit) ((word & (1u << (8 * place + bit))) != 0u)
+
+bool a_is_immediate(uint word) {
+    return (word & 192u) == 192u || (word & 255u) == uint(LOAD);
+}
+
+bool b_is_immediate(uint word) {
+    return (word & 192u) == 128u;
+}
+
+// The operator's number without the form of its operands; below 16 what is no operator.
+int operator_number(uint word) {
+    uint opcode = word & 255u;
+    return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
+}
+
+// The slot to write, or one that does not exist.
+uint output_slot(uint word) {
+#ifdef SILENT_CLAUSES
+    int opcode = int(word & 255u);
+    bool silent = opcode == PAGE || opcode == STORE || opcode == SELECT_TEXTURE;
+    return silent ? uint(SLOTS + TABLE) : SLOT(word, 1);
+#else
+    return SLOT(word, 1);
+#endif
+}
+
+// --- Reading and writing slots; `file` is an array of any type ---
+
+#define PICK4(file, first, word, place) (HAS(word, place, 1) ? (HAS(word, place, 0) ? file[first + 3] : file[first + 2]) : (HAS(word, place, 0) ? file[first + 1] : file[first]))
+#define PICK8(file, first, word, place) (HAS(word, place, 2) ? PICK4(file, first + 4, word, place) : PICK4(file, first, word, place))
+#define PICK16(file, first, word, place) (HAS(word, place, 3) ? PICK8(file, first + 8, word, place) : PICK8(file, first, word, place))
+
+#if SLOTS == 4
+#define PICK_SLOT(file, word, place) PICK4(file, 0, word, place)
+#else
+#define PICK_SLOT(file, word, place) PICK8(file, 0, word, place)
+#endif
+#if TABLE == 4
+#define PICK_ENTRY(file, word, place) PICK4(file, SLOTS, word, place)
+#elif TABLE == 8
+#define PICK_ENTRY(file, word, place) PICK8(file, SLOTS, word, place)
+#else
+#define PICK_ENTRY(file, word, place) PICK16(file, SLOTS, word, place)
+#endif
+
+#ifdef SELECTED
+#define READ_SLOT(file, word, place) PICK_SLOT(file, word, place)
+#define WRITE(file, i, at, value) file[i] = at == uint(i) ? value : file[i]
+#if SLOTS == 4
+#define WRITE_SLOT(file, at, value) WRITE(file, 0, at, value); WRITE(file, 1, at, value); WRITE(file, 2, at, value); WRITE(file, 3, at, value)
+#else
+#define WRITE_SLOT(file, at, value) WRITE(file, 0, at, value); WRITE(file, 1, at, value); WRITE(file, 2, at, value); WRITE(file, 3, at, value); WRITE(file, 4, at, value); WRITE(file, 5, at, value); WRITE(file, 6, at, value); WRITE(file, 7, at, value)
+#endif
+#else
+#define READ_SLOT(file, word, place) file[SLOT(word, place)]
+#define WRITE_SLOT(file, at, value) file[at] = value
+#endif
+
+#define FIRST_TEXEL(head) int(head.x & 0xFFFFFFu)
+#if TABLE == 0
+int table = 0;   // the table's first texel
+int page = 0;    // that of the page that immediates index
+float table_entry(uint entry) {
+    vec4 four = texelFetch(tape_table, page + int(entry >> 2));
+    return (entry & 2u) == 0u ? ((entry & 1u) == 0u ? four.x : four.y) : ((entry & 1u) == 0u ? four.z : four.w);
+}
+#define READ_A(type, file, word) (a_is_immediate(word) ? type(entry) : READ_SLOT(file, word, 2))
+#define READ_B(type, file, word) (b_is_immediate(word) ? type(entry) : READ_SLOT(file, word, 3))
+#define FETCH_IMMEDIATE(word) float entry = table_entry(b_is_immediate(word) ? BYTE(word, 3) : BYTE(word, 2))
+#else
+#define FETCH_IMMEDIATE(word)
+// How many texels of a table are copied. For arrays drivers must not know a small number: they would write the loop
+// out, which takes long to compile.
+#ifdef SELECTED
+#define KEPT_TEXELS(head) (TABLE / 4)
+#else
+#define KEPT_TEXELS(head) min(int(head.x >> 24), PAGE_TEXELS)
+#endif
+#define KEPT(i) (SLOTS + ((4 * i) & (TABLE - 1)))
+#ifdef SELECTED
+#define READ_A(type, file, word) (a_is_immediate(word) ? PICK_ENTRY(file, word, 2) : READ_SLOT(file, word, 2))
+#define READ_B(type, file, word) (b_is_immediate(word) ? PICK_ENTRY(file, word, 3) : READ_SLOT(file, word, 3))
+#else
+#define READ_A(type, file, word) file[a_is_immediate(word) ? uint(SLOTS) + (BYTE(word, 2) & uint(TABLE - 1)) : SLOT(word, 2)]
+#define READ_B(type, file, word) file[b_is_immediate(word) ? uint(SLOTS) + (BYTE(word, 3) & uint(TABLE - 1)) : SLOT(word, 3)]
+#endif
+#endif
+
+// --- One point ---
+
+float point_file[SLOTS + TABLE + 1];
+#if MEMORY > 0
+float point_memory[MEMORY];
+#endif
+
+// Runs a clause. Rare operators are computed where `last` is true: a constant.
+void point_clause(uint word, const bool last, vec3 p, vec3 n) {
+    int number = operator_number(word);
+    FETCH_IMMEDIATE(word);
+    float a = READ_A(float, point_file, word);
+    float b = READ_B(float, point_file, word);
+    float r = common_operator(number, a, b);
+    if (last) r = rare_operator(number, r, a, b);
+#ifdef INPUT_CLAUSES
+    r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
+    r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
+#endif
+#if MEMORY > 0
+    if (last) {
+        uint place = (word >> 16) & uint(MEMORY - 1);
+        if (number == RELOAD) r = point_memory[place];
+        if (number == STORE) point_memory[place] = READ_SLOT(point_file, word, 1);
+    }
+#endif
+#if TEXTURES > 0
+    if (number == TEXTURE) r = 0.0;
+#endif
+#if TABLE == 0
+    if (number == PAGE) page = table + PAGE_TEXELS * int(word >> 16);
+#endif
+    uint at = output_slot(word);
+    WRITE_SLOT(point_file, at, r);
+}
+
+int point_program = 0;
+uvec4 point_head = uvec4(0u);
+
+// Takes the program that `run_loaded` runs. A tracer whose steps stay with one program saves its header and table.
+void load_program(int program) {
+    point_program = program;
+    point_head = texelFetch(tape, program);
+#if TABLE == 0
+    table = FIRST_TEXEL(point_head);
+#else
+    for (int i = 0; i < KEPT_TEXELS(point_head); ++i) {
+        vec4 four = texelFetch(tape_table, FIRST_TEXEL(point_head) + i);
+        point_file[KEPT(i)] = four.x;
+        point_file[KEPT(i) + 1] = four.y;
+        point_file[KEPT(i) + 2] = four.z;
+        point_file[KEPT(i) + 3] = four.w;
+    }
+#endif
+}
+
+// Outputs 0 and 1 of the loaded program at a point. Textures are 0.
+vec2 run_loaded(vec3 p, vec3 n) {
+#if TABLE == 0
+    page = table;
+#endif
+    point_file[0] = p.x;
+    point_file[1] = p.y;
+    point_file[2] = p.z;
+    point_file[3] = n.x;
+#if SLOTS > 4
+    point_file[4] = n.y;
+    point_file[5] = n.z;
+#endif
+    for (int texel = 1; texel <= TEXELS_MAX; ++texel) {
+        uvec4 words = texelFetch(tape, point_program + texel);
+        COUNT_TEXEL(1.0);
+#ifdef EVERY_CASE
+        point_clause(words.x, false, p, n);
+        point_clause(words.y, false, p, n);
+        point_clause(words.z, false, p, n);
+        point_clause(words.w, true, p, n);
+#else
+        for (int i = 0; i < 4; ++i) point_clause(words[i], true, p, n);
+#endif
+        if ((words.w & 255u) == 0u) break;
+    }
+    return vec2(READ_SLOT(point_file, point_head.y, 0), READ_SLOT(point_file, point_head.y, 1));
+}
+
+// The same of any program.
+vec2 run_point(int program, vec3 p, vec3 n) {
+    load_program(program);
+    return run_loaded(p, n);
+}
+
+// --- Four points ---
+
+vec4 lanes_file[SLOTS + TABLE + 1];
+#if MEMORY > 0
+vec4 lanes_memory[MEMORY];
+#endif
+#if TEXTURES > 0
+uint selected_texture = 0u;     // the word of the last SELECT_TEXTURE
+vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy);
+#endif
+
+void lanes_clause(uint word, const bool last, vec4 x, vec4 y, vec4 z, vec3 n) {
+    int number = operator_number(word);
+    FETCH_IMMEDIATE(word);
+    vec4 a = READ_A(vec4, lanes_file, word);
+    vec4 b = READ_B(vec4, lanes_file, word);
+    vec4 r = common_operator(number, a, b);
+    if (last) r = rare_operator(number, r, a, b);
+#ifdef INPUT_CLAUSES
+    r = number == 8 ? x : number == 9 ? y : number == 10 ? z : r;
+    r = number == 11 ? vec4(n.x) : number == 12 ? vec4(n.y) : number == 13 ? vec4(n.z) : r;
+#endif
+#if MEMORY > 0
+    if (last) {
+        uint place = (word >> 16) & uint(MEMORY - 1);
+        if (number == RELOAD) r = lanes_memory[place];
+        if (number == STORE) lanes_memory[place] = READ_SLOT(lanes_file, word, 1);
+    }
+#endif
+#if TEXTURES > 0
+    if (number == SELECT_TEXTURE) selected_texture = word;
+    if (last && number == TEXTURE) {
+        vec2 uv = vec2(a.x, b.x);
+        vec4 texel = sample_texture(int(selected_texture >> 16), uv, vec2(a.y, b.y) - uv, vec2(a.z, b.z) - uv);
+        uint channel = BYTE(selected_texture, 1);
+        r = vec4(channel < 2u ? (channel == 0u ? texel.x : texel.y) : (channel == 2u ? texel.z : texel.w));
+    }
+#endif
+#if TABLE == 0
+    if (number == PAGE) page = table + PAGE_TEXELS * int(word >> 16);
+#endif
+    uint at = output_slot(word);
+    WRITE_SLOT(lanes_file, at, r);
+}
+
+// All outputs at the four points (x.i, y.i, z.i) with one normal. Textures are read at point 0, with points 1 and 2
+// as those of the pixels to the right and above, and have one value for all four.
+void run_lanes(int program, vec4 x, vec4 y, vec4 z, vec3 n, out vec4 results[12]) {
+    uvec4 head = texelFetch(tape, program);
+#if TABLE == 0
+    table = FIRST_TEXEL(head);
+    page = table;
+#else
+    for (int i = 0; i < KEPT_TEXELS(head); ++i) {
+        vec4 four = texelFetch(tape_table, FIRST_TEXEL(head) + i);
+        lanes_file[KEPT(i)] = vec4(four.x);
+        lanes_file[KEPT(i) + 1] = vec4(four.y);
+        lanes_file[KEPT(i) + 2] = vec4(four.z);
+        lanes_file[KEPT(i) + 3] = vec4(four.w);
+    }
+#endif
+    lanes_file[0] = x;
+    lanes_file[1] = y;
+    lanes_file[2] = z;
+    lanes_file[3] = vec4(n.x);
+#if SLOTS > 4
+    lanes_file[4] = vec4(n.y);
+    lanes_file[5] = vec4(n.z);
+#endif
+    for (int texel = 1; texel <= TEXELS_MAX; ++texel) {
+        uvec4 words = texelFetch(tape, program + texel);
+        COUNT_TEXEL(4.0);
+#ifdef EVERY_CASE
+        lanes_clause(words.x, false, x, y, z, n);
+        lanes_clause(words.y, false, x, y, z, n);
+        lanes_clause(words.z, false, x, y, z, n);
+        lanes_clause(words.w, true, x, y, z, n);
+#else
+        for (int i = 0; i < 4; ++i) lanes_clause(words[i], true, x, y, z, n);
+#endif
+        if ((words.w & 255u) == 0u) break;
+    }
+    results[0] = READ_SLOT(lanes_file, head.y, 0);
+    results[1] = READ_SLOT(lanes_file, head.y, 1);
+    results[2] = READ_SLOT(lanes_file, head.y, 2);
+    results[3] = READ_SLOT(lanes_file, head.y, 3);
+    results[4] = READ_SLOT(lanes_file, head.z, 0);
+    results[5] = READ_SLOT(lanes_file, head.z, 1);
+    results[6] = READ_SLOT(lanes_file, head.z, 2);
+    results[7] = READ_SLOT(lanes_file, head.z, 3);
+    results[8] = READ_SLOT(lanes_file, head.w, 0);
+    results[9] = READ_SLOT(lanes_file, head.w, 1);
+    results[10] = READ_SLOT(lanes_file, head.w, 2);
+    results[11] = READ_SLOT(lanes_file, head.w, 3);
+}
