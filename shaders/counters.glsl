@@ -8,7 +8,6 @@ float count_normal = 0.0;
 float count_shadow = 0.0;
 float count_occlusion = 0.0;
 float count_capped = 0.0;   // rays of this pixel that reached their step cap
-float count_clauses = 0.0;  // that the interpreter ran
 #define COUNT(kind) count_##kind += 1.0
 #define COUNT_N(kind, n) count_##kind += float(n)
 #else

@@ -15,6 +15,7 @@ uniform samplerBuffer tape_table;   // RGBA32F: TABLE entries can be read beyond
 #ifdef COUNT_EVALUATIONS
 float count_clauses = 0.0;          // clauses run in this pixel, times points, those that do nothing included
 #define COUNT_TEXEL(points) count_clauses += 4.0 * points
+#define CLAUSES_RUN count_clauses
 #else
 #define COUNT_TEXEL(points)
 #endif

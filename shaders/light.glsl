@@ -23,6 +23,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
+    scene_begin();
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
         if (t >= end) break;
         vec2 nearest = scene_distance(origin + t * to_light, t / sharpness);

@@ -117,7 +117,10 @@ void main() {
     vec3 color = scene_color(camera_position.xyz, direction);
     sample_color = vec4(tone_map(color), pass_kind > 0.5 ? 1.0 : surface_key);
 #ifdef COUNT_EVALUATIONS
+#ifndef CLAUSES_RUN
+#define CLAUSES_RUN 0.0
+#endif
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
-    more_evaluations = vec4(count_occlusion, count_capped, count_clauses, 0.0);
+    more_evaluations = vec4(count_occlusion, count_capped, CLAUSES_RUN, 0.0);
 #endif
 }

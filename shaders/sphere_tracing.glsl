@@ -55,6 +55,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float end = min(span.y, behind.t);
     float t = max(span.x, start);
     if (t >= end) return behind;
+    scene_begin();
     for (int i = 0; i < STEPS_MAX; i++) {
         float d = scene_distance(origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS

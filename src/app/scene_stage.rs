@@ -183,12 +183,11 @@ impl SceneStage {
 
     /// Uploads a scene and asks for its programs.
     fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
-        let pictures = ready.world.pictures.len();
         let fits = Interpreter::fits(&ready.buffers, self.gl.info());
         if let Err(error) = fits {
             tracing::warn!("{error}");
         }
-        let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, pictures));
+        let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, self.gl.info()));
         let total = ready.buffers.cost.total;
         let sliders = ready.world.scene.params.iter().map(|param| {
             let value = self.moved.get(&param.name).copied().unwrap_or(param.default);

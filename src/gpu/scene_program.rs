@@ -4,17 +4,14 @@
 //! scene's expressions, the interpreted one runs them from a texture buffer and so fits every scene that its variant has
 //! the operators, registers and textures for.
 
-use std::collections::BTreeSet;
-
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
 use super::program::Program;
 use super::renderer::Counting;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::block_defines;
-use crate::graph::{CELL_HASH_GLSL, Op};
-use crate::limits::LIMITS;
-use crate::tape::glsl;
+use crate::graph::CELL_HASH_GLSL;
+use crate::tape::interpreter;
 use crate::world::{TapeBuffers, World};
 
 /// The fragment shader of scenes.
@@ -41,17 +38,9 @@ impl std::fmt::Display for Mode {
     }
 }
 
-/// What an interpreter needs to run a scene.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Interpreter {
-    operators: BTreeSet<Op>,
-    slots: usize,
-    memory: usize,
-    textures: usize,
-}
-
-/// Registers of the variants.
-const SLOT_STEPS: [usize; 6] = [8, 16, 32, 64, 128, 256];
+/// A variant of the interpreter.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Interpreter(interpreter::Variant);
 
 /// Why a scene cannot be interpreted by a driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -66,29 +55,14 @@ pub struct DoesNotFit {
 }
 
 impl Interpreter {
-    /// The variant for a scene: its operators, its registers rounded up.
-    pub fn for_scene(buffers: &TapeBuffers, textures: usize) -> Self {
-        let slots = SLOT_STEPS.iter().copied().find(|&step| step >= buffers.slots).unwrap_or(256);
-        let memory = if buffers.memory == 0 { 0 } else { buffers.memory.next_power_of_two() };
-        Self { operators: buffers.operators.clone(), slots, memory, textures }
-    }
-
-    /// The variant that runs every scene without spilled values.
-    pub fn for_all() -> Self {
-        Self {
-            operators: Op::ALL.iter().copied().collect(),
-            slots: 256,
-            memory: 0,
-            textures: LIMITS.scene_textures_max,
-        }
+    /// The narrowest variant for a scene on this driver.
+    pub fn for_scene(buffers: &TapeBuffers, info: &GlInfo) -> Self {
+        Self(if info.software { &buffers.software_variant } else { &buffers.variant }.clone())
     }
 
     /// Whether what this variant was made for includes what `other` was.
     pub fn covers(&self, other: &Self) -> bool {
-        self.operators.is_superset(&other.operators)
-            && self.slots >= other.slots
-            && self.memory >= other.memory
-            && self.textures >= other.textures
+        self.0.covers(&other.0)
     }
 
     /// Whether a scene's buffers fit what the driver reports.
@@ -96,20 +70,17 @@ impl Interpreter {
     /// # Errors
     /// [`DoesNotFit`], with both numbers.
     pub fn fits(buffers: &TapeBuffers, info: &GlInfo) -> Result<(), DoesNotFit> {
-        let needed = (buffers.words.len() / 4).max(buffers.table.len());
+        let needed = buffers.words.len().max(buffers.table.len()) / 4;
         let available = info.texture_buffer_texels_max as usize;
         if needed <= available { Ok(()) } else { Err(DoesNotFit { needed, available }) }
     }
 
     /// The shader's text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
-        let mut variant = common(self.textures, counting);
-        variant.defines.push(format!("SLOTS {}", self.slots));
-        variant.defines.push(format!("MEMORY {}", self.memory));
-        variant.defines.push(format!("CLAUSES_MAX {}", LIMITS.tape_clauses_max));
+        let mut variant = common(self.0.textures, counting);
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
-        variant.generated.push(("operators.glsl".into(), glsl::operators(&self.operators)));
+        variant.generated.push(("operators.glsl".into(), self.0.text()));
         variant
     }
 }
@@ -148,7 +119,7 @@ pub fn variant_of(
         Mode::Compiled => Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting)),
         Mode::Interpreted => {
             Interpreter::fits(buffers, info)?;
-            Ok(Interpreter::for_scene(buffers, world.pictures.len()).variant(counting))
+            Ok(Interpreter::for_scene(buffers, info).variant(counting))
         }
     }
 }

@@ -46,7 +46,7 @@ impl SceneResources {
             vec![0; 16]
         };
         let tape = TextureBuffer::new(gl, glow::RGBA32UI, &words)?;
-        let table = TextureBuffer::new(gl, glow::R32F, &[0; 4])?;
+        let table = TextureBuffer::new(gl, glow::RGBA32F, &[0; 16])?;
         gl.check("uploading a scene")?;
         Ok(Self { gl: gl.clone(), world, buffers, pictures, tape, table })
     }

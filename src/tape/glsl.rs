@@ -176,21 +176,3 @@ pub fn function(
     text.push_str("}\n");
     Ok(text)
 }
-
-/// The cases of the interpreter's switch for the given operators: `case 25: r = sqrt(max(a, 0.0)); break;`.
-/// The number is the operator's, so the shader takes the form of the operands off the opcode first (see
-/// [`crate::tape`]).
-pub fn switch_cases(operators: impl IntoIterator<Item = Op>) -> String {
-    let mut text = String::new();
-    for op in operators {
-        let _ = write!(text, "case {}: r = ", op.number());
-        fill(&mut text, op.glsl(), "a", "b");
-        text.push_str("; break;\n");
-    }
-    text
-}
-
-/// Placeholder.
-pub fn operators<'a>(operators: impl IntoIterator<Item = &'a Op>) -> String {
-    switch_cases(operators.into_iter().copied())
-}

@@ -142,6 +142,18 @@ impl Variant {
         variant
     }
 
+    /// Whether what `other` was made for can be run by this one.
+    pub fn covers(&self, other: &Self) -> bool {
+        let table = self.table == 0 || (other.table > 0 && self.table >= other.table);
+        self.operators.is_superset(&other.operators)
+            && self.slots >= other.slots
+            && table
+            && self.memory >= other.memory
+            && self.textures >= other.textures
+            && (self.inputs || !other.inputs)
+            && self.every_case == other.every_case
+    }
+
     /// The text of `operators.glsl`: the defines and the operators of the variant. It relies on what
     /// [`super::glsl`] lists, as far as its operators use it.
     pub fn text(&self) -> String {

@@ -4,34 +4,29 @@
 //! |---|---|
 //! | 0 | where the programs of the distance, the object, the sky and the ambient light begin |
 //! | 1.. | where the material of each object begins, four objects a texel |
-//! | a program | a header, then its clauses (see [`crate::tape`]) |
+//! | a program | a header, then its clauses |
 //!
-//! A program's header is its first entry in the table, then the slots of its outputs, a byte each.
-
-use std::collections::BTreeSet;
+//! The words of a program are those of [`crate::tape::interpreter`].
 
 use super::{MATERIAL_OUTPUTS, World, WorldError};
-use crate::graph::{FrameInputs, NodeId, Op};
+use crate::graph::{FrameInputs, NodeId};
+use crate::tape::interpreter::Variant;
 use crate::tape::{TableEntry, Tape, TapeOptions};
 
-/// Words of a texel.
+/// Words of a texel, and entries of one of the table.
 const TEXEL: usize = 4;
 
 /// What the interpreter shader reads.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
     /// Texels of four words.
     pub words: Vec<u32>,
-    /// The table of all programs.
+    /// The tables of all programs, each filled up to texels of four entries.
     pub table: Vec<TableEntry>,
-    /// Registers that the largest program uses.
-    pub slots: usize,
-    /// Spilled values of the largest program.
-    pub memory: usize,
-    /// Clauses of the longest program.
-    pub longest: usize,
-    /// Operators of all programs.
-    pub operators: BTreeSet<Op>,
+    /// The interpreter that runs all programs, on a GPU.
+    pub variant: Variant,
+    /// The same for a renderer that never skips a branch.
+    pub software_variant: Variant,
     /// What it costs.
     pub cost: Cost,
 }
@@ -56,25 +51,25 @@ impl TapeBuffers {
         };
         self.table.iter().map(value).collect()
     }
+}
 
+/// Programs while they are put together.
+#[derive(Default)]
+struct Programs {
+    words: Vec<u32>,
+    table: Vec<TableEntry>,
+    tapes: Vec<Tape>,
+}
+
+impl Programs {
     /// Appends a program and returns its first texel.
-    fn add(&mut self, tape: &Tape) -> u32 {
+    fn add(&mut self, tape: Tape) -> u32 {
         let texel = self.words.len() / TEXEL;
-        let mut header = [0_u32; TEXEL];
-        header[0] = self.table.len() as u32;
-        for (place, &slot) in tape.outputs().iter().enumerate() {
-            if let Some(word) = header.get_mut(1 + place / 4) {
-                *word |= u32::from(slot) << (8 * (place % 4));
-            }
-        }
-        self.words.extend(header);
-        self.words.extend(tape.words());
+        tape.append_program((self.table.len() / TEXEL) as u32, &mut self.words);
         self.table.extend(tape.table());
-        self.slots = self.slots.max(tape.slots());
-        self.memory = self.memory.max(tape.memory());
-        self.longest = self.longest.max(tape.clauses().len());
-        self.operators.extend(tape.operators());
-        self.cost.total += tape.clauses().len();
+        let texels = self.table.len().div_ceil(TEXEL) * TEXEL;
+        self.table.resize(texels, TableEntry::Constant(0.0));
+        self.tapes.push(tape);
         texel as u32
     }
 }
@@ -89,29 +84,39 @@ impl World {
             Tape::build(&self.scene.graph, roots, &TapeOptions::default())
                 .map_err(|source| WorldError::Tape { scene: self.name.clone(), source })
         };
-        let mut buffers = TapeBuffers::default();
+        let mut programs = Programs::default();
         let objects = self.scene.objects.len();
-        buffers.words.resize(TEXEL + objects.div_ceil(TEXEL) * TEXEL, 0);
-        let distance = tape(&self.roots.distance)?;
-        buffers.cost.distance = distance.clauses().len();
-        let mut directory = [0; TEXEL];
-        directory[0] = buffers.add(&distance);
-        directory[1] = buffers.add(&tape(&[self.roots.object])?);
-        directory[2] = buffers.add(&tape(&self.roots.sky)?);
-        directory[3] = buffers.add(&tape(&self.roots.ambient)?);
+        programs.words.resize(TEXEL + objects.div_ceil(TEXEL) * TEXEL, 0);
+        let directory = [
+            programs.add(tape(&self.roots.distance)?),
+            programs.add(tape(&[self.roots.object])?),
+            programs.add(tape(&self.roots.sky)?),
+            programs.add(tape(&self.roots.ambient)?),
+        ];
         let mut materials = Vec::with_capacity(self.roots.materials.len());
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
-            let material = tape(roots)?;
-            buffers.cost.materials += material.clauses().len();
-            materials.push(buffers.add(&material));
+            materials.push(programs.add(tape(roots)?));
         }
         let of_objects =
             self.scene.objects.iter().map(|object| materials.get(object.material).copied().unwrap_or(0));
-        for (to, from) in buffers.words.iter_mut().zip(directory.into_iter().chain(of_objects)) {
+        for (to, from) in programs.words.iter_mut().zip(directory.into_iter().chain(of_objects)) {
             *to = from;
         }
-        Ok(buffers)
+        let clauses = |tapes: &[Tape]| tapes.iter().map(|tape| tape.clauses().len()).sum();
+        let (first, others) = programs.tapes.split_at(directory.len());
+        let cost = Cost {
+            distance: first.first().map_or(0, |tape| tape.clauses().len()),
+            materials: clauses(others),
+            total: clauses(&programs.tapes),
+        };
+        Ok(TapeBuffers {
+            variant: Variant::of(&programs.tapes, false),
+            software_variant: Variant::of(&programs.tapes, true),
+            words: programs.words,
+            table: programs.table,
+            cost,
+        })
     }
 }
 
@@ -141,12 +146,11 @@ mod tests {
         ] {
             let tape = Tape::build(&world.scene.graph, roots, &TapeOptions::default()).unwrap();
             let header = program as usize * 4;
-            assert_eq!(words[header + 4..][..tape.words().len()], tape.words());
-            let table = words[header] as usize;
+            let table = (words[header] & 0xFF_FFFF) as usize * 4;
             assert_eq!(buffers.table[table..][..tape.table().len()], *tape.table());
-            for (place, &slot) in tape.outputs().iter().enumerate() {
-                assert_eq!((words[header + 1 + place / 4] >> (8 * (place % 4))) as u8, slot);
-            }
+            let mut alone = Vec::new();
+            tape.append_program(table as u32 / 4, &mut alone);
+            assert_eq!(words[header..][..alone.len()], alone);
         }
     }
 }
