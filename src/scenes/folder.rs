@@ -57,7 +57,7 @@ impl Folder {
             .map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
     }
 
-    /// The names, written as `name` is, of what lies in the same folder as it.
+    /// The names, written as `name` is, of what lies in the same folder as it; those that are no text are left out.
     pub fn beside(&self, name: &str) -> Vec<String> {
         let (prefix, folder) = match name.rsplit_once('/') {
             Some((folder, _)) => (format!("{folder}/"), self.inside(folder)),
@@ -139,6 +139,16 @@ mod tests {
         assert!(matches!(folder.text("round", 9), Err(Refusal::Unreadable(_))));
         assert_eq!(folder.beside("up/x"), [""; 0]);
         assert_eq!(folder.beside("sub/x"), ["sub/part"]);
+    }
+
+    /// Tests run in the package's folder.
+    #[test]
+    fn a_bare_name_lies_in_the_current_folder() {
+        let folder = Folder::of(Path::new("bare.scene"));
+        assert_eq!(folder.path("Cargo.toml"), Path::new("Cargo.toml"));
+        assert!(folder.bytes("Cargo.toml", 1 << 20).is_ok());
+        assert!(folder.beside("").contains(&"Cargo.toml".to_owned()));
+        assert!(folder.beside("src/x").contains(&"src/lib.rs".to_owned()));
     }
 
     #[cfg(target_os = "linux")]

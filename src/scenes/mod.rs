@@ -238,6 +238,6 @@ mod tests {
         let compiled = source.compile().unwrap();
         assert_eq!(source.files(Some(&compiled)), files, "{}", compiled.render(false));
         let speakers = SceneSource::Shipped("speakers".into());
-        assert_eq!(speakers.files(Some(&speakers.compile().unwrap())), [path(""); 0]);
+        assert!(speakers.files(Some(&speakers.compile().unwrap())).is_empty());
     }
 }

@@ -1,9 +1,9 @@
 //! The round of scenes that the keys for the next and the previous one go through.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::folder::Folder;
 use super::{ENDING, SceneSource, shipped_names};
 
 /// Where a round through the scenes started: that scene and its folder stay in the round.
@@ -64,18 +64,16 @@ fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
 
 /// The scene files beside `file`, hidden ones left out; none if the folder cannot be read.
 fn scene_files(file: &Path) -> Vec<PathBuf> {
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let read = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let names = fs::read_dir(read).into_iter().flatten().flatten().map(|entry| entry.file_name());
-    let wanted = |path: &PathBuf| {
-        let hidden = path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
-        !hidden && path.extension().is_some_and(|ending| ending == ENDING) && path.is_file()
-    };
-    names.map(|name| folder.join(name)).filter(wanted).collect()
+    let folder = Folder::of(file);
+    let shown = folder.beside("").into_iter().filter(|name| !name.starts_with('.'));
+    let paths = shown.map(|name| folder.path(&name));
+    paths.filter(|path| path.extension().is_some_and(|ending| ending == ENDING) && path.is_file()).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     /// A folder with these files, and the source of a file in it.
@@ -152,10 +150,9 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_is_no_scene_and_a_bare_name_lies_in_the_current_folder() {
+    fn a_folder_is_no_scene() {
         let (kept, file) = folder(&["a.scene"]);
         fs::create_dir(kept.path().join("b.scene")).unwrap();
         assert_eq!(SceneList::around(&file("a.scene")).next(&file("a.scene")), shipped()[0]);
-        assert_eq!(scene_files(Path::new("bare.scene")), [PathBuf::new(); 0]);
     }
 }

@@ -207,3 +207,48 @@ fn identity(folder: &Path) -> Identity {
 fn identity(_folder: &Path) -> Identity {
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    use super::*;
+
+    /// Nothing tells that a folder further up was replaced; the next call must find out.
+    #[test]
+    fn setting_the_files_again_watches_a_folder_that_took_the_place_of_another() {
+        let place = tempfile::tempdir().unwrap();
+        let path = |name: &str| place.path().join(name);
+        for folder in ["a/b", "next/b"] {
+            fs::create_dir_all(path(folder)).unwrap();
+        }
+        let (tell, told) = channel();
+        let mut watch = Watch::new(Box::new(move |file, _| tell.send(file).unwrap_or_default()));
+        let file = path("a/b/file");
+        watch.set(std::slice::from_ref(&file));
+        fs::rename(path("a"), path("aside")).unwrap();
+        fs::rename(path("next"), path("a")).unwrap();
+        watch.set(std::slice::from_ref(&file));
+        assert!(watch.is_complete());
+        fs::write(&file, "new").unwrap();
+        assert_eq!(told.recv_timeout(Duration::from_secs(10)), Ok(file));
+    }
+
+    #[test]
+    fn a_file_is_looked_for_where_links_lead_and_where_it_would_be() {
+        let place = tempfile::tempdir().unwrap();
+        let real = place.path().canonicalize().unwrap();
+        let places = |name: &str| super::places(&place.path().join(name));
+        assert_eq!(places("file"), [(real.clone(), "file".into())]);
+        assert_eq!(places("no/such/file"), [(real.clone(), "no".into())]);
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink("no/file", place.path().join("link")).unwrap();
+            std::os::unix::fs::symlink("round", place.path().join("round")).unwrap();
+            assert_eq!(places("link"), [(real.clone(), "link".into()), (real.clone(), "no".into())]);
+            assert_eq!(places("round").len(), LINKS_MAX);
+        }
+        assert_eq!(super::places(Path::new("bare")).len(), 1);
+    }
+}
