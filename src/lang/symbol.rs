@@ -184,7 +184,8 @@ mod tests {
 
     #[test]
     fn names_that_share_bytes_are_told_apart() {
-        let names = ["", "a", "aa", "a\0", "\0", "sevenab", "eight_ab", "eight_abc", "eight_ab\0", "ä", "\u{7ff}é"];
+        let names =
+            ["", "a", "aa", "a\0", "\0", "sevenab", "eight_ab", "eight_abc", "eight_ab\0", "ä", "\u{7ff}é"];
         let mut own = Interner::default();
         let symbols = names.map(|name| own.intern(name));
         assert_eq!(own.len(), names.len());

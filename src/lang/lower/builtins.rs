@@ -8,7 +8,7 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::Lowering;
-use crate::graph::{Input, NodeId, Op};
+use crate::graph::{Input, Op};
 
 /// Number of frequency bands.
 const BANDS: u8 = 32;
