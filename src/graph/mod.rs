@@ -52,18 +52,10 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// Open addressing; a power of two of places, at most half of them taken.
-    places: Vec<Place>,
+    /// Open addressing: 1 + a node's index, or 0; a power of two of places, at most half of them taken.
+    places: Vec<u32>,
     nodes_max: usize,
     full: bool,
-}
-
-/// Where a node is found by its hash.
-#[derive(Debug, Clone, Copy, Default)]
-struct Place {
-    hash: u32,
-    /// 1 + the node's index; 0 if the place is free.
-    number: u32,
 }
 
 impl Default for Graph {
@@ -82,7 +74,7 @@ impl Graph {
     pub fn with_limits(limits: &Limits) -> Self {
         Self {
             nodes: Vec::new(),
-            places: vec![Place::default(); 256],
+            places: vec![0; 256],
             nodes_max: limits.graph_nodes_max.max(1),
             full: false,
         }
@@ -118,45 +110,56 @@ impl Graph {
         if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
     }
 
-    /// The node that is equal to `node`, built if there is none yet.
-    #[inline]
-    fn intern(&mut self, node: Node) -> NodeId {
-        let key = node.key();
-        let hash = hash(key);
-        let mask = self.places.len() - 1;
-        let mut at = hash as usize & mask;
-        loop {
-            let place = self.places[at];
-            if place.number == 0 {
-                break;
-            }
-            if place.hash == hash && self.nodes[place.number as usize - 1].key() == key {
-                return NodeId(place.number - 1);
-            }
-            at = (at + 1) & mask;
+    /// Makes room for as many nodes at once.
+    pub fn reserve(&mut self, nodes: usize) {
+        let nodes = (self.nodes.len() + nodes).min(self.nodes_max);
+        self.nodes.reserve(nodes - self.nodes.len().min(nodes));
+        if nodes * 2 > self.places.len() {
+            self.grow((nodes * 2).next_power_of_two());
         }
+    }
+
+    /// The node that is equal to `node`, built if there is none yet.
+    // Inlined, as callers know the kind of node.
+    #[inline(always)]
+    fn intern(&mut self, node: Node) -> NodeId {
+        let mask = self.places.len() - 1;
+        let mut place = hash(node.key()) as usize & mask;
+        loop {
+            match self.places[place] {
+                0 => break,
+                taken if self.nodes[taken as usize - 1].is(node) => return NodeId(taken - 1),
+                _ => place = (place + 1) & mask,
+            }
+        }
+        self.push(node, place)
+    }
+
+    /// A new node, found by the given place from now on.
+    fn push(&mut self, node: Node, place: usize) -> NodeId {
         if self.nodes.len() >= self.nodes_max {
             self.full = true;
             return NodeId(0);
         }
         self.nodes.push(node);
-        self.places[at] = Place { hash, number: self.nodes.len() as u32 };
+        self.places[place] = self.nodes.len() as u32;
         if self.nodes.len() * 2 > self.places.len() {
-            self.grow();
+            self.grow(self.places.len() * 2);
         }
         NodeId(self.nodes.len() as u32 - 1)
     }
 
+    /// Spreads the nodes over `count` places, a power of two.
     #[cold]
-    fn grow(&mut self) {
-        let mask = self.places.len() * 4 - 1;
-        let mut places = vec![Place::default(); mask + 1];
-        for &place in self.places.iter().filter(|place| place.number != 0) {
-            let mut at = place.hash as usize & mask;
-            while places[at].number != 0 {
-                at = (at + 1) & mask;
+    fn grow(&mut self, count: usize) {
+        let mask = count - 1;
+        let mut places = vec![0; count];
+        for (index, node) in self.nodes.iter().enumerate() {
+            let mut place = hash(node.key()) as usize & mask;
+            while places[place] != 0 {
+                place = (place + 1) & mask;
             }
-            places[at] = place;
+            places[place] = index as u32 + 1;
         }
         self.places = places;
     }

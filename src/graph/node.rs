@@ -157,6 +157,15 @@ impl Node {
         }
     }
 
+    /// Whether both are equal as [`Node::key`] has it: constants by their bits, so that NaN is NaN.
+    #[inline(always)]
+    pub(super) fn is(self, other: Self) -> bool {
+        match (self, other) {
+            (Node::Constant(a), Node::Constant(b)) => a.to_bits() == b.to_bits(),
+            _ => self == other,
+        }
+    }
+
     /// The nodes that this one is computed from, in order.
     #[inline(always)]
     pub fn operands(self) -> impl DoubleEndedIterator<Item = NodeId> {

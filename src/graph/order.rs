@@ -70,9 +70,8 @@ impl Graph {
                 }
             }
         }
-        let mut ordered: Vec<NodeId> = inputs.into_iter().flatten().collect();
-        ordered.append(&mut nodes);
-        Ok(Order { nodes: ordered })
+        nodes.splice(0..0, inputs.into_iter().flatten());
+        Ok(Order { nodes })
     }
 
     /// How many values at once each of the first nodes needs, if nothing were shared.

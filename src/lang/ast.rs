@@ -83,6 +83,11 @@ impl Ast {
         ExprId(self.nodes.len() as u32 - 1)
     }
 
+    /// Number of expressions.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
     pub fn reserve(&mut self, nodes: usize) {
         self.nodes.reserve(nodes);
     }

@@ -228,13 +228,20 @@ impl Allocator<'_> {
 
     /// The slot of a value, fetched into one if it is in none; pinned.
     fn fetch(&mut self, id: NodeId) -> Result<u8, TapeError> {
-        if self.in_table(id) {
-            let output = self.take_any()?;
-            let entry = self.entry(id);
-            self.emit(Instruction::Load { output, entry });
-            self.pin(output);
-            return Ok(output);
-        }
+        if self.in_table(id) { self.fetch_entry(id) } else { self.fetch_value(id) }
+    }
+
+    fn fetch_entry(&mut self, id: NodeId) -> Result<u8, TapeError> {
+        let output = self.take_any()?;
+        let entry = self.entry(id);
+        self.emit(Instruction::Load { output, entry });
+        self.pin(output);
+        Ok(output)
+    }
+
+    /// [`Allocator::fetch`] of what is not in the table.
+    #[inline]
+    fn fetch_value(&mut self, id: NodeId) -> Result<u8, TapeError> {
         let place = self.places[id.index()];
         let slot = if place.slot_or_entry != NONE {
             place.slot_or_entry as u8
@@ -313,18 +320,21 @@ impl Allocator<'_> {
     }
 
     fn binary(&mut self, op: Op, mut a: NodeId, mut b: NodeId, mut uses: NextUses) -> Result<u8, TapeError> {
-        if op.properties().has(Properties::COMMUTATIVE) && self.in_table(a) && !self.in_table(b) {
+        let mut in_table = (self.in_table(a), self.in_table(b));
+        if in_table == (true, false) && op.properties().has(Properties::COMMUTATIVE) {
             std::mem::swap(&mut a, &mut b);
             std::mem::swap(&mut uses.a, &mut uses.b);
+            in_table = (false, true);
         }
-        // The only form of a clause that takes two values of the table has the first one in a slot.
-        let (left, right) = match (self.in_table(a), self.in_table(b)) {
-            (true, false) => (None, Some(self.fetch(b)?)),
-            (_, true) => (Some(self.fetch(a)?), None),
+        let (left, right) = match in_table {
             (false, false) => {
-                let left = self.fetch(a)?;
-                (Some(left), Some(if a == b { left } else { self.fetch(b)? }))
+                let left = self.fetch_value(a)?;
+                (Some(left), Some(if a == b { left } else { self.fetch_value(b)? }))
             }
+            (false, true) => (Some(self.fetch_value(a)?), None),
+            (true, false) => (None, Some(self.fetch_value(b)?)),
+            // The only form of a clause that takes two values of the table has the first one in a slot.
+            (true, true) => (Some(self.fetch_entry(a)?), None),
         };
         if let Some(slot) = left {
             self.used(slot, uses.a);

@@ -8,7 +8,7 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::Lowering;
-use crate::graph::{Input, NodeId, Op};
+use crate::graph::{Input, Op};
 
 /// Number of frequency bands.
 const BANDS: u8 = 32;
@@ -111,20 +111,20 @@ impl Lowering<'_> {
     /// A vector from one number, from the first components of a longer one, or from parts that make up its size.
     fn construct(&mut self, name: &str, len: u8, vectors: &[Option<Vector>; 4], span: Span) -> Value {
         let len = usize::from(len);
-        let mut parts: Vec<NodeId> = Vec::with_capacity(16);
-        for vector in vectors.iter().flatten() {
-            parts.extend_from_slice(vector.parts());
+        let Some(first) = vectors[0] else { return Value::Unknown };
+        let (mut parts, mut count) = ([first.first(); 4], 0);
+        for &part in vectors.iter().flatten().flat_map(Vector::parts) {
+            if let Some(slot) = parts.get_mut(count) {
+                *slot = part;
+            }
+            count += 1;
         }
-        let single = vectors.iter().flatten().count() == 1;
-        if single && parts.len() == 1 {
-            parts = vec![parts[0]; len];
-        } else if single && parts.len() > len {
-            parts.truncate(len);
-        }
-        match Vector::from_slice(&parts) {
-            Some(vector) if vector.len() == len => Value::Vector(vector),
+        let single = vectors[1].is_none();
+        let fit = count == len || (single && (count == 1 || count > len));
+        match parts.get(..len).and_then(Vector::from_slice) {
+            Some(vector) if fit => Value::Vector(vector),
             _ => {
-                let message = format!("`{name}` needs {len} numbers, and here are {}", parts.len());
+                let message = format!("`{name}` needs {len} numbers, and here are {count}");
                 let hint = format!("write one number for all, or numbers and vectors that make up {len}");
                 self.report(Diagnostic::new(span, message).hint(hint))
             }

@@ -328,18 +328,18 @@ impl Lowering<'_> {
             }
         };
         let text = self.name(components);
-        const SETS: [&str; 3] = ["xyzw", "rgba", "stpq"];
-        let set = SETS.iter().find(|set| text.chars().all(|c| set.contains(c)));
-        let Some(set) = set.filter(|_| text.len() <= 4) else {
+        let set = text.bytes().next().and_then(component).map(|(set, _)| set);
+        let one_set = text.bytes().all(|byte| component(byte).map(|(set, _)| set) == set);
+        if set.is_none() || !one_set || text.len() > 4 {
             let message = format!("`.{}` names no components", text.chars().take(20).collect::<String>());
             let wrong = Diagnostic::new(span, message);
             return self.report(wrong.hint("components are up to four of `xyzw` or of `rgba`, as in `.xz`"));
-        };
+        }
         let mut parts = [vector.first(); 4];
-        for (part, component) in parts.iter_mut().zip(text.chars()) {
-            let index = set.find(component).unwrap_or(0);
+        for (part, byte) in parts.iter_mut().zip(text.bytes()) {
+            let index = component(byte).map_or(0, |(_, index)| index);
             if index >= vector.len() {
-                let message = format!("{} has no component `{component}`", value.described());
+                let message = format!("{} has no component `{}`", value.described(), char::from(byte));
                 return self.report(Diagnostic::new(span, message));
             }
             *part = vector.part(index);
@@ -377,4 +377,23 @@ impl Lowering<'_> {
         let shared = self.library.by_symbol.get(symbol.index()).is_some_and(|&index| index > 0);
         own || shared || library::builtin_index(symbol).is_some()
     }
+}
+
+/// A component's letter: which set of four it belongs to, and its place there.
+fn component(letter: u8) -> Option<(u8, usize)> {
+    Some(match letter {
+        b'x' => (0, 0),
+        b'y' => (0, 1),
+        b'z' => (0, 2),
+        b'w' => (0, 3),
+        b'r' => (1, 0),
+        b'g' => (1, 1),
+        b'b' => (1, 2),
+        b'a' => (1, 3),
+        b's' => (2, 0),
+        b't' => (2, 1),
+        b'p' => (2, 2),
+        b'q' => (2, 3),
+        _ => return None,
+    })
 }

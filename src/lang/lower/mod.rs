@@ -30,8 +30,11 @@ pub(super) fn lower(
     diagnostics: &mut Diagnostics,
 ) -> Option<Scene> {
     let Loaded { ast, names, items, includes } = loaded;
+    let mut graph = Graph::with_limits(limits);
+    // About one node for an expression where little is repeated.
+    graph.reserve(ast.len());
     let lowering = Lowering {
-        graph: Graph::with_limits(limits),
+        graph,
         ast: &ast,
         scene_ast: &ast,
         library: library::library(),
