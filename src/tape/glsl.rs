@@ -1,4 +1,4 @@
-//! GLSL from the graph, and the interpreter's cases, both from the table of operators.
+//! GLSL from the graph, by the table of operators.
 //!
 //! The text relies on what the shader around it declares: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]), the
 //! frame's inputs ([`input_name`]), and, where they are used, `float table_band(float)`, `float
@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId};
 
 /// A literal that is the same f32 when it is read back. Negative ones stand in parentheses.
 pub fn literal(value: f32) -> String {
@@ -115,17 +115,4 @@ pub fn function(graph: &Graph, roots: &[NodeId], name: &str) -> Result<String, G
     }
     text.push_str("}\n");
     Ok(text)
-}
-
-/// The cases of the interpreter's switch for the given operators: `case 25: r = sqrt(max(a, 0.0)); break;`.
-/// The number is the operator's, so the shader takes the form of the operands off the opcode first (see
-/// [`crate::tape`]).
-pub fn switch_cases(operators: impl IntoIterator<Item = Op>) -> String {
-    let mut text = String::new();
-    for op in operators {
-        let _ = write!(text, "case {}: r = ", op.number());
-        fill(&mut text, op.glsl(), "a", "b");
-        text.push_str("; break;\n");
-    }
-    text
 }
