@@ -27,13 +27,29 @@ const KEPT_TABLE_MAX_OF_A_GPU: usize = 16;
 
 /// Whether an operator costs several times an addition: those run in the last place of a texel only.
 pub fn is_rare(op: Op) -> bool {
-    match op {
-        Op::Exp | Op::Exp2 | Op::Log | Op::Log2 | Op::Pow => true,
-        Op::Sin | Op::Cos | Op::Tan | Op::Asin | Op::Acos | Op::Atan | Op::Atan2 => true,
-        Op::Sinh | Op::Cosh | Op::Tanh => true,
-        Op::Hash | Op::Band | Op::Spectrum | Op::Waveform | Op::History => true,
-        _ => false,
-    }
+    matches!(
+        op,
+        Op::Exp
+            | Op::Exp2
+            | Op::Log
+            | Op::Log2
+            | Op::Pow
+            | Op::Sin
+            | Op::Cos
+            | Op::Tan
+            | Op::Asin
+            | Op::Acos
+            | Op::Atan
+            | Op::Atan2
+            | Op::Sinh
+            | Op::Cosh
+            | Op::Tanh
+            | Op::Hash
+            | Op::Band
+            | Op::Spectrum
+            | Op::Waveform
+            | Op::History
+    )
 }
 
 impl Tape {
@@ -61,7 +77,7 @@ impl Tape {
             words.push(clause);
         }
         words.push(0);
-        while (words.len() - start) % 4 != 0 {
+        while !(words.len() - start).is_multiple_of(4) {
             words.push(0);
         }
     }
