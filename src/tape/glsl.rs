@@ -1,4 +1,4 @@
-//! GLSL from the graph, and the interpreter's cases, both from the table of operators.
+//! GLSL from the graph, by the table of operators.
 //!
 //! The text relies on what the shader around it declares: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]), the
 //! frame's inputs ([`input_name`]), and, where they are used, `float table_band(float)`, `float
@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId};
 
 /// A literal that is the same f32 when it is read back. Negative ones stand in parentheses.
 pub fn literal(value: f32) -> String {

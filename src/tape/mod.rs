@@ -21,6 +21,8 @@
 //! | 128..192 | the operator with the number opcode - 64: op(slot, table) | slot | slot a | table |
 //! | 192..256 | the operator with the number opcode - 128: op(table, slot) | slot | table | slot b |
 //!
+//! [`interpreter`] says how the shader's interpreter wants them arranged.
+//!
 //! So an interpreter reads the form of the operands from the top two bits, fetches them, and switches over
 //! 16..64 or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its
 //! output.

@@ -7,6 +7,7 @@
 pub mod compare;
 #[cfg(target_os = "linux")]
 pub mod desktop;
+pub mod expression;
 pub mod glsl;
 #[cfg(unix)]
 pub mod process;

@@ -1,0 +1,490 @@
+//! The CPU's evaluator, the interpreter's shader and the compiled shader give the same numbers.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod support;
+
+use std::collections::BTreeMap;
+
+use mariana::gpu::headless::Headless;
+use mariana::gpu::probe::{BufferTexel, Probe};
+use mariana::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
+use mariana::tape::interpreter::Variant;
+use mariana::tape::{PointEvaluator, Tape, TapeOptions, glsl};
+use support::expression::{Random, TABLES_GLSL, frame, random_expression, spread};
+use support::glsl::{Stage, check_with_glslang};
+
+const HEAD: &str = "#version 330 core
+layout(location = 0) out vec4 color;
+uniform samplerBuffer points;
+uniform samplerBuffer normals;
+uniform samplerBuffer programs;
+";
+
+/// Texts, points and what is asked of them.
+struct Studio {
+    context: Headless,
+}
+
+fn bytes<T: Copy>(values: &[T], to_bytes: impl Fn(T) -> [u8; 4]) -> Vec<u8> {
+    values.iter().flat_map(|value| to_bytes(*value)).collect()
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    bytes(values, f32::to_le_bytes)
+}
+
+/// Tapes in the buffers that the interpreter reads.
+#[derive(Clone)]
+struct Programs {
+    words: Vec<u32>,
+    table: Vec<f32>,
+    /// Where each program begins, in texels. Exact in a float below 2^24.
+    starts: Vec<f32>,
+    variant: Variant,
+}
+
+impl Programs {
+    fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
+        let variant = Variant::of(tapes, every_case);
+        let (mut words, mut table, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for tape in tapes {
+            starts.push((words.len() / 4) as f32);
+            tape.append_program((table.len() / 4) as u32, &mut words);
+            tape.table_values(frame, &mut values);
+            table.extend(&values);
+            table.resize(table.len().next_multiple_of(4), 0.0);
+        }
+        table.resize(table.len() + 256, 0.0);
+        Self { words, table, starts, variant }
+    }
+
+    /// The interpreter's text with these functions around it.
+    fn text(&self, main: &str) -> String {
+        let interpreter = include_str!("../shaders/interpreter.glsl")
+            .replace("#include \"operators.glsl\"", &self.variant.text());
+        format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
+    }
+}
+
+impl Studio {
+    /// A picture with a column for every point and a row for every normal, the first row first.
+    fn draw(
+        &self,
+        text: &str,
+        points: &[[f32; 3]],
+        normals: &[[f32; 3]],
+        programs: Option<&Programs>,
+    ) -> Vec<[f32; 4]> {
+        let size = (points.len() as u32, normals.len() as u32);
+        let mut probe =
+            Probe::new(self.context.gl(), text, size, 1).unwrap_or_else(|error| panic!("{error}"));
+        for (name, vectors) in [("points", points), ("normals", normals)] {
+            let padded: Vec<f32> = vectors.iter().flat_map(|v| [v[0], v[1], v[2], 0.0]).collect();
+            probe.add_buffer(name, BufferTexel::Rgba32F, &floats(&padded)).unwrap();
+        }
+        if let Some(programs) = programs {
+            let words = bytes(&programs.words, u32::to_le_bytes);
+            probe.add_buffer("tape", BufferTexel::Rgba32U, &words).unwrap();
+            probe.add_buffer("tape_table", BufferTexel::Rgba32F, &floats(&programs.table)).unwrap();
+            probe.add_buffer("programs", BufferTexel::R32F, &floats(&programs.starts)).unwrap();
+        }
+        probe.draw();
+        self.context.gl().check("drawing a probe").unwrap();
+        let pixels = probe.read(0);
+        let (pixels, _) = pixels.as_chunks::<4>();
+        // The lowest row comes last.
+        pixels.chunks(points.len()).rev().flatten().copied().collect()
+    }
+}
+
+/// What is asked of a driver in an operator.
+struct Row {
+    op: Op,
+    /// How far it may be off, relative to the result.
+    relative: f32,
+    /// And absolutely.
+    absolute: f32,
+    /// Operands for which this holds, and why not for all.
+    trusted: fn(f32, f32) -> bool,
+}
+
+/// Operators that are not exact for all operands. GLSL leaves min, max and clamp of a NaN open and promises next to
+/// nothing of transcendental functions: their bounds are what Mesa's llvmpipe needs, with room.
+const ROWS: &[Row] = &[
+    Row { op: Op::Exp, relative: 3e-6, absolute: 0.0, trusted: any },
+    Row { op: Op::Exp2, relative: 3e-6, absolute: 0.0, trusted: any },
+    Row { op: Op::Log, relative: 1e-6, absolute: 5e-7, trusted: any },
+    Row { op: Op::Log2, relative: 1e-6, absolute: 5e-7, trusted: any },
+    // Drivers reduce large angles in f32, or not at all.
+    Row { op: Op::Sin, relative: 1e-6, absolute: 1e-6, trusted: angle },
+    Row { op: Op::Cos, relative: 1e-6, absolute: 1e-6, trusted: angle },
+    Row { op: Op::Tan, relative: 1e-5, absolute: 1e-6, trusted: angle },
+    // Polynomials. llvmpipe clamps a NaN to -1, against what `Op` says.
+    Row { op: Op::Asin, relative: 3e-5, absolute: 0.0, trusted: number },
+    Row { op: Op::Acos, relative: 3e-5, absolute: 0.0, trusted: number },
+    // llvmpipe gives 0 for a NaN.
+    Row { op: Op::Atan, relative: 3e-5, absolute: 0.0, trusted: number },
+    Row { op: Op::Atan2, relative: 3e-5, absolute: 0.0, trusted: numbers },
+    // From exponentials: absolute near 0.
+    Row { op: Op::Sinh, relative: 3e-6, absolute: 1e-7, trusted: any },
+    Row { op: Op::Cosh, relative: 3e-6, absolute: 0.0, trusted: any },
+    Row { op: Op::Tanh, relative: 3e-6, absolute: 1e-7, trusted: number },
+    Row { op: Op::Div, relative: 3e-7, absolute: 0.0, trusted: any },
+    // A quotient below the normal numbers is 0 in a driver, which floor tells from a negative number.
+    Row { op: Op::Mod, relative: 3e-7, absolute: 0.0, trusted: quotient },
+    // From the logarithm: the exponent scales its error. llvmpipe gives NaNs for infinities.
+    Row { op: Op::Pow, relative: 1e-5, absolute: 0.0, trusted: finite },
+    // llvmpipe clamps a NaN to the least cell.
+    Row { op: Op::Hash, relative: 0.0, absolute: 0.0, trusted: numbers },
+];
+
+fn any(_: f32, _: f32) -> bool {
+    true
+}
+
+fn number(a: f32, _: f32) -> bool {
+    !a.is_nan()
+}
+
+fn numbers(a: f32, b: f32) -> bool {
+    !a.is_nan() && !b.is_nan()
+}
+
+fn finite(a: f32, b: f32) -> bool {
+    a.is_finite() && b.is_finite()
+}
+
+fn quotient(a: f32, b: f32) -> bool {
+    (a / b).is_normal() || a == 0.0 || b == 0.0
+}
+
+fn angle(a: f32, _: f32) -> bool {
+    a.abs() <= 100.0 || !a.is_finite()
+}
+
+fn tolerance(op: Op) -> (f32, f32) {
+    ROWS.iter().find(|row| row.op == op).map_or((0.0, 0.0), |row| (row.relative, row.absolute))
+}
+
+const RUN_POINT: &str = "
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    int program = int(texelFetch(programs, pixel.y).x);
+    color = vec4(run_point(program, texelFetch(points, pixel.x).xyz, texelFetch(normals, pixel.y).xyz), 0.0, 0.0);
+}
+";
+
+/// The four lanes are the pixel's point and the three that follow it.
+const RUN_LANES: &str = "
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    int program = int(texelFetch(programs, pixel.y).x);
+    int count = textureSize(points);
+    vec3 a = texelFetch(points, pixel.x).xyz;
+    vec3 b = texelFetch(points, (pixel.x + 1) % count).xyz;
+    vec3 c = texelFetch(points, (pixel.x + 2) % count).xyz;
+    vec3 d = texelFetch(points, (pixel.x + 3) % count).xyz;
+    vec4 results[12];
+    run_lanes(program, vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), vec4(a.z, b.z, c.z, d.z),
+        texelFetch(normals, pixel.y).xyz, results);
+    color = results[0];
+}
+";
+
+fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
+    let mut text = format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}");
+    let mut main = String::from(
+        "void main() {\n    ivec2 pixel = ivec2(gl_FragCoord.xy);\n    vec3 p = texelFetch(points, pixel.x).xyz;\n    vec3 n = texelFetch(normals, pixel.y).xyz;\n    float r = 0.0;\n",
+    );
+    for (place, root) in roots.iter().enumerate() {
+        text += &glsl::function(graph, &[*root], &format!("compiled_{place}")).unwrap();
+        main += &format!("    if (pixel.y == {place}) r = compiled_{place}(p, n);\n");
+    }
+    text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
+}
+
+/// The texts of both kinds of interpreter and of the compiled shader for expressions that share a graph, at every
+/// point: a row for each expression.
+fn run(
+    studio: &Studio,
+    graph: &Graph,
+    roots: &[NodeId],
+    options: &TapeOptions,
+    every_case: bool,
+    points: &[[f32; 3]],
+    normals: &[[f32; 3]],
+) -> (Vec<[f32; 4]>, Vec<[f32; 4]>) {
+    let tapes: Vec<Tape> = roots.iter().map(|root| Tape::build(graph, &[*root], options).unwrap()).collect();
+    let programs = Programs::new(&tapes, &frame(), every_case);
+    let point = studio.draw(&programs.text(RUN_POINT), points, normals, Some(&programs));
+    let lanes = studio.draw(&programs.text(RUN_LANES), points, normals, Some(&programs));
+    (point, lanes)
+}
+
+/// What each way of computing gave for one row and column, by its name. `lanes` is read by every point's four users.
+fn values_at<'a>(
+    (point, lanes): &'a (Vec<[f32; 4]>, Vec<[f32; 4]>),
+    row: usize,
+    column: usize,
+    columns: usize,
+) -> impl Iterator<Item = (&'static str, f32)> + 'a {
+    let names = ["lane 0", "lane 1", "lane 2", "lane 3"];
+    let lane = move |i: usize| (names[i], lanes[row * columns + (column + columns - i) % columns][i]);
+    std::iter::once(("run_point", point[row * columns + column][0])).chain((0..4).map(lane))
+}
+
+/// `value` as a driver has it that knows no numbers below the normal ones; one zero.
+fn flushed(value: f32) -> f32 {
+    if value.is_normal() || !value.is_finite() { value } else { 0.0 }
+}
+
+fn close(got: f32, right: f32, relative: f32, absolute: f32) -> bool {
+    got == right
+        || got.is_nan() && right.is_nan()
+        || (got - right).abs() <= relative * right.abs() + absolute && got.is_finite()
+}
+
+/// Ordinary, huge, tiny and special numbers, each with both signs.
+fn operands() -> Vec<f32> {
+    let mut numbers =
+        vec![0.0, 1.0, 0.5, 2.0, 3.0, 31.5, 100.0, 1e4, 1e20, 1e-20, 3e38, 1.2e-38, f32::INFINITY];
+    // Where rounding to whole numbers is delicate.
+    numbers.extend([0.49999997, 8_388_609.0, 16_777_216.0]);
+    let mut random = Random(7);
+    numbers.extend((0..16).map(|_| random.between(0.0, 1.0)));
+    numbers.extend((0..24).map(|_| random.between(0.0, 10.0)));
+    let negative: Vec<f32> = numbers.iter().map(|v| -v).collect();
+    numbers.extend(negative);
+    numbers.push(f32::NAN);
+    numbers
+}
+
+#[test]
+fn every_operator_agrees_on_ordinary_and_extreme_operands() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let numbers = operands();
+    let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let node_of = |op: Op| if op.arity() == 1 { Node::Unary(op, x) } else { Node::Binary(op, x, y) };
+    let roots: Vec<NodeId> = Op::ALL.iter().map(|op| graph.raw(node_of(*op))).collect();
+    let normals = vec![[0.0; 3]; roots.len()];
+    let options = TapeOptions::default();
+    let selected = run(&studio, &graph, &roots, &options, true, &points, &normals);
+    let switched = run(&studio, &graph, &roots, &options, false, &points, &normals);
+    let compiled = studio.draw(&compiled_text(&graph, &roots), &points, &normals, None);
+
+    let (frame, mut wrong, mut trusted) = (frame(), Vec::new(), vec![0; roots.len()]);
+    for (row, &op) in Op::ALL.iter().enumerate() {
+        let rule = ROWS.iter().find(|row| row.op == op);
+        let (relative, absolute) = tolerance(op);
+        for (column, &[a, b, _]) in points.iter().enumerate() {
+            if rule.is_some_and(|rule| !(rule.trusted)(a, b)) {
+                continue;
+            }
+            trusted[row] += 1;
+            let right = flushed(op.value(a, b, &frame));
+            let mut check = |name: &str, how: &str, got: f32| {
+                if !close(flushed(got), right, relative, absolute) {
+                    wrong.push(format!("{}({a:e}, {b:e}) is {right:e}; {how} {name}: {got:e}", op.name()));
+                }
+            };
+            for (values, how) in [(&selected, "selected"), (&switched, "switched")] {
+                values_at(values, row, column, points.len()).for_each(|(name, got)| check(name, how, got));
+            }
+            check("compiled", "", compiled[row * points.len() + column][0]);
+        }
+    }
+    assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(40)].join("\n"));
+    assert!(trusted.iter().all(|count| *count > points.len() / 2), "{trusted:?}");
+}
+
+/// How far the result of an operator is moved to see what becomes of rounding: what [`ROWS`] says, and two units in
+/// the last place for arithmetic, which drivers may fuse and regroup.
+fn disturbance(op: Op, a: f32, result: f32) -> f32 {
+    const ULPS: f32 = 2.4e-7;
+    match op {
+        Op::Add | Op::Sub | Op::Mul | Op::Square | Op::Sqrt => ULPS * result.abs(),
+        // Small differences of what may be large.
+        Op::Fract | Op::Mod => ULPS * a.abs(),
+        Op::Spectrum | Op::Waveform | Op::History => ULPS,
+        op => {
+            let (relative, absolute) = tolerance(op);
+            relative * result.abs() + absolute
+        }
+    }
+}
+
+#[test]
+fn random_expressions_agree() {
+    const EXPRESSIONS: usize = 2_000;
+    const POINTS: usize = 256;
+    const PER_SHADER: usize = 50;
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let mut random = Random(1);
+    let mut graph = Graph::new();
+    let roots: Vec<NodeId> = (0..EXPRESSIONS)
+        .map(|_| {
+            let operators = 1 + random.below(11);
+            random_expression(&mut random, &mut graph, operators)
+        })
+        .collect();
+    let points: Vec<[f32; 3]> =
+        (0..POINTS).map(|_| std::array::from_fn(|_| random.between(-4.0, 4.0))).collect();
+    let normals: Vec<[f32; 3]> =
+        roots.iter().map(|_| std::array::from_fn(|_| random.between(-1.0, 1.0))).collect();
+    let interpreted = run(&studio, &graph, &roots, &TapeOptions::default(), true, &points, &normals);
+    let mut compiled = Vec::new();
+    for (roots, normals) in roots.chunks(PER_SHADER).zip(normals.chunks(PER_SHADER)) {
+        compiled.extend(studio.draw(&compiled_text(&graph, roots), &points, normals, None));
+    }
+
+    let frame = frame();
+    let (mut wrong, mut counted) = (Vec::new(), 0);
+    let mut occurrences: BTreeMap<&str, usize> = Op::ALL.iter().map(|op| (op.name(), 0)).collect();
+    for (row, &root) in roots.iter().enumerate() {
+        let order = graph.order(&[root]).unwrap().nodes;
+        for &id in &order {
+            if let Node::Unary(op, _) | Node::Binary(op, _, _) = graph.node(id) {
+                *occurrences.entry(op.name()).or_default() += 1;
+            }
+        }
+        let tape = Tape::build(&graph, &[root], &TapeOptions::default()).unwrap();
+        let mut evaluator = PointEvaluator::new(&tape, &frame);
+        for (column, &position) in points.iter().enumerate() {
+            let point = Point { position, normal: normals[row] };
+            let right = evaluator.at(&point)[0];
+            if !right.is_finite()
+                || spread(&graph, &order, &point, &frame, disturbance, &mut random) > 1e-4 * right.abs()
+            {
+                continue;
+            }
+            counted += 1;
+            let mut check = |name: &str, got: f32| {
+                if !close(got, right, 1e-4, 1e-30) {
+                    wrong.push(format!("expression {row}, {point:?}: {right:e}; {name}: {got:e}"));
+                }
+            };
+            values_at(&interpreted, row, column, POINTS).for_each(|(name, got)| check(name, got));
+            check("compiled", compiled[row * POINTS + column][0]);
+        }
+    }
+    let share = counted as f64 / (EXPRESSIONS * POINTS) as f64;
+    assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(20)].join("\n"));
+    assert!(share >= 0.9, "only {share} of the points count");
+    assert!(occurrences.values().all(|count| *count >= 100), "{occurrences:?}");
+}
+
+/// A sum of many products of distinct constants that are all kept to the end, of operations that are exact alike
+/// everywhere: it spills, and its table has pages.
+fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
+    let inputs = [Input::X, Input::Y, Input::Z, Input::NX].map(|input| graph.input(input));
+    let products: Vec<NodeId> = (0..terms)
+        .map(|i| {
+            let number = graph.constant(i as f32 * 0.5 - 7.0);
+            let product = graph.mul(inputs[i % 4], number);
+            graph.max(product, inputs[(i + 1) % 4])
+        })
+        .collect();
+    // Once from the front and once from the back, so that the first are needed last.
+    let first = products.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap();
+    products.iter().rev().copied().fold(first, |a, b| graph.sub(b, a))
+}
+
+#[test]
+fn spills_and_pages_change_nothing() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let mut random = Random(3);
+    let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
+    let normals = [[0.25, 0.5, -0.75]];
+    for (terms, slots, pages) in
+        [(6, 4, false), (20, 8, false), (40, 16, false), (300, 256, true), (300, 8, true)]
+    {
+        let mut graph = Graph::new();
+        let root = wide_expression(&mut graph, terms);
+        let options = TapeOptions { slots, ..TapeOptions::default() };
+        let tape = Tape::build(&graph, &[root], &options).unwrap();
+        assert!(tape.memory() > 0 && (tape.table().len() > 256) == pages, "{terms} terms do not test this");
+        let frame = frame();
+        let mut evaluator = PointEvaluator::new(&tape, &frame);
+        for every_case in [true, false] {
+            let values = run(&studio, &graph, &[root], &options, every_case, &points, &normals);
+            for (column, &position) in points.iter().enumerate() {
+                let right = evaluator.at(&Point { position, normal: normals[0] })[0];
+                for (name, got) in values_at(&values, 0, column, points.len()) {
+                    assert!(
+                        close(got, right, 1e-6, 0.0),
+                        "{terms} terms, {slots} slots, every case {every_case}, {name}: {got} for {right}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn textures_are_read_with_the_gradients_of_the_lanes_and_all_outputs_are_given() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let half = graph.constant(0.5);
+    let u = graph.mul(x, half);
+    let mut roots: Vec<NodeId> =
+        (0..4).map(|channel| graph.texture(channel + 3, channel as u8, u, y)).collect();
+    roots.extend((0..8).map(|i| {
+        let number = graph.constant(i as f32);
+        graph.add(x, number)
+    }));
+    let tape = Tape::build(&graph, &roots, &TapeOptions::default()).unwrap();
+    let stub = "vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
+    return vec4(float(index) + uv.x * 10.0, float(index) + dx.x + 10.0 * dx.y, float(index) + dy.x + 10.0 * dy.y, uv.y);
+}
+";
+    let main = "void main() {
+    vec4 results[12];
+    run_lanes(0, vec4(1.0, 1.5, 1.25, 9.0), vec4(2.0, 2.125, 4.0, 9.0), vec4(0.0), vec3(0.0), results);
+    int column = int(gl_FragCoord.x);
+    color = column == 12 ? vec4(run_point(0, vec3(1.0, 2.0, 0.0), vec3(0.0)), 0.0, 0.0) : results[column];
+}
+";
+    for every_case in [true, false] {
+        let programs = Programs::new(std::slice::from_ref(&tape), &frame(), every_case);
+        assert_eq!(programs.variant.textures, 7);
+        let text = programs.text(&format!("{stub}{main}"));
+        let values = studio.draw(&text, &[[0.0; 3]; 13], &[[0.0; 3]], Some(&programs));
+        let mut expected = vec![[8.0; 4], [4.0 + 0.25 + 1.25; 4], [5.0 + 0.125 + 20.0; 4], [2.0; 4]];
+        expected.extend((0..8).map(|i| [1.0, 1.5, 1.25, 9.0].map(|x| x + i as f32)));
+        expected.push([0.0; 4]);
+        assert_eq!(values, expected, "every case {every_case}");
+    }
+}
+
+#[test]
+fn glslang_takes_every_kind_of_interpreter() {
+    let stub = "vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) { return vec4(0.0); }";
+    let mut graph = Graph::new();
+    let x = graph.input(Input::X);
+    let tape = Tape::build(&graph, &[x], &TapeOptions::default()).unwrap();
+    let programs = Programs::new(&[tape], &frame(), true);
+    for every_case in [true, false] {
+        for (slots, table, memory, textures) in [
+            (4, 4, 0, 0),
+            (8, 8, 0, 2),
+            (8, 16, 8, 0),
+            (8, 32, 0, 0),
+            (16, 16, 0, 12),
+            (256, 256, 64, 1),
+            (8, 0, 0, 0),
+        ] {
+            let operators = Op::ALL.iter().copied().collect();
+            let variant =
+                Variant { operators, slots, table, memory, textures, inputs: memory > 0, every_case };
+            let text =
+                Programs { variant: variant.clone(), ..programs.clone() }.text(&format!("{stub}{RUN_LANES}"));
+            if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
+                panic!("{variant:?}: {complaint}");
+            }
+        }
+    }
+}
