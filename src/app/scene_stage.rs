@@ -150,7 +150,7 @@ impl SceneStage {
                     SceneError::Mistakes { plain, .. } => plain.clone(),
                     other => other.to_string(),
                 };
-                let heading = format!("{} has mistakes; the last good scene stays", loaded.source.name());
+                let heading = format!("{} has mistakes; the last good scene stays", loaded.source.title());
                 tracing::warn!("{error}");
                 self.problem = Some((heading, text));
                 Ok(())
@@ -308,7 +308,8 @@ impl SceneStage {
         if can_be_drawn {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
             self.revision += 1;
-            let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.name());
+            self.compiler.one_at_a_time();
+            let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
             if replaced.is_some() && name(&replaced) != name(&self.on_stage) {
                 self.tell(name(&self.on_stage).unwrap_or_default());
             }
@@ -364,7 +365,7 @@ impl SceneStage {
     /// Asks for the next or the previous scene.
     pub fn go(&mut self, forward: bool) {
         let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
-        self.tell(next.name());
+        self.tell(next.title());
         self.source = next.clone();
         self.loader.request(next);
     }
@@ -412,14 +413,14 @@ impl SceneStage {
 
     /// The name of the scene on the stage.
     pub fn name(&self) -> Option<String> {
-        self.on_stage.as_ref().map(|cast| cast.source.name())
+        self.on_stage.as_ref().map(|cast| cast.source.title())
     }
 
     /// A line about the scene on the stage: its name, its mode, its clauses.
     pub fn corner(&self) -> Option<String> {
         let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
         let cost = cast.resources.buffers().cost;
-        Some(format!("{} · {mode} · {} clauses", cast.source.name(), cost.distance))
+        Some(format!("{} · {mode} · {} clauses", cast.source.title(), cost.distance))
     }
 
     /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.

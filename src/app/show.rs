@@ -23,6 +23,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::Mode;
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
 /// Frame cap where the monitor tells no rate.
@@ -151,7 +152,7 @@ struct Stage {
 impl Show {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let settings = &self.settings;
-        let title = title(&self.name, None, settings.silent);
+        let title = title(&self.name, None, None, settings.silent);
         let window =
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
         if settings.gl_info {
@@ -292,10 +293,8 @@ impl Show {
             }
             stage.told_source.clone_from(&status.source_error);
         }
-        let mut title = title(&self.name, Some(&status), self.settings.silent);
-        if let Some((scene, mode)) = stage.scene.name().zip(stage.scene.mode()) {
-            title = format!("{title} - {scene}, {mode}");
-        }
+        let scene = stage.scene.name().zip(stage.scene.mode());
+        let title = title(&self.name, scene, Some(&status), self.settings.silent);
         if title != stage.title {
             stage.window.window().set_title(&title);
             stage.title = title;
@@ -324,11 +323,20 @@ impl Show {
     }
 }
 
-/// The window's title: the song, the program, and what is not as usual; silence is, if it was asked for.
-fn title(name: &str, status: Option<&PlayerStatus>, silence_asked: bool) -> String {
+/// The window's title: the song, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
+/// was asked for.
+fn title(
+    name: &str,
+    scene: Option<(String, Mode)>,
+    status: Option<&PlayerStatus>,
+    silence_asked: bool,
+) -> String {
     let mut title = format!("{name} - Mariana");
     let Some(status) = status else { return title };
     let mut notes = Vec::new();
+    if let Some((scene, mode)) = scene {
+        notes.extend([scene, mode.to_string()]);
+    }
     if status.paused {
         notes.push("paused".to_owned());
     }

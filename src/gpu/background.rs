@@ -112,6 +112,9 @@ struct Queue {
 #[derive(Default)]
 struct State {
     jobs: VecDeque<ProgramJob>,
+    running: usize,
+    /// Most jobs at a time.
+    running_max: usize,
     over: bool,
 }
 
@@ -127,7 +130,10 @@ impl Queue {
             if state.over {
                 return None;
             }
-            if let Some(job) = state.jobs.pop_front() {
+            if state.running < state.running_max
+                && let Some(job) = state.jobs.pop_front()
+            {
+                state.running += 1;
                 return Some(job);
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -148,6 +154,7 @@ impl BackgroundCompiler {
         wake: impl Fn() + Send + Clone + 'static,
     ) -> std::io::Result<Self> {
         let queue = Arc::new(Queue::default());
+        queue.lock().running_max = contexts.len();
         let (sender, finished) = channel();
         let mut threads = Vec::with_capacity(contexts.len());
         for context in contexts {
@@ -163,6 +170,11 @@ impl BackgroundCompiler {
     pub fn submit(&self, job: ProgramJob) {
         self.queue.lock().jobs.push_back(job);
         self.queue.changed.notify_one();
+    }
+
+    /// From now on only one job runs at a time: drawing needs the processor, too.
+    pub fn one_at_a_time(&self) {
+        self.queue.lock().running_max = 1;
     }
 
     /// Drops the jobs that were not begun and that `obsolete` names.
@@ -204,7 +216,6 @@ fn work(
     library: &ShaderLibrary,
     wake: &dyn Fn(),
 ) {
-    yield_to_drawing();
     // Kept current to the end of the thread, after everything that was made in it.
     let context = worker.make_current();
     let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
@@ -218,6 +229,8 @@ fn work(
             Ok((gl, renderer)) => make(gl, renderer, library, job),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
+        queue.lock().running -= 1;
+        queue.changed.notify_one();
         if finished.send(Finished { id, program }).is_err() {
             break;
         }
@@ -240,12 +253,4 @@ fn make(
     }
     gl.finish();
     Ok(program.into_ready())
-}
-
-/// Gives this thread the lowest priority, where the system has priorities of threads: drawing comes first.
-fn yield_to_drawing() {
-    #[cfg(target_os = "linux")]
-    if let Err(error) = rustix::process::setpriority_process(None, 19) {
-        tracing::debug!("the compiling thread keeps its priority: {error}");
-    }
 }

@@ -97,6 +97,18 @@ impl SceneSource {
         files
     }
 
+    /// What titles call it: the name of a file without its folder and ending.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Shipped(name) => name.clone(),
+            Self::File(path) => {
+                let name = path.file_stem().unwrap_or(path.as_os_str());
+                name.to_string_lossy().into_owned()
+            }
+            Self::Formula(_) => "formula".to_owned(),
+        }
+    }
+
     /// Reads and compiles it. Mistakes in the text are in what is returned.
     ///
     /// # Errors

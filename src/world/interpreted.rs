@@ -16,6 +16,9 @@ use crate::tape::{TableEntry, Tape, TapeOptions};
 /// Words of a texel, and entries of one of the table.
 const TEXEL: usize = 4;
 
+/// Entries of a table's page.
+const PAGE: usize = 256;
+
 /// What the interpreter shader reads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
@@ -103,6 +106,9 @@ impl World {
         for (to, from) in programs.words.iter_mut().zip(directory.into_iter().chain(of_objects)) {
             *to = from;
         }
+        // Interpreters that keep a table beside their slots read whole pages of it.
+        let end = programs.table.len() + PAGE;
+        programs.table.resize(end, TableEntry::Constant(0.0));
         let clauses = |tapes: &[Tape]| tapes.iter().map(|tape| tape.clauses().len()).sum();
         let (first, others) = programs.tapes.split_at(directory.len());
         let cost = Cost {
