@@ -224,7 +224,7 @@ uint selected_texture = 0u;     // the word of the last SELECT_TEXTURE
 vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy);
 #endif
 
-void lanes_clause(uint word, const bool last, vec4 x, vec4 y, vec4 z, vec3 n) {
+void lanes_clause(uint word, const bool last, vec4 x, vec4 y, vec4 z, vec4 nx, vec4 ny, vec4 nz) {
     int number = operator_number(word);
     FETCH_IMMEDIATE(word);
     vec4 a = READ_A(vec4, lanes_file, word);
@@ -233,7 +233,7 @@ void lanes_clause(uint word, const bool last, vec4 x, vec4 y, vec4 z, vec3 n) {
     if (last) r = rare_operator(number, r, a, b);
 #ifdef INPUT_CLAUSES
     r = number == 8 ? x : number == 9 ? y : number == 10 ? z : r;
-    r = number == 11 ? vec4(n.x) : number == 12 ? vec4(n.y) : number == 13 ? vec4(n.z) : r;
+    r = number == 11 ? nx : number == 12 ? ny : number == 13 ? nz : r;
 #endif
 #if MEMORY > 0
     if (last) {
@@ -244,23 +244,34 @@ void lanes_clause(uint word, const bool last, vec4 x, vec4 y, vec4 z, vec3 n) {
 #endif
 #if TEXTURES > 0
     if (number == SELECT_TEXTURE) selected_texture = word;
-    if (last && number == TEXTURE) {
-        vec2 uv = vec2(a.x, b.x);
-        vec4 texel = sample_texture(int(selected_texture >> 16), uv, vec2(a.y, b.y) - uv, vec2(a.z, b.z) - uv);
-        uint channel = BYTE(selected_texture, 1);
-        r = vec4(channel < 2u ? (channel == 0u ? texel.x : texel.y) : (channel == 2u ? texel.z : texel.w));
-    }
 #endif
 #if TABLE == 0
     if (number == PAGE) page = table + PAGE_TEXELS * int(word >> 16);
 #endif
     uint at = output_slot(word);
+#if TEXTURES > 0
+    if (number == TEXTURE) at = uint(SLOTS + TABLE);    // run_textures writes it
+#endif
     WRITE_SLOT(lanes_file, at, r);
 }
 
-// All outputs at the four points (x.i, y.i, z.i) with one normal. Textures are read at point 0, with points 1 and 2
-// as those of the pixels to the right and above, and have one value for all four.
-void run_lanes(int program, vec4 x, vec4 y, vec4 z, vec3 n, out vec4 results[12]) {
+#if TEXTURES > 0
+// Textures are read at point 0, with points 1 and 2 as those of the pixels to the right and above, and have one value
+// for all four.
+void run_texture(uint word) {
+    vec4 u = READ_SLOT(lanes_file, word, 2);
+    vec4 v = READ_SLOT(lanes_file, word, 3);
+    vec2 uv = vec2(u.x, v.x);
+    vec4 texel = sample_texture(int(selected_texture >> 16), uv, vec2(u.y, v.y) - uv, vec2(u.z, v.z) - uv);
+    uint channel = BYTE(selected_texture, 1);
+    vec4 r = vec4(channel < 2u ? (channel == 0u ? texel.x : texel.y) : (channel == 2u ? texel.z : texel.w));
+    uint at = SLOT(word, 1);
+    WRITE_SLOT(lanes_file, at, r);
+}
+#endif
+
+// All outputs at the four points (x.i, y.i, z.i) with the normals (nx.i, ny.i, nz.i).
+void run_lanes(int program, vec4 x, vec4 y, vec4 z, vec4 nx, vec4 ny, vec4 nz, out vec4 results[12]) {
     uvec4 head = texelFetch(tape, program);
 #if TABLE == 0
     table = FIRST_TEXEL(head);
@@ -277,23 +288,34 @@ void run_lanes(int program, vec4 x, vec4 y, vec4 z, vec3 n, out vec4 results[12]
     lanes_file[0] = x;
     lanes_file[1] = y;
     lanes_file[2] = z;
-    lanes_file[3] = vec4(n.x);
+    lanes_file[3] = nx;
 #if SLOTS > 4
-    lanes_file[4] = vec4(n.y);
-    lanes_file[5] = vec4(n.z);
+    lanes_file[4] = ny;
+    lanes_file[5] = nz;
 #endif
-    for (int texel = 1; texel <= TEXELS_MAX; ++texel) {
-        uvec4 words = texelFetch(tape, program + texel);
-        COUNT_TEXEL(4.0);
+    // Textures are read between runs of texels: what never skips a branch would read them in every texel.
+    int texel = 1;
+    for (int run = 0; run <= TEXELS_MAX; ++run) {
+        uint last = 0u;
+        for (; texel <= TEXELS_MAX; ++texel) {
+            uvec4 words = texelFetch(tape, program + texel);
+            COUNT_TEXEL(4.0);
+            last = words.w;
 #ifdef EVERY_CASE
-        lanes_clause(words.x, false, x, y, z, n);
-        lanes_clause(words.y, false, x, y, z, n);
-        lanes_clause(words.z, false, x, y, z, n);
-        lanes_clause(words.w, true, x, y, z, n);
+            lanes_clause(words.x, false, x, y, z, nx, ny, nz);
+            lanes_clause(words.y, false, x, y, z, nx, ny, nz);
+            lanes_clause(words.z, false, x, y, z, nx, ny, nz);
+            lanes_clause(words.w, true, x, y, z, nx, ny, nz);
 #else
-        for (int i = 0; i < 4; ++i) lanes_clause(words[i], true, x, y, z, n);
+            for (int i = 0; i < 4; ++i) lanes_clause(words[i], true, x, y, z, nx, ny, nz);
 #endif
-        if ((words.w & 255u) == 0u) break;
+            if ((last & 255u) == 0u || operator_number(last) == TEXTURE) break;
+        }
+        if ((last & 255u) == 0u || texel > TEXELS_MAX) break;
+#if TEXTURES > 0
+        run_texture(last);
+#endif
+        ++texel;
     }
     results[0] = READ_SLOT(lanes_file, head.y, 0);
     results[1] = READ_SLOT(lanes_file, head.y, 1);

@@ -47,34 +47,6 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     return visible * visible * (3.0 - 2.0 * visible);
 }
 
-// Highest probe of the occlusion.
-const float OCCLUSION_REACH = 1.1;
-
-// Ambient occlusion: how much nearer the scene is than a probe along the normal is high (Quilez 2008; thesis
-// section 3.5), 1 is open. Four probes; acts on ambient light only.
-float ambient_occlusion(vec3 p, vec3 normal) {
-    const vec4 share = vec4(0.25, 0.5, 0.75, 1.0);
-    const vec4 weight = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
-    vec4 height = OCCLUSION_REACH * share * share;
-    vec4 x = p.x + normal.x * height;
-    vec4 y = p.y + normal.y * height;
-    vec4 z = p.z + normal.z * height;
-    vec4 d = height;
-    for (int i = 0; i < PLANES_MAX; i++) {
-        vec4 above = planes[i].x * x + planes[i].y * y + planes[i].z * z + planes[i].w;
-        if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));
-    }
-    // A probe of height h is unaffected by a distance above h: nothing to do far from the scene's bounds.
-    vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
-    bool near = bounds_high.w < 0.5 || dot(outside, outside) < OCCLUSION_REACH * OCCLUSION_REACH;
-    if (near && bounds_low.w > 0.5) {
-        d = min(d, scene_estimates(x, y, z));
-        COUNT_N(occlusion, 4);
-    }
-    float closed = dot(weight, clamp((height - d) / height, 0.0, 1.0));
-    return clamp(1.0 - closed, 0.0, 1.0);
-}
-
 const float PI = 3.14159265;
 
 // GGX (Walter et al. 2007) with Smith's height-correlated masking (Heitz 2014, Hammon's approximation 2017) and Schlick's

@@ -23,3 +23,12 @@ Material within_ranges(Material m) {
     return Material(min(light_of(m.color), vec3(1.0)), share_of(m.roughness), share_of(m.metalness), light_of(m.emission),
                     share_of(m.reflect), share_of(m.coat), share_of(m.haze));
 }
+
+// Everything about a point of a surface but the light that falls on it from lamps.
+struct Surface {
+    int object;
+    vec3 normal;
+    Material material;
+    vec3 ambient;       // light from everywhere
+    float open;         // how much of it arrives
+};

@@ -2,8 +2,12 @@
 // Writes colour tone-mapped to 0..1, still linear, and in alpha a key of the surfaces seen.
 
 #include "frame_block.glsl"
+#include "counters.glsl"
 #include "material.glsl"
 #include "scene_inputs.glsl"
+#include "footprint.glsl"
+#include "normal.glsl"
+#include "occlusion.glsl"
 #include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "light.glsl"
@@ -16,7 +20,9 @@ layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, c
 #endif
 
 // Light from the surface at p towards the eye, without what it mirrors.
-vec3 shade(Material m, vec3 p, vec3 normal, vec3 direction, float cone) {
+vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
+    Material m = s.material;
+    vec3 normal = s.normal;
     vec3 light = m.emission;
     for (int i = 0; i < LIGHTS_MAX; i++) {
         vec4 place = lights[2 * i];
@@ -38,8 +44,7 @@ vec3 shade(Material m, vec3 p, vec3 normal, vec3 direction, float cone) {
             }
         }
     }
-    vec3 ambient = light_of(sky_ambient(normal, vec3(0.0), vec3(0.0)));
-    return light + m.color * ambient * ambient_occlusion(p, normal);
+    return light + m.color * light_of(s.ambient) * s.open;
 }
 
 // A number for the surfaces of a path: where neighbours differ in it, an edge of the geometry lies between them.
@@ -76,31 +81,21 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             travelled = reached;
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
-            int object;
-            vec3 normal;
-            if (hit.plane != NOTHING) {
-                normal = planes[hit.plane].xyz;
-                object = int(plane_objects[hit.plane] + 0.5);
-                p -= normal * (dot(normal, p) + planes[hit.plane].w);
-            } else {
-                normal = surface_normal(p, cone);
-                object = scene_object(p);
-            }
-            add_to_key(object, hit.plane != NOTHING, normal);
-            float along = dot(direction, normal);
-            along = abs(along) < 0.05 ? (along < 0.0 ? -0.05 : 0.05) : along;
-            vec3 dpx = dx - direction * (dot(dx, normal) / along);
-            vec3 dpy = dy - direction * (dot(dy, normal) / along);
-            Material m = within_ranges(scene_material(object, p, normal, dpx, dpy));
+            // Brought onto the plane exactly: no ray from there meets it again.
+            if (hit.plane != NOTHING) p -= planes[hit.plane].xyz * (dot(planes[hit.plane].xyz, p) + planes[hit.plane].w);
+            Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
+            s.material = within_ranges(s.material);
+            Material m = s.material;
+            add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_share = throughput * m.haze;
             float kept = throughput * (1.0 - m.haze);
             // Schlick's approximation of Fresnel's reflectance.
-            float grazing = pow(1.0 - clamp(-along, 0.0, 1.0), 5.0);
+            float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float reflectance = m.reflect > 0.0 ? m.reflect + (1.0 - m.reflect) * grazing : 0.0;
-            if (kept > 0.004) color += kept * (1.0 - reflectance) * shade(m, p, normal, direction, cone);
+            if (kept > 0.004) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
             throughput = kept * reflectance;
-            origin = p + normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
-            mirrored = direction - 2.0 * dot(direction, normal) * normal;
+            origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
+            mirrored = direction - 2.0 * dot(direction, s.normal) * s.normal;
         }
         if (sky_share > 0.0) color += sky_share * light_of(sky_color(direction, dx / reached, dy / reached));
         if (!hit.met || throughput < 0.004) return color;

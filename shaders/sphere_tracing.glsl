@@ -1,7 +1,5 @@
 // Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. Planes are solved exactly.
 
-#include "counters.glsl"
-
 const int STEPS_MAX = 128;
 // Share of a pixel's cone that counts as the surface, and its growth per step: a ray that creeps along a surface
 // ends there.
@@ -9,8 +7,6 @@ const float HIT_SHARE = 0.7;
 const float HIT_SHARE_GROWTH = 0.015;
 // As far as rays go where a scene has no bounds.
 const float FAR = 1000.0;
-
-const int NOTHING = -1;
 
 struct Hit {
     float t;        // along the ray
@@ -69,17 +65,4 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (t >= end) return behind;
     }
     return Hit(t, NOTHING, true);
-}
-
-// Normal by central differences on a tetrahedron, four taps; the step follows the pixel's cone (thesis 3.1).
-vec3 surface_normal(vec3 p, float cone) {
-    float h = max(0.6 * cone, 4e-4);
-    const vec4 ex = vec4(1.0, -1.0, -1.0, 1.0);
-    const vec4 ey = vec4(-1.0, -1.0, 1.0, 1.0);
-    const vec4 ez = vec4(-1.0, 1.0, -1.0, 1.0);
-    vec4 d = scene_estimates(p.x + h * ex, p.y + h * ey, p.z + h * ez);
-    COUNT_N(normal, 4);
-    vec3 sum = vec3(dot(ex, d), dot(ey, d), dot(ez, d));
-    float size = length(sum);
-    return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
 }

@@ -185,9 +185,10 @@ void main() {
     vec3 b = texelFetch(points, (pixel.x + 1) % count).xyz;
     vec3 c = texelFetch(points, (pixel.x + 2) % count).xyz;
     vec3 d = texelFetch(points, (pixel.x + 3) % count).xyz;
+    vec3 n = texelFetch(normals, pixel.y).xyz;
     vec4 results[12];
     run_lanes(program, vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), vec4(a.z, b.z, c.z, d.z),
-        texelFetch(normals, pixel.y).xyz, results);
+        vec4(n.x), vec4(n.y), vec4(n.z), results);
     color = results[0];
 }
 ";
@@ -198,7 +199,7 @@ fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
         "void main() {\n    ivec2 pixel = ivec2(gl_FragCoord.xy);\n    vec3 p = texelFetch(points, pixel.x).xyz;\n    vec3 n = texelFetch(normals, pixel.y).xyz;\n    float r = 0.0;\n",
     );
     for (place, root) in roots.iter().enumerate() {
-        text += &glsl::function(graph, &[*root], &format!("compiled_{place}")).unwrap();
+        text += &glsl::function(graph, &[*root], &format!("compiled_{place}"), glsl::Sampling::None).unwrap();
         main += &format!("    if (pixel.y == {place}) r = compiled_{place}(p, n);\n");
     }
     text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
@@ -443,7 +444,8 @@ fn textures_are_read_with_the_gradients_of_the_lanes_and_all_outputs_are_given()
 ";
     let main = "void main() {
     vec4 results[12];
-    run_lanes(0, vec4(1.0, 1.5, 1.25, 9.0), vec4(2.0, 2.125, 4.0, 9.0), vec4(0.0), vec3(0.0), results);
+    run_lanes(0, vec4(1.0, 1.5, 1.25, 9.0), vec4(2.0, 2.125, 4.0, 9.0), vec4(0.0), vec4(0.0), vec4(0.0),
+        vec4(0.0), results);
     int column = int(gl_FragCoord.x);
     color = column == 12 ? vec4(run_point(0, vec3(1.0, 2.0, 0.0), vec3(0.0)), 0.0, 0.0) : results[column];
 }

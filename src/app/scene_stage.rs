@@ -308,7 +308,6 @@ impl SceneStage {
         if can_be_drawn {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
             self.revision += 1;
-            self.compiler.one_at_a_time();
             let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
             if replaced.is_some() && name(&replaced) != name(&self.on_stage) {
                 self.tell(name(&self.on_stage).unwrap_or_default());

@@ -112,9 +112,6 @@ struct Queue {
 #[derive(Default)]
 struct State {
     jobs: VecDeque<ProgramJob>,
-    running: usize,
-    /// Most jobs at a time.
-    running_max: usize,
     over: bool,
 }
 
@@ -130,10 +127,7 @@ impl Queue {
             if state.over {
                 return None;
             }
-            if state.running < state.running_max
-                && let Some(job) = state.jobs.pop_front()
-            {
-                state.running += 1;
+            if let Some(job) = state.jobs.pop_front() {
                 return Some(job);
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
@@ -154,7 +148,6 @@ impl BackgroundCompiler {
         wake: impl Fn() + Send + Clone + 'static,
     ) -> std::io::Result<Self> {
         let queue = Arc::new(Queue::default());
-        queue.lock().running_max = contexts.len();
         let (sender, finished) = channel();
         let mut threads = Vec::with_capacity(contexts.len());
         for context in contexts {
@@ -170,11 +163,6 @@ impl BackgroundCompiler {
     pub fn submit(&self, job: ProgramJob) {
         self.queue.lock().jobs.push_back(job);
         self.queue.changed.notify_one();
-    }
-
-    /// From now on only one job runs at a time: drawing needs the processor, too.
-    pub fn one_at_a_time(&self) {
-        self.queue.lock().running_max = 1;
     }
 
     /// Drops the jobs that were not begun and that `obsolete` names.
@@ -229,8 +217,6 @@ fn work(
             Ok((gl, renderer)) => make(gl, renderer, library, job),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
-        queue.lock().running -= 1;
-        queue.changed.notify_one();
         if finished.send(Finished { id, program }).is_err() {
             break;
         }

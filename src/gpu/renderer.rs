@@ -10,6 +10,8 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::rc::Rc;
+
 use glow::HasContext;
 
 use super::error::GpuError;
@@ -158,15 +160,24 @@ impl Renderer {
             gl.disable(glow::SCISSOR_TEST);
             gl.disable(glow::FRAMEBUFFER_SRGB);
 
+            // The same states as for the further samples: some drivers compile a program once for each.
             targets.first.bind();
+            gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            gl.clear_stencil(1);
+            gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
+            gl.enable(glow::STENCIL_TEST);
+            gl.stencil_func(glow::EQUAL, 1, 0xff);
+            gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
+            gl.enable(glow::BLEND);
+            gl.blend_func(glow::ONE, glow::ONE);
             program.bind();
             self.draw_sample([0.0, 0.0], 0.0);
 
+            gl.disable(glow::BLEND);
             targets.extra.bind();
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
             gl.clear_stencil(0);
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
-            gl.enable(glow::STENCIL_TEST);
             gl.stencil_func(glow::ALWAYS, 1, 0xff);
             gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
             gl.color_mask(false, false, false, false);
@@ -278,10 +289,11 @@ impl Targets {
     fn new(gl: &Gl, size: (u32, u32), counting: Counting) -> Result<Self, GpuError> {
         let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F];
         let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
+        Target::check_size(gl, size)?;
+        let stencil = Rc::new(Stencil::new(gl, size)?);
         Ok(Self {
-            // The first to be made checks the size against the driver.
-            first: Target::new(gl, size, texels, None)?,
-            extra: Target::new(gl, size, texels, Some(Stencil::new(gl, size)?))?,
+            first: Target::new(gl, size, texels, Some(stencil.clone()))?,
+            extra: Target::new(gl, size, texels, Some(stencil))?,
             finished: Target::new(gl, size, &[Texel::Rgba8], None)?,
         })
     }

@@ -88,7 +88,8 @@ impl Interpreter {
 /// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same names.
 pub fn compiled_variant(functions: &str, textures: usize, counting: Counting) -> Variant {
     let mut variant = common(textures, counting);
-    variant.generated.push(("scene_functions.glsl".into(), functions.to_owned()));
+    let functions = format!("{functions}#include \"surface.glsl\"\n");
+    variant.generated.push(("scene_functions.glsl".into(), functions));
     variant
 }
 

@@ -2,6 +2,8 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::rc::Rc;
+
 use glow::HasContext;
 
 use super::error::GpuError;
@@ -14,7 +16,7 @@ pub struct Target {
     framebuffer: Framebuffer,
     colors: Vec<Texture>,
     // Freed after the framebuffer that uses it.
-    _stencil: Option<Stencil>,
+    _stencil: Option<Rc<Stencil>>,
     size: (u32, u32),
 }
 
@@ -64,6 +66,18 @@ impl Stencil {
 }
 
 impl Target {
+    /// Whether the driver has targets of `size` pixels.
+    ///
+    /// # Errors
+    /// [`GpuError::TooLarge`] if it has not.
+    pub fn check_size(gl: &Gl, size: (u32, u32)) -> Result<(), GpuError> {
+        let limit = gl.info().texture_side_max;
+        if size.0 > limit || size.1 > limit {
+            return Err(GpuError::TooLarge { width: size.0, height: size.1, limit });
+        }
+        Ok(())
+    }
+
     /// A target of `size` pixels with a colour texture for each of `texels`.
     ///
     /// # Errors
@@ -72,12 +86,9 @@ impl Target {
         gl: &Gl,
         size: (u32, u32),
         texels: &[Texel],
-        stencil: Option<Stencil>,
+        stencil: Option<Rc<Stencil>>,
     ) -> Result<Self, GpuError> {
-        let limit = gl.info().texture_side_max;
-        if size.0 > limit || size.1 > limit {
-            return Err(GpuError::TooLarge { width: size.0, height: size.1, limit });
-        }
+        Self::check_size(gl, size)?;
         let framebuffer = Framebuffer::new(gl)?;
         let mut colors = Vec::with_capacity(texels.len());
         // SAFETY: all names are ours and made in the current context.

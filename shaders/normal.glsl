@@ -1,0 +1,16 @@
+// Normals by central differences on a tetrahedron, four taps (thesis 3.1).
+const vec4 TAPS_X = vec4(1.0, -1.0, -1.0, 1.0);
+const vec4 TAPS_Y = vec4(-1.0, -1.0, 1.0, 1.0);
+const vec4 TAPS_Z = vec4(-1.0, 1.0, -1.0, 1.0);
+
+// How far the taps lie from the point: the step follows the pixel's cone.
+float tap_distance(float cone) {
+    return max(0.6 * cone, 4e-4);
+}
+
+// The normal from the distances at the taps.
+vec3 normal_of_taps(vec4 d) {
+    vec3 sum = vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
+    float size = length(sum);
+    return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
+}

@@ -1,0 +1,23 @@
+// Ambient occlusion: how much nearer the scene is than a probe along the normal is high (Quilez 2008; thesis
+// section 3.5). Four probes; acts on ambient light only.
+
+// Heights of the probes.
+const vec4 PROBES = 1.1 * vec4(0.0625, 0.25, 0.5625, 1.0);
+const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
+
+// Whether the scene, planes apart, can reach a probe: one of height h is unaffected by a distance above h.
+bool occluder_near(vec3 p) {
+    if (bounds_low.w < 0.5) return false;
+    vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
+    return bounds_high.w < 0.5 || dot(outside, outside) < PROBES.w * PROBES.w;
+}
+
+// 1 is open, from the scene's distances at the probes.
+float openness(vec3 p, vec3 normal, vec4 d) {
+    for (int i = 0; i < PLANES_MAX; i++) {
+        float height = dot(planes[i].xyz, p) + planes[i].w;
+        vec4 above = height + PROBES * dot(planes[i].xyz, normal);
+        if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));
+    }
+    return clamp(1.0 - dot(PROBE_WEIGHTS, clamp((PROBES - d) / PROBES, 0.0, 1.0)), 0.0, 1.0);
+}

@@ -1,0 +1,26 @@
+// A point of a surface, asked of the scene's functions.
+
+// `p` lies on the plane with the number `plane`, or on anything else if that is NOTHING. `dx` and `dy` are how far the
+// pixel's neighbours see at this distance.
+Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
+    Surface s;
+    if (plane != NOTHING) {
+        s.normal = planes[plane].xyz;
+        s.object = int(plane_objects[plane] + 0.5);
+    } else {
+        float h = tap_distance(cone);
+        s.normal = normal_of_taps(scene_estimates(p.x + h * TAPS_X, p.y + h * TAPS_Y, p.z + h * TAPS_Z));
+        COUNT_N(normal, 4);
+        s.object = scene_object(p);
+    }
+    s.material = scene_material(s.object, p, s.normal, along_surface(dx, s.normal, direction),
+                                along_surface(dy, s.normal, direction));
+    vec4 d = PROBES;
+    if (occluder_near(p)) {
+        d = scene_estimates(p.x + s.normal.x * PROBES, p.y + s.normal.y * PROBES, p.z + s.normal.z * PROBES);
+        COUNT_N(occlusion, 4);
+    }
+    s.open = openness(p, s.normal, d);
+    s.ambient = sky_ambient(s.normal, vec3(0.0), vec3(0.0));
+    return s;
+}
