@@ -7,7 +7,7 @@
 
 use std::fmt::Write as _;
 
-use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId};
 
 /// A literal that is the same f32 when it is read back. Negative ones stand in parentheses.
 pub fn literal(value: f32) -> String {

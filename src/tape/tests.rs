@@ -414,11 +414,18 @@ fn glsl_is_written_from_the_operators() {
 ";
     assert_eq!(text, expected);
     let tape = tape_of(&graph, &[root], 256);
-    assert_eq!(
-        glsl::switch_cases(tape.operators()),
-        "case 24: r = (a * a); break;\ncase 25: r = sqrt(max(a, 0.0)); break;\ncase 64: r = (a + b); break;\n\
-         case 65: r = (a - b); break;\ncase 69: r = max(a, b); break;\n"
-    );
+    let cases =
+        [(24, "(a * a)"), (25, "sqrt(max(a, 0.0))"), (64, "(a + b)"), (65, "(a - b)"), (69, "max(a, b)")];
+    let switch: String =
+        cases.iter().map(|(number, value)| format!("    case {number}: r = ({value}); break;\n")).collect();
+    let selection: String = cases
+        .iter()
+        .map(|(number, value)| format!("    r = number == {number} ? ({value}) : r;\n"))
+        .collect();
+    for (every_case, expected) in [(false, switch), (true, selection)] {
+        let text = interpreter::Variant::of([&tape], every_case).text();
+        assert_eq!(text.matches(&expected).count(), 2, "for one point and for four: {text}");
+    }
     let texel = graph.input(Input::Param(6));
     let texel = graph.texture(2, 1, root, texel);
     let text = glsl::function(&graph, &[texel, root], "colours", glsl::Sampling::None).unwrap();
