@@ -116,7 +116,7 @@ mod tests {
     fn everything_arrives_in_its_place_and_nothing_is_non_finite() {
         let text = "param a = 0.5 in 0 .. 1\nparam b = 2 in 0 .. 4\n\
                     object floor { shape = 2 * p.y - 1 }\nobject ball { shape = sphere(p, 1) }\n\
-                    light sun { direction = vec3(0, -1, 0) color = vec3(1/0, 2, log(0)) }";
+                    light sun { direction = vec3(0, -1, 0) color = vec3(exp(99 + t), 2, 0) }";
         let world = world_of(text);
         let mut features = Features::default();
         for (index, band) in features.bands.iter_mut().enumerate() {

@@ -430,7 +430,10 @@ fn glsl_is_written_from_the_operators() {
     let texel = graph.texture(2, 1, root, texel);
     let text = glsl::function(&graph, &[texel, root], "colours", glsl::Sampling::None).unwrap();
     assert!(text.starts_with("void colours(vec3 p, vec3 n, out float r0, out float r1) {"), "{text}");
-    assert!(text.contains("= read_texture(2, v10, frame_params[1].z).y;\n"), "{text}");
+    assert!(
+        text.contains("    vec4 s0 = read_texture(2, v10, frame_params[1].z);\n    float v12 = s0.y;\n"),
+        "{text}"
+    );
     assert!(text.ends_with("    r0 = v12;\n    r1 = v10;\n}\n"), "{text}");
 }
 

@@ -154,7 +154,9 @@ pub(crate) mod testing {
 
     /// The world of a text, without its pictures.
     pub(crate) fn world_of(text: &str) -> World {
-        World::new("test", compile("test", text, &mut no_includes).scene.unwrap(), Vec::new()).unwrap()
+        let mut compiled = compile("test", text, &mut no_includes);
+        let scene = compiled.scene.take().unwrap_or_else(|| panic!("{}", compiled.render(false)));
+        World::new("test", scene, Vec::new()).unwrap()
     }
 }
 
