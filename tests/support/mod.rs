@@ -8,6 +8,7 @@ pub mod compare;
 #[cfg(target_os = "linux")]
 pub mod desktop;
 pub mod glsl;
+pub mod oracle;
 #[cfg(unix)]
 pub mod process;
 #[cfg(target_os = "linux")]
