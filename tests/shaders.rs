@@ -8,7 +8,6 @@
 mod support;
 
 use mariana::gpu::error::GpuError;
-use mariana::gpu::gl::GlInfo;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, OWN_SHADERS};
@@ -17,7 +16,7 @@ use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
 use support::glsl::{Stage, check_with_glslang, check_with_naga};
 use support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
-use support::studio::{ready, speakers};
+use support::studio::{driver, ready, speakers};
 
 /// A plane, a part that is traced, no textures: what `speakers` has and this has not is left out of the text.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
@@ -31,20 +30,6 @@ struct Case {
     variant: Variant,
     /// Whether it reads texture buffers.
     interpreted: bool,
-}
-
-/// A driver that was never asked, for variants of other drivers than this machine's.
-fn driver(software: bool) -> GlInfo {
-    GlInfo {
-        vendor: String::new(),
-        renderer: String::new(),
-        version: String::new(),
-        shading_language: String::new(),
-        texture_side_max: 16_384,
-        texture_buffer_texels_max: 65_536,
-        anisotropy_max: 1.0,
-        software,
-    }
 }
 
 /// The scene's shader in a mode.

@@ -4,6 +4,7 @@ use image::RgbaImage;
 use mariana::dsp::Features;
 use mariana::frame::Frame;
 use mariana::gpu::error::GpuError;
+use mariana::gpu::gl::GlInfo;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Renderer};
@@ -21,6 +22,20 @@ pub fn speakers() -> SceneSource {
 /// A scene ready to be drawn; fails with what is wrong with it.
 pub fn ready(scene: &SceneSource) -> ReadyScene {
     scene.ready().unwrap_or_else(|error| panic!("{}: {error}", scene.name()))
+}
+
+/// A driver that nobody has, with no more than OpenGL 3.3 promises.
+pub fn driver(software: bool) -> GlInfo {
+    GlInfo {
+        vendor: String::new(),
+        renderer: String::new(),
+        version: String::new(),
+        shading_language: String::new(),
+        texture_side_max: 1024,
+        texture_buffer_texels_max: 65_536,
+        anisotropy_max: 1.0,
+        software,
+    }
 }
 
 /// A renderer with its context, a scene, and a program that draws it.
