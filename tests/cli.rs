@@ -129,7 +129,7 @@ fn a_reader_that_has_read_enough_is_no_error() {
     for arguments in [
         &["analyze", "--json"][..],
         &["devices"],
-        &["bench", "--frames", "1", "--size", "16x9"],
+        &["bench", "--sdf", "compiled", "--frames", "1", "--size", "16x9"],
         &["video", "--duration", "0.1", "--fps", "10", "--size", "16x9", "-o", "stills/"],
         &["--gl-info"],
         &["--help"],
@@ -152,25 +152,64 @@ fn a_reader_that_has_read_enough_is_no_error() {
 #[test]
 fn bench_tells_times_and_evaluations() {
     let place = Workplace::new();
-    let arguments = ["bench", "--frames", "3", "--size", "64x36"];
+    let arguments = ["bench", "--sdf", "compiled", "--frames", "3", "--size", "64x36"];
     let report: Value =
         serde_json::from_str(&place.run(&[&arguments[..], &["--json"]].concat()).done()).unwrap();
     assert_eq!(report["frames"], 3);
+    assert_eq!(report["scene"], "speakers.scene");
     assert_eq!(numbers(&report["size"]), [64.0, 36.0]);
-    for name in ["wall_p50_ms", "wall_p99_ms", "cpu_p50_ms", "evaluations_per_pixel_total"] {
-        assert!(report[name].as_f64().unwrap() > 0.0, "{name} in {report}");
+    let clauses = |name: &str| report["clauses"][name].as_u64().unwrap();
+    assert!(clauses("distance") > 50 && clauses("total") > clauses("distance") + clauses("materials"));
+    let modes = report["modes"].as_array().unwrap();
+    assert_eq!(modes.len(), 1, "{report}");
+    let row = &modes[0];
+    assert_eq!(row["mode"], "compiled");
+    for name in [
+        "shader_ms",
+        "first_draw_ms",
+        "wall_p50_ms",
+        "wall_p99_ms",
+        "cpu_p50_ms",
+        "evaluations_per_pixel_total",
+    ] {
+        assert!(row[name].as_f64().unwrap() > 0.0, "{name} in {report}");
     }
-    assert!(report["wall_p99_ms"].as_f64() >= report["wall_p50_ms"].as_f64(), "{report}");
-    assert_eq!(report["gpu_p50_ms"].is_null(), report["gl"]["software"] == true, "{report}");
+    assert!(row["wall_p99_ms"].as_f64() >= row["wall_p50_ms"].as_f64(), "{report}");
+    assert_eq!(row["gpu_p50_ms"].is_null(), report["gl"]["software"] == true, "{report}");
+    let evaluations = &row["evaluations_per_pixel"];
     let kinds = ["primary", "normal", "shadow", "occlusion", "reflection"];
-    let per_kind: Vec<f64> =
-        kinds.iter().map(|kind| report["evaluations_per_pixel"][kind].as_f64().unwrap()).collect();
+    let per_kind: Vec<f64> = kinds.iter().map(|kind| evaluations[kind].as_f64().unwrap()).collect();
     assert!(per_kind.iter().all(|&count| count > 0.0), "{report}");
-    let total = report["evaluations_per_pixel_total"].as_f64().unwrap();
+    assert_eq!(evaluations["clauses"], 0.0, "compiled scenes run no clauses: {report}");
+    let total = row["evaluations_per_pixel_total"].as_f64().unwrap();
     assert!((per_kind.iter().sum::<f64>() - total).abs() < 1e-9 * total, "{report}");
 
     let text = place.run(&arguments).done();
-    for part in kinds.iter().chain(&["p50", "p99", "CPU", "GPU", "64x36"]) {
+    for part in kinds.iter().chain(&["p50", "p99", "CPU", "GPU", "64x36", "compiled", "speakers"]) {
+        assert!(text.contains(part), "'{part}' in {text}");
+    }
+}
+
+#[test]
+fn bench_measures_both_modes_of_any_formula() {
+    let place = Workplace::new();
+    let arguments =
+        ["bench", "--scene", "min(y, length(p - vec3(0, 1, 0)) - 1)", "--frames", "1", "--size", "64x36"];
+    let report: Value =
+        serde_json::from_str(&place.run(&[&arguments[..], &["--json"]].concat()).done()).unwrap();
+    assert_eq!(report["scene"], "formula");
+    let modes = report["modes"].as_array().unwrap();
+    let names: Vec<&str> = modes.iter().map(|row| row["mode"].as_str().unwrap()).collect();
+    assert_eq!(names, ["interpreted", "compiled"]);
+    let [interpreted, compiled] = [0, 1].map(|row| modes[row]["evaluations_per_pixel"].clone());
+    let count = |row: &Value, name: &str| row[name].as_f64().unwrap();
+    assert!(count(&interpreted, "clauses") > count(&interpreted, "primary"), "{report}");
+    for kind in ["primary", "normal", "shadow", "occlusion"] {
+        let (a, b) = (count(&interpreted, kind), count(&compiled, kind));
+        assert!(b > 0.0 && (a - b).abs() <= 0.02 * b, "{kind}: {report}");
+    }
+    let text = place.run(&arguments).done();
+    for part in ["interpreted", "compiled", "formula", "clauses per pixel"] {
         assert!(text.contains(part), "'{part}' in {text}");
     }
 }
@@ -198,7 +237,8 @@ fn help_is_complete_and_its_examples_use_flags_that_exist() {
     for name in subcommands {
         assert!(main_help.lines().any(|line| line.trim_start().starts_with(name)), "{name} in {main_help}");
     }
-    for flag in ["--once", "--latency", "--shaders", "--gl-info", "--device", "--version"] {
+    for flag in ["--once", "--latency", "--scene", "--sdf", "--shaders", "--gl-info", "--device", "--version"]
+    {
         assert!(main_help.contains(flag), "{flag} in {main_help}");
     }
     for page in [&[""][..], &subcommands].concat() {

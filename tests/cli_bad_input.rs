@@ -290,7 +290,7 @@ fn a_shader_folder_that_lacks_a_file_is_refused_with_its_name() {
 #[test]
 fn a_mistake_in_a_shader_is_told_with_its_file_and_line() {
     let place = Workplace::new();
-    for file in ["scene.frag", "speakers.glsl"] {
+    for file in ["scene.frag", "light.glsl"] {
         let (folder, _) = changed_shaders(&[]);
         let shaders = folder.path().to_str().unwrap();
         let text = std::fs::read_to_string(folder.path().join(file)).unwrap();

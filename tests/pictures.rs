@@ -10,10 +10,12 @@ use mariana::dsp::{BAND_COUNT, Features};
 use mariana::frame::Frame;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::renderer::{Counting, Renderer};
+use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
 use support::compare::{TIGHT, assert_alike, check_golden, difference, pixel_difference};
-use support::shader_folder::{changed_shaders, constant, vector_constant};
-use support::studio::{Studio, loud_music, silence, soft_music};
+use support::oracle::{constant, vector_constant};
+use support::shader_folder::changed_shaders;
+use support::studio::{Studio, loud_music, silence, soft_music, speakers};
 
 /// Differences beyond this many steps of 0..255 count as visible.
 const VISIBLE: u8 = 8;
@@ -28,30 +30,30 @@ fn a_frame_has_the_same_bytes_every_time() {
     assert!(first == studio.picture(3.0, loud_music(), size), "the second drawing differs");
 
     let mut second = Renderer::new(studio.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
-    second.draw(&Frame::new(3.0, loud_music(), size)).unwrap();
+    second.draw(&studio.frame(3.0, loud_music(), size), &studio.resources, &studio.program).unwrap();
     assert!(first.as_raw() == &second.read(), "another renderer draws it differently");
 }
 
-/// A renderer whose scene is `body`, statements that set `vec3 color`, before which stands `head`.
-fn renderer_of(studio: &Studio, head: &str, body: &str) -> Renderer {
+/// Gives the studio a program that shows `body`, statements that set `vec3 color`, before which stands `head`.
+fn show(studio: &mut Studio, head: &str, body: &str) {
     let scene = format!(
         "#include \"frame_block.glsl\"\n{head}\nlayout(location = 0) out vec4 sample_color;\n\
          void main() {{\n    vec3 color;\n    {body}\n    sample_color = vec4(color, sample_offset.z);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    Renderer::new(studio.context.gl(), &library, Counting::Off).unwrap_or_else(|error| panic!("{error}"))
+    studio.program = studio.link(&library, &compiled_variant("", 0, Counting::Off));
 }
 
-fn draw(renderer: &mut Renderer, size: (u32, u32)) -> RgbaImage {
-    renderer.draw(&Frame::new(0.0, silence(), size)).unwrap();
-    RgbaImage::from_raw(size.0, size.1, renderer.read()).unwrap()
+/// What the studio's program shows in silence.
+fn drawn(studio: &mut Studio, size: (u32, u32)) -> RgbaImage {
+    studio.picture(0.0, silence(), size)
 }
 
 #[test]
 fn light_is_encoded_once_and_kept_from_infinity() {
-    let studio = Studio::new();
-    linear_light_becomes_srgb_once(&studio);
-    tone_mapping_is_monotonic_and_kills_what_is_no_light(&studio);
+    let mut studio = Studio::new();
+    linear_light_becomes_srgb_once(&mut studio);
+    tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut studio);
 }
 
 /// IEC 61966-2-1, as a fraction of 255 steps.
@@ -60,10 +62,11 @@ fn srgb_steps(linear: f64) -> f64 {
     255.0 * encoded
 }
 
-fn linear_light_becomes_srgb_once(studio: &Studio) {
+fn linear_light_becomes_srgb_once(studio: &mut Studio) {
     // Binary fractions: the half floats between the passes hold them exactly.
     for linear in [0.0, 1.0 / 512.0, 1.0 / 16.0, 0.25, 0.5, 1.0] {
-        let picture = draw(&mut renderer_of(studio, "", &format!("color = vec3({linear:?});")), (64, 64));
+        show(studio, "", &format!("color = vec3({linear:?});"));
+        let picture = drawn(studio, (64, 64));
         let expected = srgb_steps(linear);
         for pixel in picture.pixels() {
             let off =
@@ -77,12 +80,13 @@ fn linear_light_becomes_srgb_once(studio: &Studio) {
             assert!((mean - expected).abs() < 0.1, "{linear} is {mean:.2} on average, not {expected:.2}");
         }
     }
-    let middle = draw(&mut renderer_of(studio, "", "color = vec3(0.5);"), (64, 64));
+    show(studio, "", "color = vec3(0.5);");
+    let middle = drawn(studio, (64, 64));
     let steps: std::collections::BTreeSet<u8> = middle.pixels().map(|pixel| pixel.0[0]).collect();
     assert_eq!(steps, [187, 188].into(), "0.5 lies between two steps: dithering shows both");
 }
 
-fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &Studio) {
+fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
     const NAN: &str = "uintBitsToFloat(0x7fc00000u)";
     const INFINITY: &str = "uintBitsToFloat(0x7f800000u)";
     let grey = |value: &str| format!("vec3({value})");
@@ -109,7 +113,8 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &Studio) {
         lights = all.join(", ")
     );
     let width = all.len() as u32;
-    let picture = draw(&mut renderer_of(studio, "#include \"tone_map.glsl\"", &body), (width, 8));
+    show(studio, "#include \"tone_map.glsl\"", &body);
+    let picture = drawn(studio, (width, 8));
     // The brightest of a column, which the dithering moves by half a step.
     let steps = |column: u32| {
         (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
@@ -182,11 +187,11 @@ fn music_shows_and_each_channel_moves_its_own_woofer() {
         let share = difference(&silent, &loud, VISIBLE).share;
         assert!(share >= 0.05, "loud music changes only {share:.3} of the pixels at {time} s");
 
-        let frame = Frame::new(time, silence(), size);
-        let centre = vector_constant("speakers.glsl", "SPEAKER_CENTRE");
-        let half_size = vector_constant("speakers.glsl", "CABINET_HALF");
-        let front = centre.z - half_size.z - constant("speakers.glsl", "CABINET_ROUNDING");
-        let woofer_y = centre.y + constant("speakers.glsl", "WOOFER_Y");
+        let frame = studio.frame(time, silence(), size);
+        let centre = vector_constant("SPEAKER_CENTRE");
+        let half_size = vector_constant("CABINET_HALF");
+        let front = centre.z - half_size.z - constant("CABINET_ROUNDING");
+        let woofer_y = centre.y + constant("WOOFER_Y");
         for (channel, name) in ["left", "right"].into_iter().enumerate() {
             let mut features = silence();
             features.volume[channel] = 0.3;
@@ -210,11 +215,11 @@ fn each_band_moves_its_own_bar() {
     let mut studio = Studio::new();
     let size = (432, 288);
     let silent = studio.picture(0.0, silence(), size);
-    let frame = Frame::new(0.0, silence(), size);
-    let spacing = constant("speakers.glsl", "BAR_SPACING");
-    let front = constant("speakers.glsl", "BAR_Z") - constant("speakers.glsl", "BAR_HALF_DEPTH");
+    let frame = studio.frame(0.0, silence(), size);
+    let spacing = constant("BAR_SPACING");
+    let front = constant("BAR_Z") - constant("BAR_HALF_DEPTH");
     let level = 0.6;
-    let height = level * constant("speakers.glsl", "BAR_HEIGHT");
+    let height = level * constant("BAR_HEIGHT");
     let x_of = |bar: usize| (bar as f64 - 0.5 * (BAND_COUNT as f64 - 1.0)) * spacing;
     for band in 0..BAND_COUNT {
         let mut features = silence();
@@ -242,8 +247,9 @@ fn each_band_moves_its_own_bar() {
 
 #[test]
 fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
-    let mut counting = Studio::with(&ShaderLibrary::embedded(), Counting::On);
+    let mut counting = Studio::of(&speakers(), Mode::Compiled, Counting::On);
     let mut plain = Renderer::new(counting.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
+    let plain_program = counting.program_of(Mode::Compiled, Counting::Off);
     for (time, size) in [(0.0, (320, 180)), (7.0, (320, 180)), (31.0, (320, 180)), (12.0, (640, 360))] {
         let picture = counting.picture(time, loud_music(), size);
         let evaluations = counting.renderer.evaluations();
@@ -256,7 +262,7 @@ fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
         assert_eq!(evaluations.capped_rays, 0.0, "rays end at their step cap at {time} s");
         assert!(each.total() <= 60.0, "{:.1} evaluations a pixel at {time} s: {each:?}", each.total());
 
-        plain.draw(&Frame::new(time, loud_music(), size)).unwrap();
+        plain.draw(&counting.frame(time, loud_music(), size), &counting.resources, &plain_program).unwrap();
         let uncounted = RgbaImage::from_raw(size.0, size.1, plain.read()).unwrap();
         assert_alike("counting", &picture, &uncounted, TIGHT);
         assert_eq!(plain.evaluations().total(), 0.0, "a renderer that does not count has counted");

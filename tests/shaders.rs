@@ -1,4 +1,7 @@
 //! Every shader variant before three judges: naga, glslang and the driver. And each judge before broken shaders.
+//!
+//! naga's GLSL front end knows no texture buffers (`usamplerBuffer`, `samplerBuffer`), so that the variants of the
+//! interpreter come before glslang and the driver alone.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -7,45 +10,83 @@ mod support;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
-use mariana::gpu::renderer::SHADER_VARIANTS;
-use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary};
+use mariana::gpu::renderer::{Counting, OWN_SHADERS};
+use mariana::gpu::scene_program::{Mode, SCENE_SHADER, variant_of};
+use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
+use mariana::scenes::{ReadyScene, SceneSource};
 use support::glsl::{Stage, check_with_glslang, check_with_naga};
 use support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
+use support::studio::{driver, ready, speakers};
 
-/// All shaders of the program, the vertex shader first.
-fn variants() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
-    std::iter::once((VERTEX_SHADER, [].as_slice())).chain(SHADER_VARIANTS)
+/// A plane, a part that is traced, no textures: what `speakers` has and this has not is left out of the text.
+const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
+
+/// A shader as some driver gets to see it.
+struct Case {
+    /// What messages call it.
+    name: String,
+    /// The file that it begins with.
+    file: &'static str,
+    variant: Variant,
+    /// Whether it reads texture buffers.
+    interpreted: bool,
 }
 
-/// Fails with everything that `judge` says against the shipped variants.
-fn judge_variants(judge: fn(Stage, &str) -> Result<(), String>) {
+/// The scene's shader in a mode.
+fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
+    let ReadyScene { world, buffers } = ready(scene);
+    let variant = variant_of(&world, &buffers, mode, &driver(software), counting).unwrap();
+    let place = if software { "a processor" } else { "a GPU" };
+    let name = format!("{SCENE_SHADER} of {}, {mode} for {place}, counting {counting:?}", scene.name());
+    Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted }
+}
+
+/// All shaders of the program, the vertex shader first.
+fn cases() -> Vec<Case> {
+    let own = [VERTEX_SHADER].into_iter().chain(OWN_SHADERS);
+    let mut cases: Vec<Case> = own
+        .map(|file| Case { name: file.to_owned(), file, variant: Variant::default(), interpreted: false })
+        .collect();
+    for counting in [Counting::Off, Counting::On] {
+        for scene in [speakers(), SceneSource::Formula(FORMULA.into())] {
+            cases.push(scene_case(&scene, Mode::Compiled, false, counting));
+        }
+        for software in [false, true] {
+            cases.push(scene_case(&speakers(), Mode::Interpreted, software, counting));
+        }
+    }
+    cases
+}
+
+/// Fails with everything that `judge` says against what it can read of the shipped shaders.
+fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
     let library = ShaderLibrary::embedded();
     let mut refused = String::new();
-    for (name, defines) in variants() {
-        let text = library.assemble(name, DRIVER_PREAMBLE, defines).unwrap();
-        if let Err(complaint) = judge(Stage::of(name), &text) {
-            refused.push_str(&format!("\n{name} {defines:?}:\n{complaint}"));
+    for Case { name, file, variant, .. } in cases().iter().filter(|case| can_read(case)) {
+        let text = library.assemble(file, DRIVER_PREAMBLE, variant).unwrap();
+        if let Err(complaint) = judge(Stage::of(file), &text) {
+            refused.push_str(&format!("\n{name}:\n{complaint}"));
         }
     }
     assert!(refused.is_empty(), "{refused}");
 }
 
 #[test]
-fn naga_takes_every_variant() {
-    judge_variants(check_with_naga);
+fn naga_takes_every_variant_without_texture_buffers() {
+    judge_cases(check_with_naga, |case| !case.interpreted);
 }
 
 #[test]
 fn glslang_takes_every_variant() {
-    judge_variants(check_with_glslang);
+    judge_cases(check_with_glslang, |_| true);
 }
 
 #[test]
 fn the_driver_links_every_variant() {
     let context = Headless::new(false).unwrap();
-    for (name, defines) in SHADER_VARIANTS {
-        if let Err(error) = Program::link(context.gl(), &ShaderLibrary::embedded(), name, defines) {
-            panic!("{name} {defines:?}: {error}");
+    for Case { name, file, variant, .. } in cases().iter().filter(|case| case.file != VERTEX_SHADER) {
+        if let Err(error) = Program::link(context.gl(), &ShaderLibrary::embedded(), file, variant) {
+            panic!("{name}: {error}");
         }
     }
     context.gl().check("linking the shaders").unwrap();
@@ -71,17 +112,26 @@ fn names_line(log: &str, file: &str, line: usize) -> bool {
 #[test]
 fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
     let context = Headless::new(false).unwrap();
-    for file in ["scene.frag", "light.glsl", "tone_map.glsl"] {
+    let software = context.gl().info().software;
+    for (file, mode) in [
+        ("scene.frag", Mode::Compiled),
+        ("light.glsl", Mode::Compiled),
+        ("tone_map.glsl", Mode::Compiled),
+        ("interpreter.glsl", Mode::Interpreted),
+    ] {
         let (text, line) = broken(file);
         let (_folder, library) = changed_shaders(&[(file, &text)]);
+        let case = scene_case(&speakers(), mode, software, Counting::Off);
 
-        let whole = library.assemble("scene.frag", DRIVER_PREAMBLE, &[]).unwrap();
-        let naga = check_with_naga(Stage::Fragment, &whole).unwrap_err();
-        assert!(naga.contains("float broken = no_such_name;"), "naga on {file}: {naga}");
+        let whole = library.assemble("scene.frag", DRIVER_PREAMBLE, &case.variant).unwrap();
+        if !case.interpreted {
+            let naga = check_with_naga(Stage::Fragment, &whole).unwrap_err();
+            assert!(naga.contains("float broken = no_such_name;"), "naga on {file}: {naga}");
+        }
         let glslang = check_with_glslang(Stage::Fragment, &whole).unwrap_err();
         assert!(glslang.contains("|     float broken = no_such_name;"), "glslang on {file}: {glslang}");
 
-        match Program::link(context.gl(), &library, "scene.frag", &[]) {
+        match Program::link(context.gl(), &library, "scene.frag", &case.variant) {
             Err(GpuError::Compile { name, log }) => {
                 assert_eq!(name, "scene.frag");
                 assert!(names_line(&log, file, line), "{file}, line {line}: {log}");
@@ -98,18 +148,19 @@ fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
 fn a_texture_without_a_fixed_unit_is_refused() {
     let text = format!("{}\nuniform sampler2D unknown;\n", shader_text("edges.frag"));
     let (_folder, library) = changed_shaders(&[("edges.frag", &text)]);
-    let whole = library.assemble("edges.frag", DRIVER_PREAMBLE, &[]).unwrap();
+    let whole = library.assemble("edges.frag", DRIVER_PREAMBLE, &Variant::default()).unwrap();
     let complaint = check_with_naga(Stage::Fragment, &whole).unwrap_err();
     assert!(complaint.contains("'unknown'"), "{complaint}");
 }
 
 #[test]
 fn no_shader_file_is_dead() {
+    let cases = cases();
     for dead in shader_names() {
         let (folder, library) = changed_shaders(&[]);
         std::fs::remove_file(folder.path().join(&dead)).unwrap();
         let missed =
-            variants().any(|(name, defines)| library.assemble(name, DRIVER_PREAMBLE, defines).is_err());
+            cases.iter().any(|case| library.assemble(case.file, DRIVER_PREAMBLE, &case.variant).is_err());
         assert!(missed, "no shader variant uses shaders/{dead}: delete it");
     }
 }
@@ -124,8 +175,8 @@ fn the_embedded_shaders_are_those_of_the_folder() {
     files.sort();
     assert_eq!(shader_names(), files);
     let on_disk = ShaderLibrary::on_disk(&shader_folder());
-    for (name, defines) in variants() {
-        let embedded = ShaderLibrary::embedded().assemble(name, "", defines).unwrap();
-        assert_eq!(embedded, on_disk.assemble(name, "", defines).unwrap(), "{name}");
+    for Case { name, file, variant, .. } in cases() {
+        let embedded = ShaderLibrary::embedded().assemble(file, "", &variant).unwrap();
+        assert_eq!(embedded, on_disk.assemble(file, "", &variant).unwrap(), "{name}");
     }
 }

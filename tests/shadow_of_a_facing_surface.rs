@@ -1,12 +1,11 @@
 //! What went wrong: a surface that faced the lamp straight on was taken for shadowed in single pixels, because the
 //! closest pass of its shadow ray was put behind the ray's start.
 
+mod support;
+
 use mariana::audio::song::Song;
 use mariana::export::song_features::SongFeatures;
-use mariana::frame::Frame;
-use mariana::gpu::headless::Headless;
-use mariana::gpu::renderer::{Counting, Renderer};
-use mariana::gpu::shader_source::ShaderLibrary;
+use support::studio::Studio;
 
 /// The moment and the window in which it was seen.
 const TIME: f64 = 62.0;
@@ -18,11 +17,9 @@ const RADIUS: f64 = 1.25;
 #[test]
 fn no_single_pixel_of_a_lit_woofer_is_dark() {
     let features = SongFeatures::open(&Song::Demo, TIME).unwrap().require(TIME).unwrap();
-    let frame = Frame::new(TIME, features, SIZE);
-    let context = Headless::new(false).unwrap();
-    let mut renderer = Renderer::new(context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
-    renderer.draw(&frame).unwrap();
-    let picture = renderer.read();
+    let mut studio = Studio::new();
+    let frame = studio.frame(TIME, features, SIZE);
+    let picture = studio.picture(TIME, features, SIZE);
 
     let pixel_of = |point| {
         let (x, y) = frame.camera.project(point).unwrap();
@@ -30,7 +27,7 @@ fn no_single_pixel_of_a_lit_woofer_is_dark() {
     };
     let (left, top) = pixel_of(WOOFER + glam::DVec3::new(-RADIUS, RADIUS, 0.0));
     let (right, bottom) = pixel_of(WOOFER + glam::DVec3::new(RADIUS, -RADIUS, 0.0));
-    let green = |x: usize, y: usize| i32::from(picture[(y * SIZE.0 as usize + x) * 4 + 1]);
+    let green = |x: usize, y: usize| i32::from(picture.get_pixel(x as u32, y as u32).0[1]);
     let mut looked_at = 0;
     for y in top as usize..bottom as usize {
         for x in left as usize..right as usize {

@@ -4,11 +4,11 @@ use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::dsp::Features;
 use crate::frame::Frame;
-use crate::gpu::gl::Gl;
+use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{Mode, link_scene, variant_of};
+use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{ReadyScene, SceneSource};
@@ -47,14 +47,7 @@ impl Painter {
         let ReadyScene { world, buffers } = choice.source.ready()?;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
-        let mut mode = match choice.sdf {
-            SdfChoice::Interpreted => Mode::Interpreted,
-            SdfChoice::Compiled | SdfChoice::Auto => Mode::Compiled,
-        };
-        if let (Mode::Interpreted, Err(error)) = (mode, fits(&buffers, gl)) {
-            tracing::warn!("{error}");
-            mode = Mode::Compiled;
-        }
+        let mode = mode_on(choice.sdf, &buffers, gl.info());
         let renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
         let variant = variant_of(&world, &buffers, mode, gl.info(), Counting::Off)?;
         let program = link_scene(gl, &choice.shaders, &variant)?;
@@ -92,6 +85,14 @@ impl Painter {
     }
 }
 
-fn fits(buffers: &TapeBuffers, gl: &Gl) -> Result<(), crate::gpu::scene_program::DoesNotFit> {
-    crate::gpu::scene_program::Interpreter::fits(buffers, gl.info())
+/// How a [`Painter`] draws a scene on a driver.
+pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, driver: &GlInfo) -> Mode {
+    match (choice, Interpreter::fits(buffers, driver)) {
+        (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,
+        (SdfChoice::Interpreted, Err(error)) => {
+            tracing::warn!("{error}");
+            Mode::Compiled
+        }
+        (SdfChoice::Compiled | SdfChoice::Auto, _) => Mode::Compiled,
+    }
 }

@@ -110,15 +110,14 @@ fn quads(values: &[f32]) -> impl Iterator<Item = [f32; 4]> + '_ {
 mod tests {
     use super::*;
     use crate::dsp::Features;
-    use crate::lang::{compile, no_includes};
+    use crate::world::testing::world_of;
 
     #[test]
     fn everything_arrives_in_its_place_and_nothing_is_non_finite() {
         let text = "param a = 0.5 in 0 .. 1\nparam b = 2 in 0 .. 4\n\
                     object floor { shape = 2 * p.y - 1 }\nobject ball { shape = sphere(p, 1) }\n\
-                    light sun { direction = vec3(0, -1, 0) color = vec3(1/0, 2, log(0)) }";
-        let scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let world = World::new("test", scene, Vec::new()).unwrap();
+                    light sun { direction = vec3(0, -1, 0) color = vec3(exp(99 + t), 2, 0) }";
+        let world = world_of(text);
         let mut features = Features::default();
         for (index, band) in features.bands.iter_mut().enumerate() {
             *band = index as f32 / 32.0;

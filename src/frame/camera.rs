@@ -73,18 +73,12 @@ mod tests {
     use super::*;
     use crate::dsp::Features;
     use crate::frame::Frame;
-    use crate::scenes::SceneSource;
-    use crate::world::World;
+    use crate::world::testing::{SPEAKERS, world_of};
     use proptest::prelude::*;
-
-    fn speakers() -> World {
-        let scene = SceneSource::Shipped("speakers".into()).compile().unwrap().scene.unwrap();
-        World::new("speakers", scene, Vec::new()).unwrap()
-    }
 
     #[test]
     fn both_speakers_stay_in_the_picture_at_every_window_shape() {
-        let world = speakers();
+        let world = world_of(SPEAKERS);
         // From 1:40 to 40:1.
         for shape in (-16..=16).map(|tenth| 10_f64.powf(f64::from(tenth) / 10.0)) {
             let size =

@@ -53,12 +53,17 @@ impl Gl {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use crate::frame::Frame;
     use crate::gpu::headless::Headless;
     use crate::gpu::object::{Buffer, Texture, VertexArray};
     use crate::gpu::renderer::{Counting, Renderer};
+    use crate::gpu::scene_program::{Mode, link_scene, variant_of};
+    use crate::gpu::scene_resources::SceneResources;
     use crate::gpu::shader_source::ShaderLibrary;
+    use crate::world::testing::{SPEAKERS, world_of};
 
     const SWITCHES: [u32; 6] = [
         glow::BLEND,
@@ -73,9 +78,15 @@ mod tests {
     fn a_guest_that_changes_everything_changes_no_picture() {
         let context = Headless::new(false).unwrap();
         let gl = context.gl();
-        let mut renderer = Renderer::new(gl, &ShaderLibrary::embedded(), Counting::Off).unwrap();
-        let frame = Frame::new(1.0, Default::default(), (64, 36));
-        renderer.draw(&frame).unwrap();
+        let library = ShaderLibrary::embedded();
+        let world = Arc::new(world_of(SPEAKERS));
+        let buffers = Arc::new(world.tape_buffers().unwrap());
+        let variant = variant_of(&world, &buffers, Mode::Compiled, gl.info(), Counting::Off).unwrap();
+        let program = link_scene(gl, &library, &variant).unwrap();
+        let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
+        let frame = Frame::new(&world, 1.0, Default::default(), (64, 36));
+        let scene = SceneResources::upload(gl, world, buffers).unwrap();
+        renderer.draw(&frame, &scene, &program).unwrap();
         let before = renderer.read();
         let (texture, buffer) = (Texture::new(gl).unwrap(), Buffer::new(gl).unwrap());
         let vertices = VertexArray::new(gl).unwrap();
@@ -113,7 +124,7 @@ mod tests {
                 assert_eq!(gl.get_parameter_i32(name).cast_unsigned(), expected, "{name:#06x}");
             }
         }
-        renderer.draw(&frame).unwrap();
+        renderer.draw(&frame, &scene, &program).unwrap();
         assert!(renderer.read() == before, "the picture is another one");
     }
 }

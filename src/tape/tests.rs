@@ -413,11 +413,27 @@ fn glsl_is_written_from_the_operators() {
 }
 ";
     assert_eq!(text, expected);
+    let tape = tape_of(&graph, &[root], 256);
+    let cases =
+        [(24, "(a * a)"), (25, "sqrt(max(a, 0.0))"), (64, "(a + b)"), (65, "(a - b)"), (69, "max(a, b)")];
+    let switch: String =
+        cases.iter().map(|(number, value)| format!("    case {number}: r = ({value}); break;\n")).collect();
+    let selection: String = cases
+        .iter()
+        .map(|(number, value)| format!("    r = number == {number} ? ({value}) : r;\n"))
+        .collect();
+    for (every_case, expected) in [(false, switch), (true, selection)] {
+        let text = interpreter::Variant::of([&tape], every_case).text();
+        assert_eq!(text.matches(&expected).count(), 2, "for one point and for four: {text}");
+    }
     let texel = graph.input(Input::Param(6));
     let texel = graph.texture(2, 1, root, texel);
     let text = glsl::function(&graph, &[texel, root], "colours", glsl::Sampling::None).unwrap();
     assert!(text.starts_with("void colours(vec3 p, vec3 n, out float r0, out float r1) {"), "{text}");
-    assert!(text.contains("= read_texture(2, v10, frame_params[1].z).y;\n"), "{text}");
+    assert!(
+        text.contains("    vec4 s0 = read_texture(2, v10, frame_params[1].z);\n    float v12 = s0.y;\n"),
+        "{text}"
+    );
     assert!(text.ends_with("    r0 = v12;\n    r1 = v10;\n}\n"), "{text}");
 }
 

@@ -111,6 +111,7 @@ mod tests {
     use super::*;
     use crate::lang::{compile, no_includes};
     use crate::tape::TapeOptions;
+    use crate::world::testing::{SPEAKERS, world_of};
 
     fn bounds(text: &str) -> Option<Bounds> {
         let scene = compile("test", text, &mut no_includes).scene.unwrap();
@@ -151,8 +152,6 @@ mod tests {
 
     #[test]
     fn the_speakers_are_boxed() {
-        let scene = crate::scenes::SceneSource::Shipped("speakers".into()).compile().unwrap().scene.unwrap();
-        let world = crate::world::World::new("speakers", scene, Vec::new()).unwrap();
-        assert_near(world.bounds, [-7.2, 0.0, 7.8], [7.2, 6.4, 12.2], 0.06);
+        assert_near(world_of(SPEAKERS).bounds, [-7.2, 0.0, 7.8], [7.2, 6.4, 12.2], 0.06);
     }
 }

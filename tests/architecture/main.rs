@@ -27,17 +27,22 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("graph", &["limits"]),
     ("tape", &["graph", "limits"]),
     ("region", &["tape", "limits"]),
+    // How many bands there are is the sound's to say.
+    ("world", &["lang", "graph", "tape", "dsp", "limits"]),
     ("dsp", &["limits"]),
     ("audio", &["dsp", "limits"]),
-    ("frame", &["lang", "tape", "region", "dsp", "limits"]),
-    ("gpu", &["frame", "tape", "limits"]),
+    ("frame", &["world", "graph", "dsp", "limits"]),
+    ("gpu", &["frame", "world", "graph", "tape", "limits"]),
+    ("scenes", &["lang", "world", "limits"]),
     (
         "app",
-        &["lang", "graph", "tape", "region", "dsp", "audio", "frame", "gpu", "export", "config", "limits"],
+        &[
+            "lang", "graph", "tape", "region", "world", "scenes", "dsp", "audio", "frame", "gpu", "export",
+            "config", "limits",
+        ],
     ),
-    ("export", &["frame", "gpu", "audio", "dsp", "limits"]),
+    ("export", &["world", "scenes", "frame", "gpu", "audio", "dsp", "config", "limits"]),
     ("config", &["limits"]),
-    ("scenes", &["lang", "limits"]),
 ];
 
 /// Crates that only some rooms may use. `egui` stands for `egui_winit` and its like too.
@@ -49,6 +54,8 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("egui", &["app"]),
     ("cpal", &["audio"]),
     ("symphonia", &["audio"]),
+    // Generated GLSL is validated where it is generated.
+    ("naga", &["world"]),
     // Files are watched in one place.
     ("notify", &["scenes"]),
 ];

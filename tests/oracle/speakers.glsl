@@ -7,6 +7,7 @@ const float CABINET_ROUNDING = 0.2;
 const float BAR_SPACING = 0.16;
 const float BAR_HEIGHT = 3.4;
 const float BAR_Z = 8.7;
+const float BAR_HALF_DEPTH = 0.09;
 const float WOOFER_Y = -1.2;
 const float WOOFER_LEAD = 0.55;
 
@@ -56,7 +57,7 @@ float bar_index(float x) {
 float bar_distance(vec3 p, float index) {
     float height = 0.04 + BAR_HEIGHT * table_band(index);
     vec3 centre = vec3((index - 15.5) * BAR_SPACING, 0.5 * height, BAR_Z);
-    return round_box(p - centre, vec3(0.055, 0.5 * height, 0.09) - 0.02, 0.02);
+    return round_box(p - centre, vec3(0.055, 0.5 * height, BAR_HALF_DEPTH) - 0.02, 0.02);
 }
 
 float bars_distance(vec3 p) {
@@ -72,7 +73,8 @@ vec2 scene_distance(vec3 p, float penumbra) {
     float speakers = speakers_distance(p);
     float bars = bars_distance(p);
     float half_height = 0.5 * (BAR_HEIGHT + 0.04);
-    float around = round_box(p - vec3(0.0, half_height, BAR_Z), vec3(16.0 * BAR_SPACING, half_height, 0.09), 0.0);
+    vec3 half_size = vec3(16.0 * BAR_SPACING, half_height, BAR_HALF_DEPTH);
+    float around = round_box(p - vec3(0.0, half_height, BAR_Z), half_size, 0.0);
     float others = max(around, 1.5 * BAR_SPACING - 0.055);
     return vec2(min(speakers, min(bars, others)), min(speakers, bars * max(1.0, penumbra / others)));
 }

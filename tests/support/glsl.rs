@@ -16,7 +16,8 @@
 use std::io::Write;
 use std::process::Command;
 
-use mariana::gpu::program::{TEXTURE_UNITS, UNIFORM_BLOCKS};
+use mariana::gpu::program::{TEXTURE_UNITS, UNIFORM_BLOCKS, scene_texture};
+use mariana::limits::LIMITS;
 use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -110,7 +111,7 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
         if line.starts_with("#version") {
             vulkan.push_str("#version 450");
         } else if let Some(name) = declared_sampler(line) {
-            let unit = place_of(&TEXTURE_UNITS, name)?;
+            let unit = unit_of(name)?;
             vulkan.push_str(&format!(
                 "layout(set = 1, binding = {}) uniform texture2D {name}_texture; \
                  layout(set = 1, binding = {}) uniform sampler {name}_sampler;",
@@ -150,6 +151,12 @@ fn declared_block(line: &str) -> Option<&str> {
 fn place_of(places: &[(&str, u32)], name: &str) -> Result<u32, String> {
     let place = places.iter().find(|(known, _)| *known == name);
     place.map(|(_, place)| *place).ok_or_else(|| format!("the program gives '{name}' no fixed place"))
+}
+
+/// The unit of a texture, the scene's or the renderer's.
+fn unit_of(name: &str) -> Result<u32, String> {
+    let of_scene = (0..LIMITS.scene_textures_max).zip(0..).find(|(index, _)| scene_texture(*index) == name);
+    of_scene.map_or_else(|| place_of(&TEXTURE_UNITS, name), |(_, unit)| Ok(unit))
 }
 
 /// The line cut into identifiers (numbers too) and what stands between them.

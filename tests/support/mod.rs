@@ -9,6 +9,7 @@ pub mod compare;
 pub mod desktop;
 pub mod expression;
 pub mod glsl;
+pub mod oracle;
 #[cfg(unix)]
 pub mod process;
 #[cfg(target_os = "linux")]

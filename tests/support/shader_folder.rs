@@ -1,8 +1,7 @@
-//! The folder `shaders/`, changed copies of it, and the numbers that stand in it.
+//! The folder `shaders/` and changed copies of it.
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
 use mariana::gpu::shader_source::ShaderLibrary;
 use tempfile::TempDir;
 
@@ -35,37 +34,4 @@ pub fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
     }
     let library = ShaderLibrary::on_disk(folder.path());
     (folder, library)
-}
-
-/// The arguments of `const TYPE NAME = ...;` in a shader file.
-fn constant_numbers(file: &str, name: &str) -> Vec<f64> {
-    let text = shader_text(file);
-    let value = text
-        .lines()
-        .filter_map(|line| line.trim().strip_prefix("const ")?.split_once(" = "))
-        .find(|(declared, _)| declared.split_whitespace().nth(1) == Some(name))
-        .and_then(|(_, rest)| rest.split_once(';'))
-        .map(|(value, _)| value.trim())
-        .unwrap_or_else(|| panic!("{file} has no constant {name}; the tests place their probes by it"));
-    let inner = value.split_once('(').map_or(value, |(_, arguments)| arguments.trim_end_matches(')'));
-    inner
-        .split(',')
-        .map(|number| {
-            number.trim().parse().unwrap_or_else(|_| panic!("{file}: {name} is {value}, not numbers"))
-        })
-        .collect()
-}
-
-/// `const float NAME = number;` of a shader file.
-pub fn constant(file: &str, name: &str) -> f64 {
-    let numbers = constant_numbers(file, name);
-    assert_eq!(numbers.len(), 1, "{file}: {name} is no single number");
-    numbers[0]
-}
-
-/// `const vec3 NAME = vec3(x, y, z);` of a shader file.
-pub fn vector_constant(file: &str, name: &str) -> DVec3 {
-    let numbers = constant_numbers(file, name);
-    assert_eq!(numbers.len(), 3, "{file}: {name} is no vector of three numbers");
-    DVec3::new(numbers[0], numbers[1], numbers[2])
 }

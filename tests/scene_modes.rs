@@ -1,0 +1,177 @@
+//! A scene is one scene however it is drawn: interpreted, compiled, or written in GLSL by hand.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod support;
+
+use image::RgbaImage;
+use mariana::config::SdfChoice;
+use mariana::dsp::Features;
+use mariana::export::painter::{Painter, SceneChoice, mode_on};
+use mariana::gpu::gl::GlInfo;
+use mariana::gpu::program::Program;
+use mariana::gpu::renderer::{Counting, Evaluations};
+use mariana::gpu::scene_program::{DoesNotFit, Interpreter, Mode, compiled_variant};
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::SceneSource;
+use support::compare::{TIGHT, assert_alike, difference};
+use support::oracle::BY_HAND;
+use support::studio::{Studio, driver, loud_music, ready, silence, soft_music, speakers};
+
+const SIZE: (u32, u32) = (96, 54);
+
+/// Two planes, one of them turned by the time, and a ball between them.
+const PLANES: &str = "min(min(y, 0.6*x + 0.8*(9 + sin(t) - z)), sqrt(x*x + (y-1)*(y-1) + (z-4)*(z-4)) - 1)";
+
+/// A surface that goes on for ever and has no bounds.
+const UNBOUNDED: &str = "y + 0.2*sin(x)*sin(z)";
+
+/// Most of what a scene may have: objects with a bound and as planes, pictures in two ways, every property of a
+/// material, both kinds of light, parameters, a sky, a camera that rolls.
+const MANY: &str = r#"
+param size = 1.1 in 0.5 .. 2
+param glow = 0.4 in 0 .. 1
+
+# Of eight pillars the one in whose place the point is; the others are no nearer than the place's rim.
+fn place_of(x) = clamp(floor(x + 4), 0, 7)
+fn pillar(p) {
+  let half = 0.4 + 0.8 * band(4 * place_of(p.x))
+  round_box(p - vec3(place_of(p.x) - 3.5, half, 7), vec3(0.2, half, 0.2) - 0.05, 0.05)
+}
+fn others(p) = max(0.3, box(p - vec3(0, 1.2, 7), vec3(4, 1.2, 0.2)))
+fn ball_at() = vec3(-1.2, 1.3 + 0.3 * sin(t), 4)
+
+material wood { color = triplanar("wood.png", p * 0.3, n)  roughness = 0.5  coat = 0.7 }
+material bird {
+  let picture = texture("mallard.png", vec2(p.x, -p.y) * 0.6 + vec2(1.2, 1.3))
+  color     = mix(vec3(0.7, 0.6, 0.5), picture.rgb, picture.a)
+  roughness = 0.3
+  metalness = 0.4
+  emission  = glow * vec3(0.3, 0.05, 0.02) * volume.x
+}
+material mirror { color = vec3(0.1, 0.1, 0.12)  roughness = 0.8  reflect = 0.4  haze = 1 - exp(-dot(p.xz, p.xz) / 900) }
+
+object row   { shape = pillar(p)  bound = others(p)  material = wood }
+object ball  { shape = smooth_union(sphere(p - ball_at(), size), box(p - vec3(1.5, 0.6, 4), 0.6), 0.5)  material = bird }
+object floor { shape = p.y  material = mirror }
+object wall  { shape = 0.6 * p.x + 0.8 * (12 - p.z)  material = wood }
+
+light sun  { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 0.05 }
+light lamp { position = vec3(4 * cos(t), 5, 1)  color = vec3(20, 30, 60) * (0.5 + volume.y)  radius = 0.4 }
+sky {
+  color   = mix(vec3(0.3, 0.2, 0.15), vec3(0.05, 0.1, 0.3), clamp(direction.y, 0, 1))
+  ambient = vec3(0.1, 0.12, 0.15) * (1 + direction.y)
+}
+camera { position = vec3(0, 2.5, -2)  target = vec3(0, 1.2, 6)  fov = 55  roll = 0.05 * sin(t) }
+"#;
+
+/// What a program shows and counts.
+fn drawn(
+    studio: &mut Studio,
+    program: &Program,
+    time: f64,
+    features: Features,
+    size: (u32, u32),
+) -> (RgbaImage, Evaluations) {
+    let frame = studio.frame(time, features, size);
+    studio.renderer.draw(&frame, &studio.resources, program).unwrap();
+    let picture = RgbaImage::from_raw(size.0, size.1, studio.renderer.read()).unwrap();
+    (picture, studio.renderer.evaluations())
+}
+
+/// Fails unless both modes show the same and evaluate about as much, in loud music at each of the `times`.
+fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
+    let mut studio = Studio::of(scene, Mode::Compiled, Counting::On);
+    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
+    let mut first: Option<RgbaImage> = None;
+    for &time in times {
+        let [compiled, interpreted] =
+            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_music(), SIZE));
+        assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, TIGHT);
+        let (a, b) = (interpreted.1, compiled.1);
+        assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
+        assert!((a.total() - b.total()).abs() <= 0.02 * b.total(), "{name} at {time} s: {a:?}, but {b:?}");
+        assert_eq!(b.clauses, 0.0, "{name}: a compiled scene has run clauses");
+        assert!(a.clauses > a.total(), "{name}: an evaluation is more than a clause: {a:?}");
+        // Two black pictures are alike, too.
+        let seen = first.get_or_insert_with(|| RgbaImage::new(SIZE.0, SIZE.1));
+        let share = difference(seen, &compiled.0, TIGHT.visible).share;
+        assert!(share > 0.05, "{name}: nothing is seen, or nothing has moved at {time} s: {share}");
+        first = Some(compiled.0);
+    }
+}
+
+#[test]
+fn both_modes_show_the_same_speakers() {
+    assert_modes_agree("speakers", &speakers(), &[12.0, 40.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_planes() {
+    assert_modes_agree("planes", &SceneSource::Formula(PLANES.into()), &[0.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_scene_of_many_parts() {
+    assert_modes_agree("many", &SceneSource::Formula(MANY.into()), &[3.0, 5.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_surface_without_bounds() {
+    let scene = SceneSource::Formula(UNBOUNDED.into());
+    assert!(ready(&scene).world.bounds.is_none(), "the scene has bounds");
+    assert_modes_agree("unbounded", &scene, &[0.0]);
+}
+
+#[test]
+fn the_compiled_speakers_are_those_written_by_hand() {
+    let mut studio = Studio::new();
+    let textures = studio.world().pictures.len();
+    let variant = compiled_variant(BY_HAND, textures, Counting::Off);
+    let by_hand = studio.link(&ShaderLibrary::embedded(), &variant);
+    let compiled = studio.program_of(Mode::Compiled, Counting::Off);
+    for (name, time, features) in
+        [("loud", 12.0, loud_music()), ("soft", 33.3, soft_music()), ("silent", 61.7, silence())]
+    {
+        let size = (320, 180);
+        let (expected, _) = drawn(&mut studio, &by_hand, time, features, size);
+        let (actual, _) = drawn(&mut studio, &compiled, time, features, size);
+        assert_alike(&format!("by-hand-{name}"), &actual, &expected, TIGHT);
+    }
+}
+
+#[test]
+fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
+    let scene = ready(&speakers());
+    let needed = scene.buffers.words.len().max(scene.buffers.table.len()) / 4;
+    assert!(needed > 100, "the speakers take only {needed} texels");
+    let with = |texels: usize| GlInfo { texture_buffer_texels_max: texels as u32, ..driver(false) };
+
+    assert_eq!(Interpreter::fits(&scene.buffers, &with(needed)), Ok(()));
+    assert_eq!(mode_on(SdfChoice::Interpreted, &scene.buffers, &with(needed)), Mode::Interpreted);
+
+    let available = needed - 1;
+    let error = Interpreter::fits(&scene.buffers, &with(available)).unwrap_err();
+    assert_eq!(error, DoesNotFit { needed, available });
+    let message = error.to_string();
+    let told: Vec<usize> =
+        message.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect();
+    assert_eq!(told, [needed, available], "{message}");
+    assert_eq!(mode_on(SdfChoice::Interpreted, &scene.buffers, &with(available)), Mode::Compiled);
+}
+
+#[test]
+fn a_painter_draws_as_it_was_asked() {
+    for (sdf, expected) in [
+        (SdfChoice::Interpreted, Mode::Interpreted),
+        (SdfChoice::Compiled, Mode::Compiled),
+        (SdfChoice::Auto, Mode::Compiled),
+    ] {
+        let source = SceneSource::Formula(PLANES.into());
+        let choice = SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), verbose: false };
+        let mut painter = Painter::open(&choice).unwrap();
+        assert_eq!(painter.mode(), expected);
+        painter.draw(0.0, silence(), (16, 9)).unwrap();
+        assert_eq!(painter.read().len(), 16 * 9 * 4);
+    }
+}

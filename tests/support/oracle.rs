@@ -1,0 +1,36 @@
+//! The speakers by hand: the oracle of the shipped scene, and the places where tests look for its parts.
+
+use glam::DVec3;
+
+/// The functions of the scene, in GLSL.
+pub const BY_HAND: &str = include_str!("../oracle/speakers.glsl");
+
+/// The arguments of `const TYPE NAME = ...;`.
+fn constant_numbers(name: &str) -> Vec<f64> {
+    let value = BY_HAND
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("const ")?.split_once(" = "))
+        .find(|(declared, _)| declared.split_whitespace().nth(1) == Some(name))
+        .and_then(|(_, rest)| rest.split_once(';'))
+        .map(|(value, _)| value.trim())
+        .unwrap_or_else(|| panic!("the oracle has no constant {name}; the tests place their probes by it"));
+    let inner = value.split_once('(').map_or(value, |(_, arguments)| arguments.trim_end_matches(')'));
+    inner
+        .split(',')
+        .map(|number| number.trim().parse().unwrap_or_else(|_| panic!("{name} is {value}, not numbers")))
+        .collect()
+}
+
+/// `const float NAME = number;` of the oracle.
+pub fn constant(name: &str) -> f64 {
+    let numbers = constant_numbers(name);
+    assert_eq!(numbers.len(), 1, "{name} is no single number");
+    numbers[0]
+}
+
+/// `const vec3 NAME = vec3(x, y, z);` of the oracle.
+pub fn vector_constant(name: &str) -> DVec3 {
+    let numbers = constant_numbers(name);
+    assert_eq!(numbers.len(), 3, "{name} is no vector of three numbers");
+    DVec3::new(numbers[0], numbers[1], numbers[2])
+}
