@@ -197,6 +197,9 @@ impl Run {
     }
 }
 
+/// What a row of the printed table says of a mode.
+type Cell<'a> = &'a dyn Fn(&ModeReport) -> String;
+
 impl std::fmt::Display for BenchReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "{} ({})", self.gl.renderer, self.gl.version)?;
@@ -216,7 +219,7 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let columns: [(&str, &dyn Fn(&ModeReport) -> String); 15] = [
+        let columns: [(&str, Cell); 15] = [
             ("", &|row| row.mode.to_string()),
             ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
             ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
