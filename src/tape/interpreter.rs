@@ -27,13 +27,11 @@ const KEPT_TABLE_MAX_OF_A_GPU: usize = 16;
 
 /// Whether an operator costs several times an addition: those run in the last place of a texel only.
 pub fn is_rare(op: Op) -> bool {
-    match op {
-        Op::Exp | Op::Exp2 | Op::Log | Op::Log2 | Op::Pow => true,
-        Op::Sin | Op::Cos | Op::Tan | Op::Asin | Op::Acos | Op::Atan | Op::Atan2 => true,
-        Op::Sinh | Op::Cosh | Op::Tanh => true,
-        Op::Hash | Op::Band | Op::Spectrum | Op::Waveform | Op::History => true,
-        _ => false,
-    }
+    let power = matches!(op, Op::Exp | Op::Exp2 | Op::Log | Op::Log2 | Op::Pow);
+    let circular = matches!(op, Op::Sin | Op::Cos | Op::Tan | Op::Asin | Op::Acos | Op::Atan | Op::Atan2);
+    let hyperbolic = matches!(op, Op::Sinh | Op::Cosh | Op::Tanh);
+    let table = matches!(op, Op::Hash | Op::Band | Op::Spectrum | Op::Waveform | Op::History);
+    power || circular || hyperbolic || table
 }
 
 impl Tape {
@@ -61,7 +59,7 @@ impl Tape {
             words.push(clause);
         }
         words.push(0);
-        while (words.len() - start) % 4 != 0 {
+        while !(words.len() - start).is_multiple_of(4) {
             words.push(0);
         }
     }

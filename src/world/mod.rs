@@ -143,23 +143,6 @@ impl World {
     }
 }
 
-/// Worlds for the tests of the rooms that draw them.
-#[cfg(test)]
-pub(crate) mod testing {
-    use super::World;
-    use crate::lang::{compile, no_includes};
-
-    /// The shipped scene of that name.
-    pub(crate) const SPEAKERS: &str = include_str!("../../assets/scenes/speakers.scene");
-
-    /// The world of a text, without its pictures.
-    pub(crate) fn world_of(text: &str) -> World {
-        let mut compiled = compile("test", text, &mut no_includes);
-        let scene = compiled.scene.take().unwrap_or_else(|| panic!("{}", compiled.render(false)));
-        World::new("test", scene, Vec::new()).unwrap()
-    }
-}
-
 fn roots(scene: &mut Scene, rest: Option<&Rest>) -> Roots {
     let materials = scene.materials.iter().map(|material| {
         let ([r, g, b], [er, eg, eb]) = (material.color, material.emission);
@@ -174,5 +157,22 @@ fn roots(scene: &mut Scene, rest: Option<&Rest>) -> Roots {
         materials,
         sky: scene.sky.color,
         ambient: scene.sky.ambient,
+    }
+}
+
+/// Worlds for the tests of the rooms that draw them.
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::World;
+    use crate::lang::{compile, no_includes};
+
+    /// The shipped scene of that name.
+    pub(crate) const SPEAKERS: &str = include_str!("../../assets/scenes/speakers.scene");
+
+    /// The world of a text, without its pictures.
+    pub(crate) fn world_of(text: &str) -> World {
+        let mut compiled = compile("test", text, &mut no_includes);
+        let scene = compiled.scene.take().unwrap_or_else(|| panic!("{}", compiled.render(false)));
+        World::new("test", scene, Vec::new()).unwrap()
     }
 }
