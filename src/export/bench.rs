@@ -170,6 +170,9 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     })
 }
 
+/// A title, and what stands under a mode.
+type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
+
 /// One mode while it is measured.
 struct Run {
     mode: Mode,
@@ -197,9 +200,6 @@ impl Run {
     }
 }
 
-/// What a row of the printed table says of a mode.
-type Cell<'a> = &'a dyn Fn(&ModeReport) -> String;
-
 impl std::fmt::Display for BenchReport {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         writeln!(f, "{} ({})", self.gl.renderer, self.gl.version)?;
@@ -219,7 +219,7 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let columns: [(&str, Cell); 15] = [
+        let rows: [Row; 15] = [
             ("", &|row| row.mode.to_string()),
             ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
             ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
@@ -241,7 +241,7 @@ impl std::fmt::Display for BenchReport {
                 format!("{:.4}", 100.0 * row.evaluations_per_pixel.capped_rays)
             }),
         ];
-        for (title, value) in columns {
+        for (title, value) in rows {
             write!(f, "{title:<32}")?;
             for row in &self.modes {
                 write!(f, "{:>14}", value(row))?;

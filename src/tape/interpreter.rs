@@ -27,29 +27,11 @@ const KEPT_TABLE_MAX_OF_A_GPU: usize = 16;
 
 /// Whether an operator costs several times an addition: those run in the last place of a texel only.
 pub fn is_rare(op: Op) -> bool {
-    matches!(
-        op,
-        Op::Exp
-            | Op::Exp2
-            | Op::Log
-            | Op::Log2
-            | Op::Pow
-            | Op::Sin
-            | Op::Cos
-            | Op::Tan
-            | Op::Asin
-            | Op::Acos
-            | Op::Atan
-            | Op::Atan2
-            | Op::Sinh
-            | Op::Cosh
-            | Op::Tanh
-            | Op::Hash
-            | Op::Band
-            | Op::Spectrum
-            | Op::Waveform
-            | Op::History
-    )
+    let power = matches!(op, Op::Exp | Op::Exp2 | Op::Log | Op::Log2 | Op::Pow);
+    let circular = matches!(op, Op::Sin | Op::Cos | Op::Tan | Op::Asin | Op::Acos | Op::Atan | Op::Atan2);
+    let hyperbolic = matches!(op, Op::Sinh | Op::Cosh | Op::Tanh);
+    let table = matches!(op, Op::Hash | Op::Band | Op::Spectrum | Op::Waveform | Op::History);
+    power || circular || hyperbolic || table
 }
 
 impl Tape {
@@ -258,102 +240,4 @@ fn expression(op: Op, lanes: bool) -> String {
         text.push(')');
     }
     text
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::graph::{Graph, Input};
-    use crate::tape::TapeOptions;
-
-    /// The program of a tape, as texels.
-    fn texels(tape: &Tape) -> Vec<[u32; 4]> {
-        let mut words = vec![7; 8];
-        tape.append_program(5, &mut words);
-        let (texels, rest) = words.as_chunks::<4>();
-        assert!(rest.is_empty());
-        assert_eq!(texels[..2], [[7; 4]; 2]);
-        texels[2..].to_vec()
-    }
-
-    #[test]
-    fn a_program_is_a_header_and_the_clauses_after_the_inputs() {
-        let mut graph = Graph::new();
-        let (x, y, two) = (graph.input(Input::X), graph.input(Input::Y), graph.constant(2.0));
-        let sum = graph.add(x, y);
-        let double = graph.mul(sum, two);
-        let tape = Tape::build(&graph, &[double, sum], &TapeOptions::default()).unwrap();
-        let clauses: Vec<u32> = tape.clauses().iter().map(|clause| clause.word()).collect();
-        let [first, second] = [tape.outputs()[0], tape.outputs()[1]].map(u32::from);
-        let header = [5 | 1 << 24, first | second << 8, 0, 0];
-        assert_eq!(texels(&tape), [header, [clauses[2], clauses[3], 0, 0]]);
-    }
-
-    #[test]
-    fn an_input_in_another_slot_than_its_own_is_read() {
-        let mut graph = Graph::new();
-        let (x, z) = (graph.input(Input::X), graph.input(Input::Z));
-        let sum = graph.add(x, z);
-        let tape = Tape::build(&graph, &[sum], &TapeOptions::default()).unwrap();
-        let clauses: Vec<u32> = tape.clauses().iter().map(|clause| clause.word()).collect();
-        assert_eq!(texels(&tape)[1..], [[clauses[1], clauses[2], 0, 0]]);
-        assert!(Variant::of([&tape], true).inputs);
-    }
-
-    #[test]
-    fn rare_operators_stand_last_in_their_texels_and_only_the_last_texel_ends() {
-        let mut graph = Graph::new();
-        let mut value = graph.input(Input::X);
-        for op in [Op::Sin, Op::Cos, Op::Abs, Op::Exp, Op::Ceil, Op::Abs, Op::Floor, Op::Not, Op::Log] {
-            value = graph.raw(crate::graph::Node::Unary(op, value));
-        }
-        let tape = Tape::build(&graph, &[value], &TapeOptions::default()).unwrap();
-        let opcodes: Vec<[u32; 4]> = texels(&tape)[1..].iter().map(|texel| texel.map(|w| w & 255)).collect();
-        let expected =
-            [[0, 0, 0, 30], [0, 0, 0, 31], [17, 0, 0, 26], [20, 17, 19, 39], [0, 0, 0, 28], [0, 0, 0, 0]];
-        assert_eq!(opcodes, expected);
-    }
-
-    #[test]
-    fn a_variant_has_the_operators_of_its_tapes_and_no_others() {
-        let mut graph = Graph::new();
-        let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
-        let (quotient, sine) = (graph.div(x, y), graph.unary(Op::Sin, x));
-        let tapes =
-            [quotient, sine].map(|root| Tape::build(&graph, &[root], &TapeOptions::default()).unwrap());
-        let variant = Variant::of(&tapes, false);
-        assert_eq!(variant.operators, BTreeSet::from([Op::Div, Op::Sin]));
-        assert_eq!((variant.slots, variant.table, variant.memory, variant.textures), (4, 4, 0, 0));
-        let text = variant.text();
-        let cases: Vec<&str> = text.lines().map(str::trim).filter(|line| line.starts_with("case ")).collect();
-        let vector =
-            "case 67: r = vec4(op_67(a.x, b.x), op_67(a.y, b.y), op_67(a.z, b.z), op_67(a.w, b.w)); break;";
-        let expected = [
-            "case 30: r = (sin(a)); break;",
-            "case 67: r = ((b == 0.0 ? 0.0 : a / b)); break;",
-            "case 30: r = (sin(a)); break;",
-            vector,
-        ];
-        assert_eq!(cases, expected);
-    }
-
-    #[test]
-    fn large_tables_are_fetched_and_on_a_gpu_small_ones_too() {
-        let mut graph = Graph::new();
-        let x = graph.input(Input::X);
-        let tape_of = |count: usize, graph: &mut Graph| {
-            let mut sum = x;
-            for i in 0..count {
-                let number = graph.constant(i as f32 + 0.5);
-                sum = graph.mul(sum, number);
-            }
-            Tape::build(graph, &[sum], &TapeOptions::default()).unwrap()
-        };
-        for (count, kept, kept_of_a_gpu) in [(16, 16, 16), (17, 32, 0), (256, 256, 0), (257, 0, 0)] {
-            let tape = tape_of(count, &mut graph);
-            assert_eq!(tape.table().len(), count);
-            assert_eq!(Variant::of([&tape], true).table, kept, "{count} entries");
-            assert_eq!(Variant::of([&tape], false).table, kept_of_a_gpu, "{count} entries on a GPU");
-        }
-    }
 }
