@@ -16,6 +16,7 @@ layout(std140) uniform FrameBlock {
     vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius. w 0 ends them
     vec4 frame_bands[BAND_QUADS];       // 32 logarithmic bands, 0..1, four to a vector
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
+    vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame
 };
 
 layout(std140) uniform PassBlock {

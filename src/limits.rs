@@ -78,6 +78,8 @@ pub struct Limits {
     pub scene_materials_max: usize,
     /// Most lights of a scene.
     pub scene_lights_max: usize,
+    /// Most values that are computed once a frame instead of at every point; further ones stay where they are.
+    pub hoisted_max: usize,
 }
 
 /// The limits that the program runs with.
@@ -118,6 +120,7 @@ pub const LIMITS: Limits = Limits {
     scene_objects_max: 256,
     scene_materials_max: 64,
     scene_lights_max: 16,
+    hoisted_max: 256,
 };
 
 impl Default for Limits {

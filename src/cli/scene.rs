@@ -7,8 +7,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use crate::export::print::print_line;
-use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
-use crate::lang::Scene;
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Op, Point};
+use crate::lang::{Scene, render_all};
 use crate::scenes::SceneSource;
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
 
@@ -112,8 +112,14 @@ pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
 /// The scene, or its diagnostics as text.
 fn compile(source: &SceneSource) -> anyhow::Result<Result<Scene, String>> {
     let compiled = source.compile()?;
-    let diagnostics = compiled.render(std::io::stdout().is_terminal());
-    Ok(compiled.scene.ok_or(diagnostics))
+    let colored = std::io::stdout().is_terminal();
+    let diagnostics = compiled.render(colored);
+    let Some(scene) = compiled.scene else { return Ok(Err(diagnostics)) };
+    // Pictures that are not there are mistakes, too.
+    match source.textures(&scene) {
+        Ok(_) => Ok(Ok(scene)),
+        Err(wrong) => Ok(Err(render_all(&wrong, &compiled.sources, colored))),
+    }
 }
 
 /// The scene; its diagnostics are an error.
@@ -133,9 +139,16 @@ fn require(source: &SceneSource) -> anyhow::Result<Scene> {
 fn cost(scene: &Scene) -> anyhow::Result<String> {
     let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
     let mut roots = vec![scene.distance];
+    roots.extend(scene.objects.iter().filter_map(|object| object.bound));
     for material in &scene.materials {
         roots.extend(material.color.iter().chain(&material.emission));
-        roots.extend([material.roughness, material.metalness, material.reflect, material.coat]);
+        roots.extend([
+            material.roughness,
+            material.metalness,
+            material.reflect,
+            material.coat,
+            material.haze,
+        ]);
     }
     let constants =
         tape.table().iter().filter(|entry| matches!(entry, crate::tape::TableEntry::Constant(_))).count();
@@ -163,6 +176,11 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
+    // Those that are read by a number that is computed.
+    names.extend(used.tables.iter().map(|table| match table {
+        Op::Band => "bands".to_owned(),
+        other => other.name().to_lowercase(),
+    }));
     names.dedup();
     Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
 }

@@ -13,20 +13,23 @@ const HEAD: usize = 11;
 const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
 const BAND_QUADS: usize = BAND_COUNT.div_ceil(4);
 const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
+const HOISTED_QUADS: usize = LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
-pub const FRAME_BLOCK_VECTORS: usize = HEAD + PLANES_MAX + 2 * LIGHTS_MAX + BAND_QUADS + PARAM_QUADS;
+pub const FRAME_BLOCK_VECTORS: usize =
+    HEAD + PLANES_MAX + 2 * LIGHTS_MAX + BAND_QUADS + PARAM_QUADS + HOISTED_QUADS;
 
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The lengths of the block's arrays, as the defines that `shaders/frame_block.glsl` needs.
-pub fn block_defines() -> [String; 4] {
+pub fn block_defines() -> [String; 5] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
         format!("BAND_QUADS {BAND_QUADS}"),
         format!("PARAM_QUADS {PARAM_QUADS}"),
+        format!("HOISTED_QUADS {HOISTED_QUADS}"),
     ]
 }
 
@@ -76,6 +79,7 @@ impl Frame {
         put(&mut rest, 2 * LIGHTS_MAX, lamps);
         put(&mut rest, BAND_QUADS, quads(&inputs.bands));
         put(&mut rest, PARAM_QUADS, quads(&inputs.params));
+        put(&mut rest, HOISTED_QUADS, quads(&inputs.hoisted));
         for value in block.as_flattened_mut() {
             *value = super::finite(*value);
         }

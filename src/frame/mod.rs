@@ -41,7 +41,7 @@ impl Frame {
     ) -> Self {
         let size = (size.0.max(1), size.1.max(1));
         let declared = world.scene.params.iter().enumerate();
-        let inputs = FrameInputs {
+        let mut inputs = FrameInputs {
             time: finite(time as f32),
             volume: features.volume.map(unit),
             bands: features.bands.map(unit),
@@ -53,6 +53,7 @@ impl Frame {
                 .collect(),
             ..FrameInputs::default()
         };
+        inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
         Self { size, inputs, camera, values }

@@ -131,6 +131,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     tempo: 0.0,
     phase: 0.0,
     params: Vec::new(),
+    hoisted: Vec::new(),
     spectrum: TableData::EMPTY,
     waveform: TableData::EMPTY,
     history: TableData::EMPTY,
@@ -161,6 +162,8 @@ pub struct FrameInputs {
     pub phase: f32,
     /// The scene's parameters by number; missing ones are 0.
     pub params: Vec<f32>,
+    /// What was computed once for the frame, by number; missing ones are 0.
+    pub hoisted: Vec<f32>,
     /// The spectrum, low to high.
     pub spectrum: TableData,
     /// The waveform, old to new.
@@ -198,7 +201,9 @@ impl FrameInputs {
             Input::T => Interval { lo: 0.0, hi: TIME_MAX },
             Input::Tempo => Interval { lo: 0.0, hi: TEMPO_MAX },
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
-            Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ALL,
+            Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ | Input::Hoisted(_) => {
+                Interval::ANY
+            }
             Input::VolumeLeft
             | Input::VolumeRight
             | Input::Band(_)
@@ -225,6 +230,7 @@ impl FrameInputs {
             Input::Tempo => self.tempo,
             Input::Phase => self.phase,
             Input::Param(i) => self.params.get(usize::from(i)).copied().unwrap_or(0.0),
+            Input::Hoisted(i) => self.hoisted.get(usize::from(i)).copied().unwrap_or(0.0),
         }
     }
 

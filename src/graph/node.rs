@@ -50,6 +50,8 @@ pub enum Input {
     Phase,
     /// A parameter of the scene, by its number.
     Param(u16),
+    /// A value that is computed once a frame from the inputs above (see `world`).
+    Hoisted(u16),
 }
 
 impl Input {
@@ -89,6 +91,7 @@ impl Input {
             Input::Phase => 14,
             Input::Band(i) => 0x100 | i as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
+            Input::Hoisted(i) => 0x2_0000 | i as u32,
         }
     }
 }
@@ -114,6 +117,7 @@ impl std::fmt::Display for Input {
             Input::Phase => "PHASE",
             Input::Band(i) => return write!(f, "BAND({i})"),
             Input::Param(i) => return write!(f, "PARAM({i})"),
+            Input::Hoisted(i) => return write!(f, "HOISTED({i})"),
         })
     }
 }

@@ -132,6 +132,7 @@ pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {
         ranges: None,
+        hoisted: Vec::new(),
         time: 12.5,
         volume: [0.25, 0.75],
         bands: std::array::from_fn(|i| (i as f32 * 0.7).cos() * 0.5),

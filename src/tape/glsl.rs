@@ -21,6 +21,8 @@ pub fn literal(value: f32) -> String {
 /// The name of an input in the generated code: `p` and `n` are the function's arguments, the rest are
 /// uniforms.
 ///
+/// What is computed once a frame is in `frame_hoisted`, vec4 too.
+///
 /// `frame_time`, `frame_tempo`, `frame_phase` are floats, `frame_volume` a vec2, `frame_sound` a vec4 (bass,
 /// mid, treble, beat), `frame_bands` eight vec4, `frame_params` vec4 as many as there are parameters, divided
 /// by four.
@@ -45,6 +47,7 @@ pub fn input_name(input: Input) -> String {
         Input::Phase => "frame_phase".into(),
         Input::Band(index) => packed("frame_bands", usize::from(index)),
         Input::Param(index) => packed("frame_params", usize::from(index)),
+        Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),
     }
 }
 

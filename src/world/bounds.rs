@@ -30,7 +30,8 @@ type Cell = Bounds;
 /// free of them.
 ///
 /// The cube is cut into eight again and again, first everywhere, then only where the box's faces lie. What cannot
-/// hold a surface is left out.
+/// hold a surface is left out. A face stays where it is once a point just below it may lie on a surface: no cutting
+/// would take that point away.
 pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let mut evaluator = IntervalEvaluator::new(tape, any);
     let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
@@ -51,16 +52,27 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
         face = (face + 1) % 6;
         let end = |cell: &Cell| if upper { cell.high[axis] } else { cell.low[axis] };
         let outermost = end(&box_now);
-        let (touching, mut others): (Vec<Cell>, Vec<Cell>) =
-            cells.into_iter().partition(|cell| end(cell) == outermost);
-        let size = touching.iter().map(|cell| cell.high[axis] - cell.low[axis]).fold(0.0, f32::max);
         let wanted = PRECISION * (box_now.high[axis] - box_now.low[axis]);
-        if size <= wanted {
+        let (touching, mut others): (Vec<Cell>, Vec<Cell>) =
+            cells.into_iter().partition(|cell| (outermost - end(cell)).abs() <= wanted);
+        let size = touching.iter().flat_map(|cell| [0, 1, 2].map(|axis| cell.high[axis] - cell.low[axis]));
+        let size = size.fold(0.0, f32::max);
+        let stays = touching.iter().any(|cell| {
+            let mut point = [0, 1, 2].map(|axis| 0.5 * (cell.low[axis] + cell.high[axis]));
+            point[axis] = if upper { outermost - wanted } else { outermost + wanted };
+            may_hold_a_surface(&Cell { low: point, high: point }, &mut evaluator, &mut left)
+        });
+        if stays || size <= wanted {
             faces_done += 1;
             others.extend(touching);
         } else {
             faces_done = 0;
-            others.extend(touching.iter().flat_map(|cell| divided(cell, &mut evaluator, &mut left)));
+            for cell in touching {
+                match shaved(&cell, axis, upper, wanted, &mut evaluator, &mut left) {
+                    Some(rest) => others.push(rest),
+                    None => others.extend(divided(&cell, &mut evaluator, &mut left)),
+                }
+            }
         }
         cells = others;
     }
@@ -80,7 +92,6 @@ fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize)
         *left = 0;
         return vec![*cell];
     }
-    *left -= 8;
     let mut parts = Vec::with_capacity(8);
     for corner in 0..8 {
         let mut part = *cell;
@@ -88,14 +99,51 @@ fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize)
             let middle = 0.5 * (cell.low[axis] + cell.high[axis]);
             if corner >> axis & 1 == 0 { part.high[axis] = middle } else { part.low[axis] = middle }
         }
-        let position = [0, 1, 2].map(|axis| Interval::new(part.low[axis], part.high[axis]));
-        let value = evaluator.over(position, [Interval::point(0.0); 3]).first().copied();
-        // What may be a NaN may be a surface, too.
-        if !value.is_some_and(|value| value.lo > 0.0) {
+        if may_hold_a_surface(&part, evaluator, left) {
             parts.push(part);
         }
     }
     parts
+}
+
+/// A cell without the largest slice at its face that is free of surfaces as a whole; none if even a slice of about
+/// `wanted` is not.
+fn shaved(
+    cell: &Cell,
+    axis: usize,
+    upper: bool,
+    wanted: f32,
+    evaluator: &mut IntervalEvaluator<'_>,
+    left: &mut usize,
+) -> Option<Cell> {
+    let mut thickness = 0.5 * (cell.high[axis] - cell.low[axis]);
+    while thickness >= 0.5 * wanted {
+        let (mut slice, mut rest) = (*cell, *cell);
+        if upper {
+            rest.high[axis] -= thickness;
+            slice.low[axis] = rest.high[axis];
+        } else {
+            rest.low[axis] += thickness;
+            slice.high[axis] = rest.low[axis];
+        }
+        if !may_hold_a_surface(&slice, evaluator, left) {
+            return Some(rest);
+        }
+        thickness *= 0.5;
+    }
+    None
+}
+
+/// Whether a surface may lie in a cell, or something solid. It may once nothing is left to spend.
+fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> bool {
+    if *left == 0 {
+        return true;
+    }
+    *left -= 1;
+    let position = [0, 1, 2].map(|axis| Interval::new(cell.low[axis], cell.high[axis]));
+    let value = evaluator.over(position, [Interval::point(0.0); 3]).first().copied();
+    // What may be a NaN may be a surface, too.
+    !value.is_some_and(|value| value.lo > 0.0)
 }
 
 fn hull(cells: &[Cell]) -> Option<Bounds> {

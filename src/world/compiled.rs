@@ -19,7 +19,7 @@ impl World {
 
     /// A function for each set of roots.
     fn generated_functions(&self) -> Result<String, WorldError> {
-        let graph = &self.scene.graph;
+        let graph = &self.graph;
         let roots = &self.roots;
         let materials = roots.materials.iter().enumerate();
         let functions = [

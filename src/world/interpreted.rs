@@ -84,7 +84,7 @@ impl World {
     /// A tape that takes more than the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let tape = |roots: &[NodeId]| {
-            Tape::build(&self.scene.graph, roots, &TapeOptions::default())
+            Tape::build(&self.graph, roots, &TapeOptions::default())
                 .map_err(|source| WorldError::Tape { scene: self.name.clone(), source })
         };
         let mut programs = Programs::default();
@@ -150,7 +150,7 @@ mod tests {
             (words[4], &world.roots.materials[0]),
             (words[5], &world.roots.materials[1]),
         ] {
-            let tape = Tape::build(&world.scene.graph, roots, &TapeOptions::default()).unwrap();
+            let tape = Tape::build(&world.graph, roots, &TapeOptions::default()).unwrap();
             let header = program as usize * 4;
             let table = (words[header] & 0xFF_FFFF) as usize * 4;
             assert_eq!(buffers.table[table..][..tape.table().len()], *tape.table());

@@ -10,12 +10,14 @@
 mod bounds;
 mod compiled;
 mod frame_tape;
+mod hoist;
 mod interpreted;
 mod planes;
 mod validate;
 
 pub use bounds::Bounds;
 pub use frame_tape::{FrameTape, FrameValues, LightValues};
+pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 
@@ -23,7 +25,7 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
-use crate::graph::{FrameInputs, GraphError, NodeId};
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::Scene;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
@@ -90,13 +92,37 @@ pub struct Roots {
     pub ambient: [NodeId; 3],
 }
 
+impl Roots {
+    /// All of them.
+    fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
+        let materials = self.materials.iter().flatten();
+        let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient);
+        self.distance.into_iter().chain(rest).chain(materials.copied())
+    }
+
+    /// Each of them replaced.
+    fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
+        Self {
+            distance: self.distance.map(&new),
+            object: new(self.object),
+            materials: self.materials.iter().map(|material| material.map(&new)).collect(),
+            sky: self.sky.map(&new),
+            ambient: self.ambient.map(&new),
+        }
+    }
+}
+
 /// A scene that can be drawn.
 #[derive(Debug, Clone)]
 pub struct World {
     /// What messages and the title call it.
     pub name: String,
-    /// The scene. Its graph also holds what [`Roots`] add.
+    /// The scene.
     pub scene: Scene,
+    /// The expressions of [`World::roots`], without what is the same all over a frame.
+    pub graph: Graph,
+    /// What is computed once a frame in its place.
+    pub hoisted: Hoisted,
     /// Surfaces that are planes, each with its object.
     pub planes: Vec<Plane>,
     /// Whether there is anything but planes.
@@ -129,12 +155,15 @@ impl World {
             let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
             bounds = bounds::find(&tape, &any);
         }
+        let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),
             bounds,
             roots,
+            graph,
+            hoisted,
             frame_tape,
             planes,
             scene,

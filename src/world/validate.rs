@@ -12,7 +12,7 @@ fn surroundings() -> String {
     format!(
         "#version 450\n\
          layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 frame_sound;\n    vec4 frame_rest;\n    \
-         vec4 frame_bands[{}];\n    vec4 frame_params[{}];\n}};\n\
+         vec4 frame_bands[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
          #define frame_time frame_rest.x\n#define frame_tempo frame_rest.y\n#define frame_phase frame_rest.z\n\
          #define frame_volume frame_rest.xy\n\
          float table_band(float a) {{ return a; }}\nfloat table_spectrum(float a) {{ return a; }}\n\
@@ -21,6 +21,7 @@ fn surroundings() -> String {
          vec4 sample_texture(int i, vec2 uv, vec2 dx, vec2 dy) {{ return vec4(uv, dx + dy); }}\n{CELL_HASH_GLSL}\n",
         BAND_COUNT.div_ceil(4),
         LIMITS.scene_params_max.div_ceil(4),
+        LIMITS.hoisted_max.div_ceil(4),
     )
 }
 
