@@ -43,10 +43,12 @@ Examples:
   mariana song.flac               play a song
   mariana song.mp3 --once         ... and end with it
   mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
+  mariana song.flac --scene orbs  ... in another scene, or a file of your own
+  mariana --scene \"min(y, length(p - vec3(0, 1, 0)) - 1)\"
   mariana still song.flac --at 12.5 --size 1280x720 -o frame.png
   mariana help still              what a subcommand takes
 
-H in the window prints the keys.";
+H in the window shows the keys.";
 
 #[derive(Args)]
 struct PlayArguments {
