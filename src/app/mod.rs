@@ -1,6 +1,7 @@
 //! The window: the only room that uses winit.
 
 pub mod error;
+mod frame_times;
 pub mod keys;
 pub mod overlay;
 pub mod pacing;

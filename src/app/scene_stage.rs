@@ -36,10 +36,12 @@ struct Cast {
     id: u64,
     source: SceneSource,
     resources: SceneResources,
-    /// The variant of the interpreter that it needs; none if its tape does not fit the driver.
+    /// The variant of the interpreter that it needs; none if its tape does not fit the driver, or the driver refused it.
     interpreter: Option<Interpreter>,
     interpreted: Option<Rc<Program>>,
     compiled: Option<Program>,
+    /// Whether no compiler has refused it so far.
+    compilable: bool,
     sliders: Vec<Slider>,
 }
 
@@ -68,6 +70,8 @@ pub struct SceneStage {
     notice: Option<(String, Instant)>,
     /// Counts what makes the same moment look different.
     revision: u64,
+    /// The scene on the stage and its mode when they were last told.
+    announced: Option<(u64, Mode)>,
     // Last: its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
 }
@@ -103,6 +107,7 @@ impl SceneStage {
             problem: None,
             notice: None,
             revision: 0,
+            announced: None,
             compiler,
         };
         stage.prepare(source, first)?;
@@ -121,6 +126,7 @@ impl SceneStage {
             let program = finished.program.map(|ready| Program::adopt(&self.gl, ready));
             match (self.tasks.remove(&finished.id), program) {
                 (Some(Task::Interpreter(interpreter)), Ok(program)) => {
+                    tracing::info!("an interpreter is ready");
                     self.interpreters.push((interpreter, Rc::new(program)));
                 }
                 (Some(Task::Compiled(id)), Ok(program)) => {
@@ -143,14 +149,23 @@ impl SceneStage {
         match loaded.value {
             Ok(ready) => {
                 self.problem = None;
-                self.prepare(loaded.source, ready)
+                let name = loaded.source.title();
+                let Err(error) = self.prepare(loaded.source, ready) else { return Ok(()) };
+                if self.on_stage.is_none() {
+                    return Err(error);
+                }
+                tracing::warn!("{error}");
+                let heading = format!("{name} cannot be drawn by this driver; the last good scene stays");
+                self.problem = Some((heading, error.to_string()));
+                Ok(())
             }
             Err(error) => {
-                let text = match &error {
-                    SceneError::Mistakes { plain, .. } => plain.clone(),
-                    other => other.to_string(),
+                let (what, text) = match &error {
+                    SceneError::Mistakes { plain, .. } => ("has mistakes", plain.clone()),
+                    SceneError::World(_) => ("is too much to be drawn", error.to_string()),
+                    other => ("cannot be read", other.to_string()),
                 };
-                let heading = format!("{} has mistakes; the last good scene stays", loaded.source.title());
+                let heading = format!("{} {what}; the last good scene stays", loaded.source.title());
                 tracing::warn!("{error}");
                 self.problem = Some((heading, text));
                 Ok(())
@@ -158,27 +173,48 @@ impl SceneStage {
         }
     }
 
-    /// What could not be made. A scene that has nothing else to be drawn with is a problem to be shown.
+    /// What could not be made. The scenes that need it are drawn in the other way, if there is one.
     fn take_failure(&mut self, task: &Task, error: GpuError) -> Result<(), GpuError> {
-        let shown = self.on_stage.is_some();
-        let id = match task {
-            Task::Compiled(id) => Some(*id),
-            Task::Interpreter(_) => None,
-        };
-        let other_way = self.interpreters.iter().any(|(known, _)| {
-            let cast = id.and_then(|id| self.cast(id)).and_then(|cast| cast.interpreter.as_ref());
-            cast.is_some_and(|needed| known.covers(needed))
-        });
-        let waiting = !self.tasks.is_empty();
-        if !shown && !other_way && !waiting {
-            return Err(error);
-        }
         tracing::warn!("{error}");
-        if id.is_some() {
-            self.problem =
-                Some(("The scene could not be compiled; it is interpreted".into(), error.to_string()));
+        let mut affected = Vec::new();
+        for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
+            match task {
+                Task::Compiled(id) if *id == cast.id => cast.compilable = false,
+                Task::Interpreter(variant)
+                    if cast.interpreted.is_none()
+                        && cast.interpreter.as_ref().is_some_and(|needed| variant.covers(needed)) =>
+                {
+                    cast.interpreter = None;
+                }
+                _ => continue,
+            }
+            affected.push(cast.id);
         }
-        Ok(())
+        for id in affected {
+            self.fall_back(id, &error);
+        }
+        let lost = self.coming.as_ref().is_some_and(|cast| !cast.compilable && cast.interpreter.is_none());
+        if lost {
+            self.coming = None;
+        }
+        if self.on_stage.is_none() && self.coming.is_none() { Err(error) } else { Ok(()) }
+    }
+
+    /// Asks for the way that is left to draw a scene, and tells why.
+    fn fall_back(&mut self, id: u64, error: &GpuError) {
+        let Some(cast) = self.cast(id) else { return };
+        let name = cast.source.title();
+        let heading = match (cast.compilable, cast.interpreter.is_some()) {
+            (false, true) => format!("{name} could not be compiled; it is interpreted"),
+            (true, false) => format!("{name} could not be interpreted; it is compiled"),
+            _ => format!("{name} cannot be drawn by this driver; the last good scene stays"),
+        };
+        if cast.compilable {
+            self.ask_for_compiled(id);
+        } else {
+            self.ask_for_interpreter(id);
+        }
+        self.problem = Some((heading, error.to_string()));
     }
 
     /// Uploads a scene and asks for its programs.
@@ -189,22 +225,27 @@ impl SceneStage {
         }
         let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, self.gl.info()));
         let total = ready.buffers.cost.total;
-        let sliders = ready.world.scene.params.iter().map(|param| {
-            let value = self.moved.get(&param.name).copied().unwrap_or(param.default);
-            Slider {
-                name: param.name.clone(),
-                value: value.clamp(param.min, param.max),
-                min: param.min,
-                max: param.max,
-                default: param.default,
-            }
+        let sliders = ready.world.scene.params.iter().map(|param| Slider {
+            name: param.name.clone(),
+            value: param.default,
+            min: param.min,
+            max: param.max,
+            default: param.default,
         });
         let sliders = sliders.collect();
         let resources = SceneResources::upload(&self.gl, ready.world, ready.buffers)?;
         let id = self.fresh_id();
+        self.coming = Some(Cast {
+            id,
+            source,
+            resources,
+            interpreter,
+            interpreted: None,
+            compiled: None,
+            compilable: true,
+            sliders,
+        });
         self.forget_obsolete();
-        self.coming =
-            Some(Cast { id, source, resources, interpreter, interpreted: None, compiled: None, sliders });
         let compiled_too = self.choice == SdfChoice::Auto && total <= COMPILED_BY_ITSELF_MAX;
         if fits.is_err() || self.choice == SdfChoice::Compiled || compiled_too {
             self.ask_for_compiled(id);
@@ -216,25 +257,27 @@ impl SceneStage {
         Ok(())
     }
 
-    /// What was asked for scenes that will not be shown is not worth making.
+    /// What was asked for scenes that will not be shown is not worth making. A program that is in the making already
+    /// is dropped when it comes.
     fn forget_obsolete(&mut self) {
-        let kept = self.on_stage.as_ref().map(|cast| cast.id);
-        let obsolete: Vec<u64> = self
-            .tasks
-            .iter()
-            .filter(|(_, task)| matches!(task, Task::Compiled(id) if Some(*id) != kept))
-            .map(|(id, _)| *id)
-            .collect();
-        self.compiler.forget(|id| obsolete.contains(&id));
+        let kept = [&self.on_stage, &self.coming].map(|cast| cast.as_ref().map(|cast| cast.id));
+        self.tasks.retain(|_, task| match task {
+            Task::Compiled(id) => kept.contains(&Some(*id)),
+            Task::Interpreter(_) => true,
+        });
+        self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
 
     fn ask_for_compiled(&mut self, id: u64) {
-        let asked = self.tasks.values().any(|task| matches!(task, Task::Compiled(known) if *known == id));
-        let Some(cast) = self.cast(id).filter(|cast| !asked && cast.compiled.is_none()) else { return };
+        let asked = self.in_the_making(id, Mode::Compiled);
+        let Some(cast) = self.cast_mut(id).filter(|cast| !asked && cast.compiled.is_none()) else { return };
+        cast.compilable = true;
+        let Some(cast) = self.cast(id) else { return };
         let world = cast.resources.world().clone();
         let job = self.job(cast, move || {
             Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), Counting::Off))
         });
+        tracing::info!("{} is asked for, compiled", cast.source.title());
         self.submit(job, Task::Compiled(id));
     }
 
@@ -292,7 +335,7 @@ impl SceneStage {
     /// Gives the scenes their interpreter, and brings the one that is coming on the stage as soon as it can be drawn in a
     /// way that was asked for.
     fn recast(&mut self) {
-        let before = self.mode();
+        let before = self.announced;
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
                 // The narrowest one that fits was asked for last.
@@ -301,22 +344,32 @@ impl SceneStage {
             }
         }
         let compiled_only = self.choice == SdfChoice::Compiled;
-        let can_be_drawn = self
-            .coming
-            .as_ref()
-            .is_some_and(|cast| cast.compiled.is_some() || (cast.interpreted.is_some() && !compiled_only));
+        let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
+            cast.compiled.is_some() || (cast.interpreted.is_some() && !(compiled_only && cast.compilable))
+        });
         if can_be_drawn {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
-            self.revision += 1;
+            self.forget_obsolete();
+            // They may have been moved since it was asked for.
+            for slider in self.on_stage.iter_mut().flat_map(|cast| &mut cast.sliders) {
+                let value = self.moved.get(&slider.name).copied().unwrap_or(slider.default);
+                slider.value = value.clamp(slider.min, slider.max);
+            }
             let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
             if replaced.is_some() && name(&replaced) != name(&self.on_stage) {
                 self.tell(name(&self.on_stage).unwrap_or_default());
             }
-        } else if self.mode() != before {
-            self.revision += 1;
-            if let (Some(_), Some(mode)) = (before, self.mode()) {
-                self.tell(mode.to_string());
-            }
+        }
+        let now = self.on_stage.as_ref().map(|cast| cast.id).zip(self.mode());
+        if now == before {
+            return;
+        }
+        self.announced = now;
+        self.revision += 1;
+        let Some((name, (id, mode))) = self.name().zip(now) else { return };
+        tracing::info!("{name} is shown, {mode}");
+        if before.is_some_and(|(known, _)| known == id) {
+            self.tell(mode.to_string());
         }
     }
 
@@ -337,17 +390,27 @@ impl SceneStage {
     /// Changes between interpreted and compiled. What is not there yet is made; until then the picture stays.
     pub fn toggle_mode(&mut self) {
         let Some((mode, id)) = self.mode().zip(self.on_stage.as_ref().map(|cast| cast.id)) else { return };
-        let wanted = match mode {
+        let other = match mode {
             Mode::Interpreted => Mode::Compiled,
             Mode::Compiled => Mode::Interpreted,
         };
+        let waited_for = match self.choice {
+            SdfChoice::Auto => None,
+            SdfChoice::Interpreted => Some(Mode::Interpreted),
+            SdfChoice::Compiled => Some(Mode::Compiled),
+        };
+        // A wish that is not fulfilled yet is taken back.
+        let wanted = if waited_for == Some(other) && self.in_the_making(id, other) { mode } else { other };
         self.choice = match wanted {
             Mode::Interpreted => SdfChoice::Interpreted,
             Mode::Compiled => SdfChoice::Compiled,
         };
-        match wanted {
-            Mode::Interpreted => self.ask_for_interpreter(id),
-            Mode::Compiled => self.ask_for_compiled(id),
+        // The scene that is coming waits for what is wanted now, too.
+        for id in [Some(id), self.coming.as_ref().map(|cast| cast.id)].into_iter().flatten() {
+            match wanted {
+                Mode::Interpreted => self.ask_for_interpreter(id),
+                Mode::Compiled => self.ask_for_compiled(id),
+            }
         }
         self.recast();
         let now = self.mode();
@@ -359,6 +422,17 @@ impl SceneStage {
             _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
         });
         self.revision += 1;
+    }
+
+    /// Whether a scene's program of that mode was asked for and has not come.
+    fn in_the_making(&self, id: u64, mode: Mode) -> bool {
+        let needed = self.cast(id).and_then(|cast| cast.interpreter.as_ref());
+        self.tasks.values().any(|task| match task {
+            Task::Compiled(asked) => mode == Mode::Compiled && *asked == id,
+            Task::Interpreter(asked) => {
+                mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
+            }
+        })
     }
 
     /// Asks for the next or the previous scene.

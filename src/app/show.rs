@@ -10,6 +10,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy}
 use winit::window::WindowId;
 
 use super::error::AppError;
+use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
 use super::overlay::Overlay;
 use super::pacing::Pacing;
@@ -131,6 +132,7 @@ struct Stage {
     /// What the last frame showed: moment, size and the scene's revision. A show that stands still is not drawn again.
     shown: Option<(Moment, (u32, u32), u64)>,
     frames: u64,
+    frame_times: FrameTimes,
     status_due: Instant,
     told_silent: Option<String>,
     told_source: Option<String>,
@@ -192,6 +194,7 @@ impl Show {
             pacing: Pacing::new(fps, now),
             shown: None,
             frames: 0,
+            frame_times: FrameTimes::default(),
             status_due: now,
             told_silent: None,
             told_source: None,
@@ -210,7 +213,8 @@ impl Show {
 
     fn draw(&mut self) -> Result<(), AppError> {
         let Some(stage) = &mut self.stage else { return Ok(()) };
-        stage.pacing.begun(Instant::now());
+        let begun = Instant::now();
+        stage.pacing.begun(begun);
         let Some(size) = stage.window.size() else { return Ok(()) };
         let moment = stage.player.now(self.settings.latency);
         // A window beyond the driver's textures is drawn smaller and enlarged.
@@ -237,6 +241,7 @@ impl Show {
             stage.player.set_paused(stage.paused);
         }
         stage.frames += 1;
+        stage.frame_times.note(begun.elapsed());
         Ok(())
     }
 
@@ -431,6 +436,9 @@ impl ApplicationHandler for Show {
     }
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        if let Some(stage) = &self.stage {
+            tracing::info!("{}", stage.frame_times);
+        }
         // While the event loop's display still lives.
         self.stage = None;
     }

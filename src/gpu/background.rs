@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use glutin::config::Config;
 use glutin::context::{
@@ -92,6 +93,9 @@ pub struct Finished {
 
 /// Size of the pictures that warm a program up.
 const WARM_UP_SIZE: (u32, u32) = (16, 16);
+
+/// How long the end waits for drivers at work.
+const END_WAIT: Duration = Duration::from_millis(500);
 
 /// The workers and their jobs.
 pub struct BackgroundCompiler {
@@ -188,8 +192,17 @@ impl Drop for BackgroundCompiler {
         state.jobs.clear();
         drop(state);
         self.queue.changed.notify_all();
+        let until = Instant::now() + END_WAIT;
         for thread in self.threads.drain(..) {
-            // A driver cannot be interrupted; the context must not go away under it.
+            while !thread.is_finished() && Instant::now() < until {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            // A driver cannot be interrupted, and may need minutes for a large scene. Its context, current on that
+            // thread alone, holds what they share, so that the window can go without it.
+            if !thread.is_finished() {
+                tracing::info!("a driver is still compiling: nobody waits for it");
+                continue;
+            }
             if thread.join().is_err() {
                 tracing::warn!("a compiling thread ended by a panic");
             }

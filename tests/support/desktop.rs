@@ -44,7 +44,8 @@ impl Desktop {
         let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
         let mut server = Process::start(
             Command::new("Xvfb")
-                .args(["-displayfd", "1", "-nolisten", "tcp", "-screen", "0", &screen])
+                // Without a reset when the first to ask, which may be wmctrl, leaves: it would take the manager along.
+                .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", &screen])
                 .stdout(Stdio::piped())
                 .stderr(Stdio::null()),
             "xvfb",
