@@ -31,6 +31,10 @@ pub type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 /// Scenes with more clauses stay interpreted unless they are asked to be compiled: drivers take minutes for them.
 const COMPILED_BY_ITSELF_MAX: usize = 20_000;
 
+/// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is in the
+/// making: there a frame of a longer one takes many times as long as compiling it.
+const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
+
 /// A scene with what can draw it.
 struct Cast {
     id: u64,
@@ -42,6 +46,8 @@ struct Cast {
     compiled: Option<Program>,
     /// Whether no compiler has refused it so far.
     compilable: bool,
+    /// Whether `auto` waits for its own program.
+    patient: bool,
     sliders: Vec<Slider>,
 }
 
@@ -224,7 +230,10 @@ impl SceneStage {
             tracing::warn!("{error}");
         }
         let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, self.gl.info()));
-        let total = ready.buffers.cost.total;
+        let cost = ready.buffers.cost;
+        let compiled_too = self.choice == SdfChoice::Auto && cost.total <= COMPILED_BY_ITSELF_MAX;
+        let patient =
+            compiled_too && self.gl.info().software && cost.distance > SHOWN_AT_ONCE_BY_SOFTWARE_MAX;
         let sliders = ready.world.scene.params.iter().map(|param| Slider {
             name: param.name.clone(),
             value: param.default,
@@ -243,14 +252,14 @@ impl SceneStage {
             interpreted: None,
             compiled: None,
             compilable: true,
+            patient,
             sliders,
         });
         self.forget_obsolete();
-        let compiled_too = self.choice == SdfChoice::Auto && total <= COMPILED_BY_ITSELF_MAX;
         if fits.is_err() || self.choice == SdfChoice::Compiled || compiled_too {
             self.ask_for_compiled(id);
         }
-        if self.choice != SdfChoice::Compiled {
+        if self.choice == SdfChoice::Interpreted || (self.choice == SdfChoice::Auto && !patient) {
             self.ask_for_interpreter(id);
         }
         self.recast();
@@ -343,9 +352,10 @@ impl SceneStage {
                 cast.interpreted = known.map(|(_, program)| program.clone());
             }
         }
-        let compiled_only = self.choice == SdfChoice::Compiled;
+        let choice = self.choice;
         let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
-            cast.compiled.is_some() || (cast.interpreted.is_some() && !(compiled_only && cast.compilable))
+            let waits = choice == SdfChoice::Compiled || (choice == SdfChoice::Auto && cast.patient);
+            cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable))
         });
         if can_be_drawn {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
