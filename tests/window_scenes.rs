@@ -413,10 +413,12 @@ fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
     place.save("own.scene", &wall(RED));
     place.save("own2.scene", &heavy(60, GREEN));
     for (sdf, wish) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
-        let mut app = place.open_tiny("own.scene", &["--sdf", sdf]);
+        let mut app = place.open_tiny("own.scene", &["--sdf", sdf, "-v"]);
         wait_for_color(&app, "the first scene", SEEN_RED);
         // The second needs a program of its own in either mode, and while that is made the wish changes.
-        app.press(&["n", "c"]);
+        app.press(&["n"]);
+        app.wait_until_told(&format!("own2 is asked for, {sdf}"));
+        app.press(&["c"]);
         app.wait_for_title("the second scene as wished", |title| title.contains(&format!("(own2, {wish})")));
         wait_for_color(&app, "the second scene", SEEN_GREEN);
         quit(app);
