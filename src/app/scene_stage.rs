@@ -303,6 +303,7 @@ impl SceneStage {
         }
         let variant = needed.clone();
         let job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
+        tracing::info!("{} is asked for, interpreted", cast.source.title());
         self.submit(job, Task::Interpreter(needed));
     }
 
