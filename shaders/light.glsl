@@ -1,7 +1,7 @@
 // How much light arrives, and what a surface throws back of it.
 
 const int SHADOW_STEPS_MAX = 96;
-// Longest step near the scene: longer ones draw the steps into the penumbra.
+// Longest step near the scene: longer ones draw the steps into the penumbra. Farther away, half the distance.
 const float SHADOW_STEP_MAX = 0.6;
 const float SHADOW_STEP_MIN = 0.03;
 // Shadow rays also feel what they pass at this distance outside the scene's bounds.
@@ -41,7 +41,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
         if (visible < 0.004) return 0.0;
         previous = d;
-        stride = clamp(nearest.x, SHADOW_STEP_MIN, SHADOW_STEP_MAX);
+        stride = clamp(nearest.x, SHADOW_STEP_MIN, max(SHADOW_STEP_MAX, 0.5 * nearest.x));
         t += stride;
     }
     return visible * visible * (3.0 - 2.0 * visible);

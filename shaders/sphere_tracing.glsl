@@ -5,6 +5,8 @@ const int STEPS_MAX = 128;
 // ends there.
 const float HIT_SHARE = 0.7;
 const float HIT_SHARE_GROWTH = 0.015;
+// The same for a ray whose steps are used up.
+const float CAPPED_SHARE = 8.0;
 // As far as rays go where a scene has no bounds.
 const float FAR = 1000.0;
 
@@ -52,8 +54,9 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float t = max(span.x, start);
     if (t >= end) return behind;
     scene_begin();
+    float d = 0.0;
     for (int i = 0; i < STEPS_MAX; i++) {
-        float d = scene_distance(origin + t * direction, 0.0).x;
+        d = scene_distance(origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEPS_MAX - 1) COUNT(capped);
@@ -64,5 +67,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         t += d;
         if (t >= end) return behind;
     }
+    // A ray that used up its steps far from any surface has met none.
+    if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
     return Hit(t, NOTHING, true);
 }

@@ -296,8 +296,8 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
     let place = Place::new();
     // The interpreter that is there for the first serves the second, too.
     // Short ones: on a software renderer long ones wait for their own programs.
-    place.save("own.scene", &heavy(3, RED));
-    place.save("own2.scene", &heavy(4, GREEN));
+    place.save("own.scene", &heavy(2, RED));
+    place.save("own2.scene", &heavy(3, GREEN));
     let mut app = place.open_tiny("own.scene", &["-v"]);
     app.wait_until_told("an interpreter is ready");
     app.press(&["n"]);

@@ -20,16 +20,13 @@ use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{Interpreter, Mode, compiled_variant};
+use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
 pub type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
-
-/// Scenes with more clauses stay interpreted unless they are asked to be compiled: drivers take minutes for them.
-const COMPILED_BY_ITSELF_MAX: usize = 20_000;
 
 /// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is in the
 /// making: there a frame of a longer one takes many times as long as compiling it.

@@ -8,7 +8,7 @@ use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
+use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{ReadyScene, SceneSource};
@@ -39,7 +39,7 @@ pub struct Painter {
 
 impl Painter {
     /// Opens a context and compiles the scene's program: the one that was asked for, the compiled one for `auto`, which
-    /// draws the same. A scene whose tape does not fit the driver is compiled, and that is logged.
+    /// draws the same, unless the scene is so large that it stays interpreted. A scene whose tape does not fit the driver is compiled, and that is logged.
     ///
     /// # Errors
     /// The scene or the driver refuse.
@@ -89,6 +89,7 @@ impl Painter {
 pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, driver: &GlInfo) -> Mode {
     match (choice, Interpreter::fits(buffers, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,
+        (SdfChoice::Auto, Ok(())) if buffers.cost.total > COMPILED_BY_ITSELF_MAX => Mode::Interpreted,
         (SdfChoice::Interpreted, Err(error)) => {
             tracing::warn!("{error}");
             Mode::Compiled

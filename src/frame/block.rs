@@ -33,9 +33,6 @@ pub fn block_defines() -> [String; 5] {
     ]
 }
 
-/// Steepest and flattest slope with which a plane counts as one.
-const SLOPE: (f32, f32) = (1e-4, 1e4);
-
 impl Frame {
     /// Packs the frame of a world for the shaders. Every number is finite.
     pub fn block(&self, world: &World) -> FrameBlock {
@@ -89,10 +86,11 @@ impl Frame {
     /// Planes as a unit normal and the distance of the origin from them. What is none in this frame lies nowhere: its
     /// normal is 0.
     fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
-        self.values.planes.iter().take(PLANES_MAX).map(|&[a, b, c, d]| {
+        self.values.planes.iter().take(PLANES_MAX).map(|plane| {
+            let [a, b, c, d] = plane.map(f64::from);
             let slope = (a * a + b * b + c * c).sqrt();
-            let is_plane = slope > SLOPE.0 && slope < SLOPE.1 && d.is_finite();
-            if is_plane { [a / slope, b / slope, c / slope, d / slope] } else { [0.0; 4] }
+            let is_plane = slope > 0.0 && slope.is_finite() && d.is_finite();
+            if is_plane { [a, b, c, d].map(|value| (value / slope) as f32) } else { [0.0; 4] }
         })
     }
 }

@@ -7,6 +7,7 @@
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
 
 use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -227,7 +228,11 @@ fn work(
     while let Some(job) = queue.next() {
         let id = job.id;
         let program = match &mut studio {
-            Ok((gl, renderer)) => make(gl, renderer, library, job),
+            // A panic must not leave the asker waiting.
+            Ok((gl, renderer)) => catch_unwind(AssertUnwindSafe(|| make(gl, renderer, library, job)))
+                .unwrap_or_else(|_| {
+                    Err(GpuError::NoWorker { reason: "making a program ended by a panic".into() })
+                }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
         if finished.send(Finished { id, program }).is_err() {

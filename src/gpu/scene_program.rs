@@ -19,6 +19,9 @@ pub const SCENE_SHADER: &str = "scene.frag";
 /// The define of the variant that counts distance evaluations and clauses.
 pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
 
+/// Scenes with more clauses are interpreted unless they are asked to be compiled: drivers take minutes for them.
+pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
+
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]

@@ -14,6 +14,8 @@ pub struct Bounds {
 
 /// Surfaces are looked for in a cube that reaches about so far from the origin; what goes on beyond has no bounds.
 const REACH: f32 = 1024.0;
+/// Farther away than this nothing is looked for.
+const FARTHEST: f32 = 1e7;
 /// The cube's centre lies a little beside the origin, so that what stands there is not cut by the first faces.
 const ASIDE: f32 = 0.017 * REACH;
 /// Clauses that may be evaluated for it: about 10 ms.
@@ -80,6 +82,21 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let unbounded =
         (0..3).any(|axis| found.low[axis] <= start.low[axis] || found.high[axis] >= start.high[axis]);
     if unbounded {
+        return None;
+    }
+    // What lies outside of the cube altogether belongs to the scene, too.
+    let outside = (0..6).any(|face| {
+        let mut slab = Cell { low: [-FARTHEST; 3], high: [FARTHEST; 3] };
+        let axis = face % 3;
+        if face >= 3 {
+            slab.low[axis] = start.high[axis]
+        } else {
+            slab.high[axis] = start.low[axis]
+        }
+        left = left.max(1);
+        may_hold_a_surface(&slab, &mut evaluator, &mut left)
+    });
+    if outside {
         return None;
     }
     let margin = (0..3).map(|axis| found.high[axis] - found.low[axis]).fold(0.0, f32::max) * MARGIN;
@@ -196,6 +213,11 @@ mod tests {
         {
             assert_eq!(bounds(text), None, "{text}");
         }
+    }
+
+    #[test]
+    fn a_ball_outside_of_the_cube_is_not_forgotten_for_one_inside() {
+        assert_eq!(bounds("min(length(p) - 1, length(p - vec3(0, 0, 1500)) - 1)"), None);
     }
 
     #[test]

@@ -19,7 +19,7 @@ pub struct Hoisted {
 }
 
 impl Hoisted {
-    /// Computes the values of a frame.
+    /// Computes the values of a frame. All are finite.
     pub fn values(&self, inputs: &FrameInputs) -> Vec<f32> {
         let mut values: HashMap<NodeId, f32> = HashMap::with_capacity(self.order.len());
         let value = |values: &HashMap<NodeId, f32>, id: NodeId| values.get(&id).copied().unwrap_or(0.0);
@@ -33,12 +33,13 @@ impl Hoisted {
             };
             values.insert(*id, result + 0.0);
         }
-        self.roots.iter().map(|root| value(&values, *root)).collect()
+        // The same for uniforms and tables: an overflow is the largest number, what is no number is 0.
+        let finite = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(f32::MIN, f32::MAX) };
+        self.roots.iter().map(|root| finite(value(&values, *root))).collect()
     }
 }
 
-/// Takes out of the roots what does not depend on the point. The new graph holds what is left and nothing else; nodes that
-/// are not hoisted stay as they are, bit for bit.
+/// Takes out of the roots what does not depend on the point. Nodes that are not hoisted stay as they are, bit for bit.
 ///
 /// # Errors
 /// What [`Graph::check`] says.
@@ -119,6 +120,16 @@ mod tests {
                         fn r() = 0.5 + wide * (1 - exp(-5 * volume.x)) + 0.1 * sin(3 * t)\n\
                         object ball { shape = sphere(p - vec3(cos(t), band(floor(2 * t)), 0), r()) }\n\
                         object box { shape = box(p, vec3(r())) }";
+
+    #[test]
+    fn an_overflow_of_a_frame_is_the_same_number_for_both_modes() {
+        let scene = compile("test", "min(length(p) - 1, length(p.xy) + exp(100 * t))", &mut no_includes)
+            .scene
+            .unwrap();
+        let world = World::new("test", scene, Vec::new()).unwrap();
+        let values = world.hoisted.values(&FrameInputs { time: 5.0, ..Default::default() });
+        assert_eq!(values, [f32::MAX]);
+    }
 
     #[test]
     fn what_is_left_gives_the_same_values_and_less_work() {
