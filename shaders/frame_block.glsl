@@ -7,7 +7,7 @@ layout(std140) uniform FrameBlock {
     vec4 camera_up;         // xyz to the upper edge
     vec4 camera_forward;    // xyz into the picture, unit length
     vec4 frame_clock;       // time in seconds, tempo, phase
-    vec4 frame_levels;      // x left volume, y right volume: mean |sample|, 0..1 (thesis section 5, eq. 1)
+    vec4 frame_levels;      // x left volume, y right volume: mean |sample|, 0..1 (thesis section 5, eq. 1); z lights
     vec4 frame_sound;       // bass, mid, treble, beat
     vec4 bounds_low;        // xyz lower corner of what is traced; w 1 if there is anything but planes
     vec4 bounds_high;       // xyz upper corner; w 1 if the corners are known

@@ -23,9 +23,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
+    if (t >= end) return 1.0;
     scene_begin();
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
-        if (t >= end) break;
         vec2 nearest = scene_distance(origin + t * to_light, t / sharpness);
         float d = nearest.y;
         COUNT(shadow);
@@ -43,6 +43,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         previous = d;
         stride = clamp(nearest.x, SHADOW_STEP_MIN, max(SHADOW_STEP_MAX, 0.5 * nearest.x));
         t += stride;
+        if (t >= end) break;
     }
     return visible * visible * (3.0 - 2.0 * visible);
 }

@@ -58,7 +58,7 @@ impl Frame {
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
             [inputs.time, inputs.tempo, inputs.phase, 0.0],
-            [inputs.volume[0], inputs.volume[1], 0.0, 0.0],
+            [inputs.volume[0], inputs.volume[1], self.values.lights.len() as f32, 0.0],
             [inputs.bass, inputs.mid, inputs.treble, inputs.beat],
             // Whether anything is traced at all, and whether its box is known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
@@ -129,7 +129,7 @@ mod tests {
         let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]).block(&world);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
-        assert_eq!(block[6], [0.25, 0.0, 0.0, 0.0]);
+        assert_eq!(block[6], [0.25, 0.0, 1.0, 0.0]);
         assert_eq!((block[8][3], block[9][3]), (1.0, 1.0));
         assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
         let lights = HEAD + PLANES_MAX;
