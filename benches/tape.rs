@@ -56,7 +56,13 @@ fn tape(c: &mut Criterion) {
             });
         });
         group.bench_function("build", |b| {
-            b.iter(|| Tape::build(&graph, &[root], &options).map(|tape| tape.words()))
+            b.iter(|| {
+                Tape::build(&graph, &[root], &options).map(|tape| {
+                    let mut words = Vec::new();
+                    tape.append_program(0, &mut words);
+                    words
+                })
+            })
         });
         let few = TapeOptions { slots: 8, ..options };
         group.bench_function("build_in_8_slots", |b| b.iter(|| Tape::build(&graph, &[root], &few)));

@@ -13,7 +13,7 @@ layout(std140) uniform FrameBlock {
     vec4 bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
     vec4 planes[PLANES_MAX];            // unit normal, and the origin's distance; normal 0 for none
-    vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius. w 0 ends them
+    vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius
     vec4 frame_bands[BAND_QUADS];       // 32 logarithmic bands, 0..1, four to a vector
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame

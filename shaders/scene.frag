@@ -99,7 +99,11 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
             mirrored = direction - 2.0 * dot(direction, s.normal) * s.normal;
         }
-        if (sky_share > 0.0) color += sky_share * light_of(sky_color(direction, dx / max(reached, 1e-6), dy / max(reached, 1e-6)));
+        if (sky_share > 0.0) {
+            // A camera inside an object has reached 0.
+            float scale = 1.0 / max(reached, 1e-6);
+            color += sky_share * light_of(sky_color(direction, dx * scale, dy * scale));
+        }
         if (!hit.met || throughput < 0.004) return color;
         direction = mirrored;
     }

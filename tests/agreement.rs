@@ -7,7 +7,8 @@ mod support;
 use std::collections::BTreeMap;
 
 use mariana::gpu::headless::Headless;
-use mariana::gpu::probe::{BufferTexel, Probe};
+use mariana::gpu::probe::Probe;
+use mariana::gpu::texture_buffer::BufferTexel;
 use mariana::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
 use mariana::tape::interpreter::Variant;
 use mariana::tape::{PointEvaluator, Tape, TapeOptions, glsl};

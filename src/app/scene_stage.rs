@@ -20,7 +20,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant};
+use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
@@ -43,8 +43,6 @@ struct Cast {
     compiled: Option<Program>,
     /// Whether no compiler has refused it so far.
     compilable: bool,
-    /// Whether `auto` waits for its own program.
-    patient: bool,
     sliders: Vec<Slider>,
 }
 
@@ -227,10 +225,6 @@ impl SceneStage {
             tracing::warn!("{error}");
         }
         let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, self.gl.info()));
-        let cost = ready.buffers.cost;
-        let compiled_too = self.choice == SdfChoice::Auto && cost.total <= COMPILED_BY_ITSELF_MAX;
-        let patient =
-            compiled_too && self.gl.info().software && cost.distance > SHOWN_AT_ONCE_BY_SOFTWARE_MAX;
         let sliders = ready.world.scene.params.iter().map(|param| Slider {
             name: param.name.clone(),
             value: param.default,
@@ -239,7 +233,8 @@ impl SceneStage {
             default: param.default,
         });
         let sliders = sliders.collect();
-        let resources = SceneResources::upload(&self.gl, ready.world, ready.buffers)?;
+        let last = self.on_stage.as_ref().map(|cast| &cast.resources);
+        let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers)?;
         let id = self.fresh_id();
         self.coming = Some(Cast {
             id,
@@ -249,18 +244,29 @@ impl SceneStage {
             interpreted: None,
             compiled: None,
             compilable: true,
-            patient,
             sliders,
         });
         self.forget_obsolete();
-        if fits.is_err() || self.choice == SdfChoice::Compiled || compiled_too {
+        let Some(cast) = self.cast(id) else { return Ok(()) };
+        let (compiles, interprets) = match self.choice {
+            SdfChoice::Interpreted => (fits.is_err(), true),
+            SdfChoice::Compiled => (true, false),
+            SdfChoice::Auto => (fits.is_err() || cast.is_compiled_by_itself(), !self.is_patient_with(cast)),
+        };
+        if compiles {
             self.ask_for_compiled(id);
         }
-        if self.choice == SdfChoice::Interpreted || (self.choice == SdfChoice::Auto && !patient) {
+        if interprets {
             self.ask_for_interpreter(id);
         }
         self.recast();
         Ok(())
+    }
+
+    /// Whether `auto` waits for a scene's own program.
+    fn is_patient_with(&self, cast: &Cast) -> bool {
+        let long = cast.resources.buffers().cost.distance > SHOWN_AT_ONCE_BY_SOFTWARE_MAX;
+        self.gl.info().software && long && cast.is_compiled_by_itself()
     }
 
     /// What was asked for scenes that will not be shown is not worth making. A program that is in the making already
@@ -280,9 +286,7 @@ impl SceneStage {
         cast.compilable = true;
         let Some(cast) = self.cast(id) else { return };
         let world = cast.resources.world().clone();
-        let job = self.job(cast, move || {
-            Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), Counting::Off))
-        });
+        let job = self.job(cast, move || compiled_variant_of(&world, Counting::Off));
         tracing::info!("{} is asked for, compiled", cast.source.title());
         self.submit(job, Task::Compiled(id));
     }
@@ -350,9 +354,12 @@ impl SceneStage {
                 cast.interpreted = known.map(|(_, program)| program.clone());
             }
         }
-        let choice = self.choice;
         let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
-            let waits = choice == SdfChoice::Compiled || (choice == SdfChoice::Auto && cast.patient);
+            let waits = match self.choice {
+                SdfChoice::Interpreted => false,
+                SdfChoice::Compiled => true,
+                SdfChoice::Auto => self.is_patient_with(cast),
+            };
             cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable))
         });
         if can_be_drawn {
@@ -525,6 +532,11 @@ impl SceneStage {
 }
 
 impl Cast {
+    /// Whether `auto` compiles it.
+    fn is_compiled_by_itself(&self) -> bool {
+        self.resources.buffers().cost.total <= COMPILED_BY_ITSELF_MAX
+    }
+
     fn program(&self, mode: Mode) -> Option<&Program> {
         match mode {
             Mode::Interpreted => self.interpreted.as_deref(),

@@ -45,7 +45,7 @@ const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
     let decoder = song.open()?;
-    let waker: Arc<OnceLock<EventLoopProxy<()>>> = Arc::default();
+    let waker = Waker::default();
     let (loader, first) = load_first(&scene, &waker)?;
     let event_loop = match EventLoop::new() {
         Ok(event_loop) => event_loop,
@@ -57,9 +57,9 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
         Err(error) => return Err(AppError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
     };
     // There is one event loop, and it is set here alone.
-    let _ = waker.set(event_loop.create_proxy());
+    let _ = waker.0.set(event_loop.create_proxy());
     let mut show = Show {
-        proxy: event_loop.create_proxy(),
+        waker,
         loader: Some((loader, first)),
         name: display_name(&decoder),
         source: Some(Box::new(decoder)),
@@ -75,21 +75,29 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
     show.error.map_or(Ok(()), |error| Err(error.into()))
 }
 
-/// Starts the loader and waits for the scene at the start: without it there is no show.
-fn load_first(
-    scene: &SceneChoice,
-    waker: &Arc<OnceLock<EventLoopProxy<()>>>,
-) -> Result<(SceneLoader, (SceneSource, ReadyScene)), AppError> {
-    let mut textures = TextureCache::default();
-    let waker = waker.clone();
-    let wake = move || {
-        if let Some(proxy) = waker.get() {
+/// Wakes the event loop from other threads, once there is one.
+#[derive(Clone, Default)]
+struct Waker(Arc<OnceLock<EventLoopProxy<()>>>);
+
+impl Waker {
+    fn wake(&self) {
+        if let Some(proxy) = self.0.get() {
             // After the end there is nobody to wake.
             let _ = proxy.send_event(());
         }
-    };
-    let loader: SceneLoader = Loader::start(move |source| source.ready_with(&mut textures), wake)
-        .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
+    }
+}
+
+/// Starts the loader and waits for the scene at the start: without it there is no show.
+fn load_first(
+    scene: &SceneChoice,
+    waker: &Waker,
+) -> Result<(SceneLoader, (SceneSource, ReadyScene)), AppError> {
+    let mut textures = TextureCache::default();
+    let waker = waker.clone();
+    let loader: SceneLoader =
+        Loader::start(move |source| source.ready_with(&mut textures), move || waker.wake())
+            .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
     loader.request(scene.source.clone());
     let first = loop {
         match loader.poll() {
@@ -115,7 +123,7 @@ struct Show {
     scene: SceneChoice,
     /// Taken by the stage when the window stands, with the first scene.
     loader: Option<(SceneLoader, (SceneSource, ReadyScene))>,
-    proxy: EventLoopProxy<()>,
+    waker: Waker,
     started: Instant,
     stage: Option<Stage>,
     error: Option<AppError>,
@@ -131,7 +139,6 @@ struct Stage {
     pacing: Pacing,
     /// What the last frame showed: moment, size and the scene's revision. A show that stands still is not drawn again.
     shown: Option<(Moment, (u32, u32), u64)>,
-    frames: u64,
     frame_times: FrameTimes,
     status_due: Instant,
     told_silent: Option<String>,
@@ -168,11 +175,8 @@ impl Show {
         let renderer = Renderer::new(window.gl(), library, Counting::Off)?;
         let Some((loader, first)) = self.loader.take() else { return Ok(()) };
         let contexts = window.worker_contexts(COMPILERS);
-        let proxy = self.proxy.clone();
-        let wake = move || {
-            // After the end there is nobody to wake.
-            let _ = proxy.send_event(());
-        };
+        let waker = self.waker.clone();
+        let wake = move || waker.wake();
         let scene = SceneStage::new(window.gl(), contexts, library, self.scene.sdf, loader, first, wake)?;
         let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
@@ -193,7 +197,6 @@ impl Show {
             scene,
             pacing: Pacing::new(fps, now),
             shown: None,
-            frames: 0,
             frame_times: FrameTimes::default(),
             status_due: now,
             told_silent: None,
@@ -232,15 +235,14 @@ impl Show {
         let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
         let painted = stage.overlay.paint(stage.window.window(), size, content)?;
         stage.window.swap()?;
-        stage.shown = Some(now_shown);
+        let first = stage.shown.replace(now_shown).is_none();
         if painted.params_changed {
             stage.scene.note_moved();
         }
-        if stage.frames == 0 {
+        if first {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
             stage.player.set_paused(stage.paused);
         }
-        stage.frames += 1;
         stage.frame_times.note(begun.elapsed());
         Ok(())
     }
@@ -250,7 +252,7 @@ impl Show {
         match action {
             Action::TogglePause => {
                 stage.paused = !stage.paused;
-                if stage.frames > 0 {
+                if stage.shown.is_some() {
                     stage.player.set_paused(stage.paused);
                 }
             }
@@ -421,7 +423,7 @@ impl ApplicationHandler for Show {
             .is_none_or(|(shown, _, drawn)| stage.player.now(latency) != shown || drawn != revision)
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen = !stage.occluded || stage.frames == 0;
+        let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {
             // Paused, ended or covered: nothing to draw until something happens.
             let idle = now + IDLE_INTERVAL;

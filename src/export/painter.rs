@@ -39,7 +39,8 @@ pub struct Painter {
 
 impl Painter {
     /// Opens a context and compiles the scene's program: the one that was asked for, the compiled one for `auto`, which
-    /// draws the same, unless the scene is so large that it stays interpreted. A scene whose tape does not fit the driver is compiled, and that is logged.
+    /// draws the same, unless the scene is so large that it stays interpreted. A scene whose tape does not fit the
+    /// driver is compiled, and that is logged.
     ///
     /// # Errors
     /// The scene or the driver refuse.

@@ -70,7 +70,6 @@ impl Frame {
         put(&mut rest, PLANES_MAX, planes);
         let lamps = lights.flat_map(|light| {
             let ([x, y, z], [r, g, b]) = (light.place, light.color);
-            // The kind: 0 is no light at all.
             [[x, y, z, if light.towards { 2.0 } else { 1.0 }], [r, g, b, light.radius.max(0.0)]]
         });
         put(&mut rest, 2 * LIGHTS_MAX, lamps);

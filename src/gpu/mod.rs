@@ -14,4 +14,5 @@ pub mod scene_resources;
 pub mod shader_source;
 pub mod target;
 pub mod texture;
+pub mod texture_buffer;
 pub mod timer;

@@ -27,19 +27,6 @@ macro_rules! owned_object {
                 Ok(Self { gl: gl.clone(), native })
             }
 
-            /// Takes an object that a context made which shares its objects with `gl`'s.
-            #[allow(dead_code, reason = "programs alone travel between contexts")]
-            pub(super) fn from_native(gl: &Gl, native: $native) -> Self {
-                Self { gl: gl.clone(), native }
-            }
-
-            /// Gives the object away: it is not freed.
-            #[allow(dead_code, reason = "programs alone travel between contexts")]
-            pub(super) fn into_native(self) -> $native {
-                let this = std::mem::ManuallyDrop::new(self);
-                this.native
-            }
-
             /// The driver's name of the object; valid while `self` lives.
             pub fn native(&self) -> $native {
                 self.native
@@ -83,3 +70,16 @@ owned_object!(
     /// A query.
     Query, glow::NativeQuery, "a query", create_query, delete_query
 );
+
+/// Programs alone travel between contexts.
+impl ProgramObject {
+    /// Takes a program that a context made which shares its objects with `gl`'s.
+    pub(super) fn from_native(gl: &Gl, native: glow::NativeProgram) -> Self {
+        Self { gl: gl.clone(), native }
+    }
+
+    /// Gives the program away: it is not freed, and neither is its share of the context's functions.
+    pub(super) fn into_native(self) -> glow::NativeProgram {
+        std::mem::ManuallyDrop::new(self).native
+    }
+}

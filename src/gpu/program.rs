@@ -20,6 +20,11 @@ pub const TEXTURE_UNITS: [(&str, u32); 4] =
 
 const _: () = assert!(LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
 
+/// The unit of one of [`TEXTURE_UNITS`]; 0 for a name that is none of them.
+pub(super) fn unit_of(texture: &str) -> u32 {
+    TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
+}
+
 /// The name of a texture of the scene in the shaders; its unit is its number.
 pub fn scene_texture(index: usize) -> String {
     format!("scene_texture_{index}")
@@ -49,38 +54,12 @@ impl Program {
         fragment: &str,
         variant: &Variant,
     ) -> Result<Self, GpuError> {
-        let object = ProgramObject::new(gl)?;
+        let assembled = |name| library.assemble(name, DRIVER_PREAMBLE, variant);
+        let (vertex, text) = (assembled(VERTEX_SHADER)?, assembled(fragment)?);
+        let object = link_texts(gl, (VERTEX_SHADER, &vertex), (fragment, &text))?;
         let program = object.native();
-        let stages = [(glow::VERTEX_SHADER, VERTEX_SHADER), (glow::FRAGMENT_SHADER, fragment)];
-        // SAFETY: names are made and used in the current context; shaders are freed on every path.
+        // SAFETY: the program is linked and ours.
         unsafe {
-            for (stage, name) in stages {
-                let source = library.assemble(name, DRIVER_PREAMBLE, variant)?;
-                let shader = gl
-                    .create_shader(stage)
-                    .map_err(|reason| GpuError::Object { what: "a shader", reason })?;
-                gl.shader_source(shader, &source);
-                gl.compile_shader(shader);
-                let compiled = gl.get_shader_compile_status(shader);
-                let log = if compiled {
-                    String::new()
-                } else {
-                    name_places(&gl.get_shader_info_log(shader), &source)
-                };
-                if compiled {
-                    gl.attach_shader(program, shader);
-                }
-                // A shader that is attached lives on until its program goes.
-                gl.delete_shader(shader);
-                if !compiled {
-                    return Err(GpuError::Compile { name: name.into(), log });
-                }
-            }
-            gl.link_program(program);
-            if !gl.get_program_link_status(program) {
-                let log = gl.get_program_info_log(program);
-                return Err(GpuError::Compile { name: format!("the program of {fragment}"), log });
-            }
             for (block, binding) in UNIFORM_BLOCKS {
                 if let Some(index) = gl.get_uniform_block_index(program, block) {
                     gl.uniform_block_binding(program, index, binding);
@@ -113,4 +92,44 @@ impl Program {
         // SAFETY: the program is linked and ours.
         unsafe { self.gl.use_program(Some(self.object.native())) }
     }
+}
+
+/// Compiles and links the texts of a vertex and a fragment shader, each with its name. The driver's complaints name the
+/// places in files that [`super::shader_source`] marked.
+///
+/// # Errors
+/// What the driver says.
+pub(super) fn link_texts(
+    gl: &Gl,
+    vertex: (&str, &str),
+    fragment: (&str, &str),
+) -> Result<ProgramObject, GpuError> {
+    let object = ProgramObject::new(gl)?;
+    let program = object.native();
+    // SAFETY: names are made and used in the current context; shaders are freed on every path.
+    unsafe {
+        for (stage, (name, text)) in [(glow::VERTEX_SHADER, vertex), (glow::FRAGMENT_SHADER, fragment)] {
+            let shader =
+                gl.create_shader(stage).map_err(|reason| GpuError::Object { what: "a shader", reason })?;
+            gl.shader_source(shader, text);
+            gl.compile_shader(shader);
+            let compiled = gl.get_shader_compile_status(shader);
+            let log =
+                if compiled { String::new() } else { name_places(&gl.get_shader_info_log(shader), text) };
+            if compiled {
+                gl.attach_shader(program, shader);
+            }
+            // A shader that is attached lives on until its program goes.
+            gl.delete_shader(shader);
+            if !compiled {
+                return Err(GpuError::Compile { name: name.into(), log });
+            }
+        }
+        gl.link_program(program);
+        if !gl.get_program_link_status(program) {
+            let log = gl.get_program_info_log(program);
+            return Err(GpuError::Compile { name: format!("the program of {}", fragment.0), log });
+        }
+    }
+    Ok(object)
 }

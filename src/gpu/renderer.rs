@@ -17,7 +17,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
-use super::program::{Program, TEXTURE_UNITS, UNIFORM_BLOCKS};
+use super::program::{Program, UNIFORM_BLOCKS, unit_of};
 use super::scene_resources::{SceneNames, SceneResources};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
@@ -154,23 +154,17 @@ impl Renderer {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
-            gl.disable(glow::BLEND);
             gl.disable(glow::DEPTH_TEST);
             gl.disable(glow::CULL_FACE);
             gl.disable(glow::SCISSOR_TEST);
             gl.disable(glow::FRAMEBUFFER_SRGB);
 
-            // The same states as for the further samples: some drivers compile a program once for each.
             targets.first.bind();
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
             gl.clear_stencil(1);
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
             gl.enable(glow::STENCIL_TEST);
-            gl.stencil_func(glow::EQUAL, 1, 0xff);
-            gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
-            gl.enable(glow::BLEND);
-            gl.blend_func(glow::ONE, glow::ONE);
-            program.bind();
+            self.prepare_samples(program);
             self.draw_sample([0.0, 0.0], 0.0);
 
             gl.disable(glow::BLEND);
@@ -186,11 +180,7 @@ impl Renderer {
             gl.draw_arrays(glow::TRIANGLES, 0, 3);
             gl.color_mask(true, true, true, true);
 
-            gl.stencil_func(glow::EQUAL, 1, 0xff);
-            gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
-            gl.enable(glow::BLEND);
-            gl.blend_func(glow::ONE, glow::ONE);
-            program.bind();
+            self.prepare_samples(program);
             for offset in EDGE_SAMPLES {
                 self.draw_sample(offset, 1.0);
             }
@@ -272,6 +262,19 @@ impl Renderer {
         }
     }
 
+    /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
+    /// once for each set of states.
+    fn prepare_samples(&self, program: &Program) {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.stencil_func(glow::EQUAL, 1, 0xff);
+            self.gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
+            self.gl.enable(glow::BLEND);
+            self.gl.blend_func(glow::ONE, glow::ONE);
+        }
+        program.bind();
+    }
+
     /// Draws one sample for every pixel that the stencil lets through; `further` is 1 for the samples of an edge.
     fn draw_sample(&self, offset: [f32; 2], further: f32) {
         let block = [offset[0], offset[1], further, 0.0];
@@ -297,8 +300,4 @@ impl Targets {
             finished: Target::new(gl, size, &[Texel::Rgba8], None)?,
         })
     }
-}
-
-fn unit_of(texture: &str) -> u32 {
-    TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
 }

@@ -108,6 +108,14 @@ fn common(textures: usize, counting: Counting) -> Variant {
     variant
 }
 
+/// The shader's text of a world as GLSL of its own.
+///
+/// # Errors
+/// Generated GLSL that is refused.
+pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
+    Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting))
+}
+
 /// The variant of a world in a mode.
 ///
 /// # Errors
@@ -120,7 +128,7 @@ pub fn variant_of(
     counting: Counting,
 ) -> Result<Variant, GpuError> {
     match mode {
-        Mode::Compiled => Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting)),
+        Mode::Compiled => compiled_variant_of(world, counting),
         Mode::Interpreted => {
             Interpreter::fits(buffers, info)?;
             Ok(Interpreter::for_scene(buffers, info).variant(counting))

@@ -9,15 +9,6 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
 
-/// What happens outside 0..1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wrap {
-    /// The picture repeats.
-    Repeat,
-    /// The border texel goes on.
-    Clamp,
-}
-
 /// Texture anisotropy on a GPU: what grazing floors and cabinet sides need, at little cost.
 const ANISOTROPY: f32 = 8.0;
 /// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, lanes without a hit
@@ -26,21 +17,18 @@ const ANISOTROPY_SOFTWARE: f32 = 1.0;
 /// GL_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
-/// Uploads an sRGB picture: sampled in linear light, all mip levels, trilinear and anisotropic.
+/// Uploads an sRGB picture: sampled in linear light, all mip levels, trilinear and anisotropic, repeated
+/// beyond 0..1.
 ///
 /// # Errors
 /// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no name left.
-pub fn upload(gl: &Gl, picture: &RgbaImage, wrap: Wrap) -> Result<Texture, GpuError> {
+pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     let (width, height) = picture.dimensions();
     let limit = gl.info().texture_side_max;
     if width > limit || height > limit {
         return Err(GpuError::TooLarge { width, height, limit });
     }
     let texture = Texture::new(gl)?;
-    let wrap_mode = match wrap {
-        Wrap::Repeat => glow::REPEAT,
-        Wrap::Clamp => glow::CLAMP_TO_EDGE,
-    };
     let wanted = if gl.info().software { ANISOTROPY_SOFTWARE } else { ANISOTROPY };
     let anisotropy = wanted.min(gl.info().anisotropy_max);
     // SAFETY: the texture is ours, and the slice holds width * height RGBA texels.
@@ -62,8 +50,8 @@ pub fn upload(gl: &Gl, picture: &RgbaImage, wrap: Wrap) -> Result<Texture, GpuEr
         let parameters = [
             (glow::TEXTURE_MIN_FILTER, glow::LINEAR_MIPMAP_LINEAR),
             (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
-            (glow::TEXTURE_WRAP_S, wrap_mode),
-            (glow::TEXTURE_WRAP_T, wrap_mode),
+            (glow::TEXTURE_WRAP_S, glow::REPEAT),
+            (glow::TEXTURE_WRAP_T, glow::REPEAT),
         ];
         for (name, value) in parameters {
             gl.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());

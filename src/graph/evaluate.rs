@@ -1,7 +1,8 @@
-//! The graph's own evaluator: plain and slow, what the others are held against.
+//! The graph's own evaluator: plain, what the others are held against.
 
 use super::frame_inputs::FrameInputs;
 use super::node::{Input, Node, NodeId};
+use super::order::Order;
 use super::{Graph, GraphError};
 
 /// Where an expression is evaluated.
@@ -37,9 +38,19 @@ impl Graph {
         point: &Point,
         frame: &FrameInputs,
     ) -> Result<Vec<f32>, GraphError> {
-        let order = self.order(roots)?;
+        Ok(self.evaluate_in(&self.order(roots)?, roots, point, frame))
+    }
+
+    /// The same in an order that was found before, by [`Graph::order`] of this graph and these roots.
+    pub fn evaluate_in(
+        &self,
+        order: &Order,
+        roots: &[NodeId],
+        point: &Point,
+        frame: &FrameInputs,
+    ) -> Vec<f32> {
         let mut values = vec![0.0; roots.iter().max().map_or(0, |last| last.index() + 1)];
-        for id in order.nodes {
+        for &id in &order.nodes {
             values[id.index()] = match self.node(id) {
                 Node::Constant(value) => value,
                 Node::Input(input) => input_value(input, point, frame),
@@ -50,7 +61,7 @@ impl Graph {
                 }
             };
         }
-        Ok(roots.iter().map(|root| values[root.index()] + 0.0).collect())
+        roots.iter().map(|root| values[root.index()] + 0.0).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::op::Op;
 
 /// Names a node of one [`super::Graph`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct NodeId(pub(super) u32);
 
 impl NodeId {

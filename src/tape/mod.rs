@@ -3,8 +3,8 @@
 //! A clause is an opcode, an output and two inputs, each a byte. Slots (registers) hold values; the table
 //! holds the constants and the inputs that are the same all over a frame, which clauses take as immediates.
 //!
-//! **Words.** A clause is one `u32`; [`Tape::words`] adds END and fills up with END to a multiple of four, so
-//! that one fetch of an RGBA32UI texel brings four clauses.
+//! **Words.** A clause is one `u32`, so that one fetch of an RGBA32UI texel brings four clauses. How they are put into
+//! texels, with END behind the last, is told in [`interpreter`].
 //!
 //! | opcode | clause | bits 8..16 | bits 16..24 | bits 24..32 |
 //! |---|---|---|---|---|
@@ -166,14 +166,6 @@ impl Tape {
     /// Number of values of memory used; 0 if nothing was spilled.
     pub fn memory(&self) -> usize {
         self.memory
-    }
-
-    /// The clauses as words, with END, filled up with END to a multiple of four.
-    pub fn words(&self) -> Vec<u32> {
-        let mut words = Vec::with_capacity(self.clauses.len() / 4 * 4 + 4);
-        words.extend(self.clauses.iter().map(|clause| clause.word()));
-        words.resize(self.clauses.len() / 4 * 4 + 4, Instruction::End.encode().word());
-        words
     }
 
     /// The operators that occur, which is what an interpreter's switch needs.

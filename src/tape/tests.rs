@@ -65,7 +65,8 @@ fn table_1_of_the_thesis() {
 fn words_are_those_of_the_module_s_table() {
     let mut graph = Graph::new();
     let root = ring(&mut graph);
-    let words = tape_of(&graph, &[root], 256).words();
+    let tape = tape_of(&graph, &[root], 256);
+    let words: Vec<u32> = tape.clauses().iter().map(|clause| clause.word()).collect();
     // Bytes from the highest: input_b, input_a, output, opcode.
     let expected = [
         0x00_00_00_08, // X
@@ -77,11 +78,12 @@ fn words_are_those_of_the_module_s_table() {
         0x00_01_00_81, // SUB = 65, + 64: slot 1 - table 0
         0x01_01_01_C1, // SUB = 65, + 128: table 1 - slot 1
         0x01_00_01_45, // MAX = 69
-        0,
-        0,
-        0,
     ];
     assert_eq!(words, expected);
+    // As a program: a header, no inputs that are in their slots already, and END up to a whole texel.
+    let mut program = Vec::new();
+    tape.append_program(0, &mut program);
+    assert_eq!(program[4..], [&expected[2..], &[0]].concat());
     let op = Op::Less;
     for (instruction, word) in [
         (Instruction::End, 0),
@@ -120,8 +122,11 @@ fn a_multiple_of_four_words_always_ends_with_end() {
     let mut graph = Graph::new();
     let mut node = graph.input(Input::X);
     for length in 1..=9 {
-        let words = tape_of(&graph, &[node], 256).words();
-        assert_eq!((words.len() % 4, words[length], words.len() > length), (0, 0, true));
+        let mut words = Vec::new();
+        tape_of(&graph, &[node], 256).append_program(0, &mut words);
+        assert_eq!((words.len() % 4, words.last()), (0, Some(&0)));
+        // X is in its slot already; every other clause is there.
+        assert_eq!(words[4..].iter().filter(|word| **word != 0).count(), length - 1);
         node = graph.unary(Op::Sin, node);
     }
 }

@@ -72,20 +72,21 @@ impl FrameTape {
     /// What they give in a frame.
     pub fn values(&self, inputs: &FrameInputs) -> FrameValues {
         let origin = Point::at(0.0, 0.0, 0.0);
-        let values = |tape: &Tape, point: &Point| PointEvaluator::new(tape, inputs).at(point).to_vec();
+        let values = |tape: &Tape| PointEvaluator::new(tape, inputs).at(&origin).to_vec();
         let mut frame = FrameValues::default();
-        if let [px, py, pz, tx, ty, tz, fov, roll, keep] = *values(&self.camera, &origin) {
+        if let [px, py, pz, tx, ty, tz, fov, roll, keep] = *values(&self.camera) {
             (frame.position, frame.target) = ([px, py, pz], [tx, ty, tz]);
             (frame.fov, frame.roll, frame.keep) = (fov, roll, keep);
         }
         for (tape, towards) in &self.lights {
-            if let [x, y, z, r, g, b, radius] = *values(tape, &origin) {
+            if let [x, y, z, r, g, b, radius] = *values(tape) {
                 let (place, color) = ([x, y, z], [r, g, b]);
                 frame.lights.push(LightValues { place, towards: *towards, color, radius });
             }
         }
         for tape in &self.planes {
-            let at = |x, y, z| values(tape, &Point::at(x, y, z)).first().copied().unwrap_or(0.0);
+            let mut plane = PointEvaluator::new(tape, inputs);
+            let mut at = |x, y, z| plane.at(&Point::at(x, y, z)).first().copied().unwrap_or(0.0);
             let d = at(0.0, 0.0, 0.0);
             frame.planes.push([at(1.0, 0.0, 0.0) - d, at(0.0, 1.0, 0.0) - d, at(0.0, 0.0, 1.0) - d, d]);
         }

@@ -3,39 +3,64 @@
 //! An expression of the frame's inputs alone (a sine of the time, a curve of the volume) becomes an input of its own,
 //! [`Input::Hoisted`]: a uniform of the compiled shader, an entry of the interpreter's table.
 
-use std::collections::HashMap;
-
 use super::Roots;
-use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId};
+use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};
 use crate::limits::LIMITS;
 
 /// The expressions that were taken out.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
-    /// Everything that they need, operands first; nodes of the scene's graph.
-    order: Vec<(NodeId, Node)>,
-    /// Those that the shader reads; the i-th is `Input::Hoisted(i)`.
+    /// They and what they need, and nothing else.
+    graph: Graph,
+    order: Order,
+    /// The i-th is `Input::Hoisted(i)`.
     roots: Vec<NodeId>,
 }
 
 impl Hoisted {
+    /// The expressions `roots` of `graph`.
+    fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
+        let mut own = Graph::new();
+        let mut moved = Moved::of(graph);
+        for id in graph.order(roots)?.nodes {
+            moved.copy(graph, id, &mut own);
+        }
+        let roots: Vec<NodeId> = roots.iter().map(|root| moved.at(*root)).collect();
+        Ok(Self { order: own.order(&roots)?, graph: own, roots })
+    }
+
     /// Computes the values of a frame. All are finite.
     pub fn values(&self, inputs: &FrameInputs) -> Vec<f32> {
-        let mut values: HashMap<NodeId, f32> = HashMap::with_capacity(self.order.len());
-        let value = |values: &HashMap<NodeId, f32>, id: NodeId| values.get(&id).copied().unwrap_or(0.0);
-        for (id, node) in &self.order {
-            let result = match *node {
-                Node::Constant(constant) => constant,
-                Node::Input(input) => inputs.value(input),
-                Node::Unary(op, a) => op.value(value(&values, a), 0.0, inputs),
-                Node::Binary(op, a, b) => op.value(value(&values, a), value(&values, b), inputs),
-                Node::Texture { .. } => 0.0,
-            };
-            values.insert(*id, result + 0.0);
-        }
         // The same for uniforms and tables: an overflow is the largest number, what is no number is 0.
         let finite = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(f32::MIN, f32::MAX) };
-        self.roots.iter().map(|root| finite(value(&values, *root))).collect()
+        let values = self.graph.evaluate_in(&self.order, &self.roots, &Point::default(), inputs);
+        values.into_iter().map(finite).collect()
+    }
+}
+
+/// Where the nodes of one graph are in another.
+struct Moved(Vec<NodeId>);
+
+impl Moved {
+    /// Of a graph of which nothing was copied yet.
+    fn of(graph: &Graph) -> Self {
+        Self(vec![NodeId::default(); graph.len()])
+    }
+
+    /// The place of a node that was copied.
+    fn at(&self, id: NodeId) -> NodeId {
+        self.0[id.index()]
+    }
+
+    /// Copies a node, whose operands were copied before, as it is.
+    fn copy(&mut self, from: &Graph, id: NodeId, to: &mut Graph) {
+        self.0[id.index()] = match from.node(id) {
+            Node::Constant(value) => to.constant(value),
+            Node::Input(input) => to.input(input),
+            Node::Unary(op, a) => to.raw(Node::Unary(op, self.at(a))),
+            Node::Binary(op, a, b) => to.raw(Node::Binary(op, self.at(a), self.at(b))),
+            Node::Texture { texture, channel, u, v } => to.texture(texture, channel, self.at(u), self.at(v)),
+        };
     }
 }
 
@@ -75,43 +100,27 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
     for root in &all {
         is_read[root.index()] = true;
     }
-    let mut hoisted = Hoisted::default();
+    let mut hoisted = Vec::new();
     let mut rest = Graph::new();
     rest.reserve(order.len());
-    let mut moved: HashMap<NodeId, NodeId> = HashMap::with_capacity(order.len());
+    let mut moved = Moved::of(graph);
     for &id in &order {
-        let node = graph.node(id);
-        let computed = !matches!(node, Node::Constant(_) | Node::Input(_));
-        if of_frame[id.index()] && computed {
-            // Read by points, or only on the way to what is.
-            if is_read[id.index()] && hoisted.roots.len() < LIMITS.hoisted_max {
-                let input = Input::Hoisted(hoisted.roots.len() as u16);
-                hoisted.roots.push(id);
-                let new = rest.input(input);
-                moved.insert(id, new);
-                continue;
-            }
+        let computed = !matches!(graph.node(id), Node::Constant(_) | Node::Input(_));
+        let hoistable = computed && of_frame[id.index()] && is_read[id.index()];
+        if hoistable && hoisted.len() < LIMITS.hoisted_max {
+            moved.0[id.index()] = rest.input(Input::Hoisted(hoisted.len() as u16));
+            hoisted.push(id);
+        } else {
+            moved.copy(graph, id, &mut rest);
         }
-        let at = |id: NodeId| moved.get(&id).copied().unwrap_or(id);
-        let new = match node {
-            Node::Constant(value) => rest.constant(value),
-            Node::Input(input) => rest.input(input),
-            Node::Unary(op, a) => rest.raw(Node::Unary(op, at(a))),
-            Node::Binary(op, a, b) => rest.raw(Node::Binary(op, at(a), at(b))),
-            Node::Texture { texture, channel, u, v } => rest.texture(texture, channel, at(u), at(v)),
-        };
-        moved.insert(id, new);
     }
     rest.check()?;
-    hoisted.order = graph.order(&hoisted.roots)?.nodes.iter().map(|id| (*id, graph.node(*id))).collect();
-    let roots = roots.map(|id| moved.get(&id).copied().unwrap_or(id));
-    Ok((rest, roots, hoisted))
+    Ok((rest, roots.map(|id| moved.at(id)), Hoisted::of(graph, &hoisted)?))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::Point;
     use crate::lang::{compile, no_includes};
     use crate::tape::{PointEvaluator, Tape, TapeOptions};
     use crate::world::World;

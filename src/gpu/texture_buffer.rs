@@ -1,0 +1,64 @@
+//! Buffers that shaders read as texels.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::{Buffer, Texture};
+
+/// What the texels of a texture buffer are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BufferTexel {
+    /// Four words: a `usamplerBuffer`.
+    Rgba32U,
+    /// One float: a `samplerBuffer`.
+    R32F,
+    /// Four floats: a `samplerBuffer`.
+    Rgba32F,
+}
+
+/// A buffer and the texture that reads it.
+pub(super) struct TextureBuffer {
+    gl: Gl,
+    texture: Texture,
+    buffer: Buffer,
+}
+
+impl TextureBuffer {
+    /// A texture buffer that holds these bytes.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no object left.
+    pub(super) fn new(gl: &Gl, texel: BufferTexel, bytes: &[u8]) -> Result<Self, GpuError> {
+        let format = match texel {
+            BufferTexel::Rgba32U => glow::RGBA32UI,
+            BufferTexel::R32F => glow::R32F,
+            BufferTexel::Rgba32F => glow::RGBA32F,
+        };
+        let (texture, buffer) = (Texture::new(gl)?, Buffer::new(gl)?);
+        // SAFETY: both names are ours, made in the current context.
+        unsafe {
+            gl.bind_buffer(glow::TEXTURE_BUFFER, Some(buffer.native()));
+            gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, bytes, glow::STATIC_DRAW);
+            gl.bind_texture(glow::TEXTURE_BUFFER, Some(texture.native()));
+            gl.tex_buffer(glow::TEXTURE_BUFFER, format, Some(buffer.native()));
+        }
+        Ok(Self { gl: gl.clone(), texture, buffer })
+    }
+
+    /// The driver's name of the texture.
+    pub(super) fn texture(&self) -> glow::NativeTexture {
+        self.texture.native()
+    }
+
+    /// Replaces what it holds, for a frame.
+    pub(super) fn replace(&self, bytes: &[u8]) {
+        // SAFETY: the buffer is ours.
+        unsafe {
+            self.gl.bind_buffer(glow::TEXTURE_BUFFER, Some(self.buffer.native()));
+            self.gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, bytes, glow::STREAM_DRAW);
+        }
+    }
+}
