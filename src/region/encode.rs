@@ -13,7 +13,7 @@ use crate::tape::interpreter::is_rare;
 use crate::tape::{Instruction, Operand, opcode};
 
 /// Most slots of a region's tape.
-pub(super) const SLOTS_MAX: usize = 128;
+pub(super) const SLOTS_MAX: usize = 64;
 
 /// Four words.
 pub(super) type Texel = [u32; 4];
@@ -50,7 +50,7 @@ impl Encoder {
         self.slot.clear();
         self.slot.extend(0..INPUTS as u8);
         self.slot.resize(program.values(), 0);
-        let mut free = u128::MAX;
+        let mut free = u64::MAX;
         for input in 0..INPUTS {
             if self.last_use[input] != 0 {
                 free &= !(1 << input);
@@ -148,11 +148,11 @@ impl Encoder {
 }
 
 /// The lowest free slot.
-fn take(free: &mut u128) -> Result<u8, TooManySlots> {
-    let slot = free.trailing_zeros();
-    if slot as usize >= SLOTS_MAX {
+fn take(free: &mut u64) -> Result<u8, TooManySlots> {
+    if *free == 0 {
         return Err(TooManySlots);
     }
-    *free &= !(1 << slot);
+    let slot = free.trailing_zeros();
+    *free &= *free - 1;
     Ok(slot as u8)
 }

@@ -54,7 +54,7 @@ pub const OBJECT_UNKNOWN: u32 = 255;
 pub struct RegionVariant {
     /// The operators that occur.
     pub operators: BTreeSet<Op>,
-    /// Slots: a power of two, 4 to 128.
+    /// Slots: a power of two, 4 to 64.
     pub slots: usize,
 }
 

@@ -42,6 +42,7 @@ impl Default for Program {
 
 impl Program {
     /// Appends a step and says where its value is found. What is exact in floating point is done at once.
+    #[inline]
     pub(super) fn push(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         use Arg::Number;
         let b = if op.arity() == 1 { Number(0.0) } else { b };
@@ -52,6 +53,12 @@ impl Program {
             }
             (Op::Add | Op::Sub, a, Number(0.0)) | (Op::Mul | Op::Div, a, Number(1.0)) => return a,
             (Op::Add, Number(0.0), b) | (Op::Mul, Number(1.0), b) => return b,
+            (Op::Sub, Number(0.0), Arg::Value(value)) => {
+                // 0 - (0 - x) is x.
+                if let Some(Step { op: Op::Sub, a: Number(0.0), b }) = self.step(value) {
+                    return b;
+                }
+            }
             (Op::Mask, Number(condition), b) => return if condition == 0.0 { Number(0.0) } else { b },
             _ => {}
         }
@@ -62,6 +69,26 @@ impl Program {
         };
         self.steps.push(Step { op, a, b });
         Arg::Value((INPUTS + self.steps.len() - 1) as u32)
+    }
+
+    /// A number that programs share with no others, but for one in 2^64.
+    pub(super) fn hash(&self) -> u64 {
+        let mix = |hash: u64, word: u64| (hash ^ word).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(23);
+        let word = |arg: Arg| match arg {
+            Arg::Value(value) => u64::from(value),
+            Arg::Number(number) => u64::from(number.to_bits()) | 1 << 32,
+        };
+        let steps = self.steps.iter().fold(0, |hash, step| {
+            mix(mix(hash, word(step.a) | u64::from(step.op.number()) << 40), word(step.b))
+        });
+        let hash = self.roots.iter().fold(steps, |hash, root| mix(hash, word(*root)));
+        // The upper bits are the well mixed ones.
+        hash ^ hash >> 29
+    }
+
+    /// The step that gives a value; none for an input.
+    fn step(&self, value: u32) -> Option<Step> {
+        self.steps.get((value as usize).checked_sub(INPUTS)?).copied()
     }
 
     /// Values there are: the inputs and those of the steps.

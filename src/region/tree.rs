@@ -1,6 +1,7 @@
 //! The tree: cells of 64 at once, from the root to bricks, and what is written for each.
 
 use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
@@ -61,13 +62,14 @@ pub struct Regions {
 }
 
 /// Programs up to this length are not divided further.
-const UNDIVIDED_MAX: usize = 8;
+const UNDIVIDED_MAX: usize = 12;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
-/// So far around the bounds of a scene, shadow and occlusion rays still ask for distances.
+/// So far from surfaces penumbras and occlusion still ask for distances: a little more than the highest probe.
 const AROUND: f32 = 1.2;
-/// No side of the tree is shorter than this share of the longest.
-const SIDE_MIN: f32 = 0.25;
+/// The tree is a cube, so much larger than the longest side of what it must hold: smaller cells take longer to build than
+/// their tapes save.
+const LARGER: f32 = 1.5;
 /// Farther from surfaces than this no ray asks for the object.
 const OBJECT_REACH: f32 = 0.25;
 /// Bounds are less by this share of the box's distance from the origin and its size. Processors of graphics round
@@ -100,7 +102,8 @@ struct Builder<'a> {
     options: &'a RegionOptions,
     texels: Vec<Texel>,
     encoder: Encoder,
-    known: HashMap<u64, u32>,
+    /// Second words of cells by the hash of their programs, and the tapes of objects by that of theirs.
+    known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
     levels: [Level; 3],
     margin: f32,
     overlap: f32,
@@ -125,7 +128,7 @@ pub(super) fn build(
         options,
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
         encoder: Encoder::default(),
-        known: HashMap::new(),
+        known: HashMap::default(),
         levels: Default::default(),
         margin: farthest * ROUNDING,
         overlap: farthest * OVERLAP,
@@ -157,7 +160,7 @@ fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], 
     ));
     let sides: [f32; 3] = std::array::from_fn(|axis| high[axis] - low[axis] + 2.0 * AROUND);
     let longest = sides.into_iter().fold(0.0, f32::max);
-    let size = sides.map(|side| side.max(SIDE_MIN * longest));
+    let size = [longest * LARGER; 3];
     let low = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * size[axis]);
     (low, size)
 }
@@ -241,16 +244,29 @@ impl Builder<'_> {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
         };
-        let (mut surface, mut near) = (0u64, 0u64);
+        let (mut surface, mut near, mut reached) = (0u64, 0u64, 0u64);
         for cell in 0..CELLS {
             let Interval { lo, hi } = bounds.at(cell);
             let far = lo > OBJECT_REACH;
             near |= u64::from(!far) << cell;
+            reached |= u64::from(!(lo > AROUND)) << cell;
             // What may be a NaN may be a surface; what is solid all through is none.
             surface |= u64::from(!(lo > self.margin) && !(hi < -self.margin)) << cell;
         }
-        level.decisions.decide(program, structure, &level.rows, u64::MAX, near);
-        level.decisions.groups(program, &level.rows, &[near, !near], &mut level.groups);
+        // Few rays ask for a distance far from the surfaces: in bricks the tape of all 64 does, in the root the whole one.
+        let own = if depth == 1 { reached } else { near };
+        if own != u64::MAX {
+            let second = if depth == 1 {
+                self.whole_tape | OBJECT_UNKNOWN << 24
+            } else {
+                self.write_tape(program, CELLS)
+            };
+            for cell in cells_of(!own) {
+                self.write_cell(texel_of(cell), bounds.lo[cell], second);
+            }
+        }
+        level.decisions.decide(program, structure, &level.rows, own, near);
+        level.decisions.groups(program, &level.rows, &[near, own & !near], &mut level.groups);
         for index in 0..level.groups.len() {
             let group = level.groups[index];
             let with_object = group & near != 0;
@@ -293,73 +309,72 @@ impl Builder<'_> {
         self.stats.cells += 1;
     }
 
-    /// A tape and the object's number as the second word of a cell.
+    /// A tape and the object's number as the second word of a cell. Equal programs share one.
     fn write_tape(&mut self, program: &Program, cells: usize) -> u32 {
+        let hash = program.hash();
+        if let Some(second) = self.known.get(&hash) {
+            return *second;
+        }
+        let Some(second) = self.write_new_tape(program) else {
+            self.stats.overflowed += cells;
+            return self.whole_tape | OBJECT_UNKNOWN << 24;
+        };
+        self.known.insert(hash, second);
+        second
+    }
+
+    /// None if there is no room.
+    fn write_new_tape(&mut self, program: &Program) -> Option<u32> {
         let (object, object_tape) = match program.roots[OBJECT] {
             Arg::Number(number) if (0.0..OBJECT_UNKNOWN as f32).contains(&number) => {
                 (number as u32, self.whole_object)
             }
             Arg::Value(_) => {
-                let tape = match self.encoder.encode(program, [OBJECT, OBJECT]) {
-                    Ok(texels) => {
-                        store(&mut self.texels, &mut self.known, None, texels, self.options.texels_max)
-                    }
-                    Err(_) => None,
-                };
-                (OBJECT_UNKNOWN, tape.map_or(self.whole_object, |(tape, _)| tape))
+                let texels = self.encoder.encode(program, [OBJECT, OBJECT]).ok()?;
+                (OBJECT_UNKNOWN, store(&mut self.texels, None, texels, self.options.texels_max)?)
             }
-            _ => (OBJECT_UNKNOWN, self.whole_object),
+            Arg::Number(_) => (OBJECT_UNKNOWN, self.whole_object),
         };
-        let tape = match self.encoder.encode(program, [BOUND, ESTIMATE]) {
-            Ok(texels) => {
-                store(&mut self.texels, &mut self.known, Some(object_tape), texels, self.options.texels_max)
-            }
-            Err(_) => None,
-        };
-        match tape {
-            Some((tape, new)) => {
-                if new {
-                    self.stats.tapes += 1;
-                    self.stats.clauses += self.encoder.clauses;
-                }
-                tape | object << 24
-            }
-            None => {
-                self.stats.overflowed += cells;
-                self.whole_tape | OBJECT_UNKNOWN << 24
-            }
-        }
+        let texels = self.encoder.encode(program, [BOUND, ESTIMATE]).ok()?;
+        let tape = store(&mut self.texels, Some(object_tape), texels, self.options.texels_max)?;
+        self.stats.tapes += 1;
+        self.stats.clauses += self.encoder.clauses;
+        Some(tape | object << 24)
     }
 }
 
-/// Where a tape stands, and whether it is new there; none where there is no room.
+/// Appends a tape, after the texel that names the tape of its object; none where there is no room.
 fn store(
     texels: &mut Vec<Texel>,
-    known: &mut HashMap<u64, u32>,
-    head: Option<u32>,
+    object_tape: Option<u32>,
     tape: &[Texel],
     texels_max: usize,
-) -> Option<(u32, bool)> {
-    let head = head.map(|object| [object, 0, 0, 0]);
-    let hash = head.iter().chain(tape).flatten().fold(tape.len() as u64, |hash, word| {
-        (hash ^ u64::from(*word)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
-    });
-    if let Some(&at) = known.get(&hash) {
-        let start = at as usize;
-        let same = texels.get(start..start + tape.len()) == Some(tape)
-            && head.is_none_or(|head| start > 0 && texels.get(start - 1) == Some(&head));
-        if same {
-            return Some((at, false));
-        }
-    }
-    let at = texels.len() + usize::from(head.is_some());
+) -> Option<u32> {
+    let at = texels.len() + usize::from(object_tape.is_some());
     if at + tape.len() > texels_max || at + tape.len() >= 1 << 24 {
         return None;
     }
-    texels.extend(head);
+    texels.extend(object_tape.map(|object| [object, 0, 0, 0]));
     texels.extend_from_slice(tape);
-    known.insert(hash, at as u32);
-    Some((at as u32, true))
+    Some(at as u32)
+}
+
+/// Keys that are hashes already.
+#[derive(Debug, Default)]
+struct Hashed(u64);
+
+impl Hasher for Hashed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        self.0 = bytes.iter().fold(self.0, |hash, byte| hash << 8 | u64::from(*byte));
+    }
+
+    fn write_u64(&mut self, hash: u64) {
+        self.0 = hash;
+    }
 }
 
 /// The place of one of 64 cells in their block.
