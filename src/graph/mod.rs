@@ -19,6 +19,8 @@ mod op;
 mod order;
 mod rules;
 mod simplify;
+mod slope_rules;
+mod sloped;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub use evaluate::Point;
@@ -27,9 +29,12 @@ pub use interval::{Choice, Interval, LIBRARY_ERROR};
 pub use node::{Input, Node, NodeId};
 pub use op::{CELL_HASH_GLSL, CELL_MAX, FIRST_BINARY, Kernel, Op, Properties, SMALLEST, TANH_MAX, cell_hash};
 pub use order::{InputsUsed, Order};
+pub use sloped::Sloped;
 
 #[cfg(test)]
 pub(crate) mod random;
+#[cfg(test)]
+mod slope_tests;
 #[cfg(test)]
 mod tests;
 
