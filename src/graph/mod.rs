@@ -29,7 +29,7 @@ pub use interval::{Choice, Interval, LIBRARY_ERROR};
 pub use node::{Input, Node, NodeId};
 pub use op::{CELL_HASH_GLSL, CELL_MAX, FIRST_BINARY, Kernel, Op, Properties, SMALLEST, TANH_MAX, cell_hash};
 pub use order::{InputsUsed, Order};
-pub use sloped::Sloped;
+pub use sloped::{Pieces, Sloped};
 
 #[cfg(test)]
 pub(crate) mod random;

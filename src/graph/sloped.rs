@@ -89,13 +89,103 @@ impl Sloped {
         let surely = operands.iter().any(|(_, share)| share.lo > 0.0)
             || operands.iter().all(|(_, share)| share.hi > 0.0);
         let nothing = (!surely).then(|| Self::flat(ZERO));
-        let both = |a: Self, b: Self| Self {
-            value,
-            gradient: [0, 1, 2].map(|axis| a.gradient[axis].hull(b.gradient[axis])),
-            squares: [0, 1, 2].map(|axis| a.squares[axis].max(b.squares[axis])),
-        };
-        let chosen = may_be.chain(nothing).reduce(both).unwrap_or(Self::flat(ZERO));
+        let chosen = may_be.chain(nothing).reduce(|a, b| a.hull(&b)).unwrap_or(Self::flat(ZERO));
         Self { value, ..chosen }
+    }
+
+    /// Where a one-operand operator jumps in a box, if that is on one plane across one axis: the axis and the
+    /// coordinate.
+    pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
+        let offset = match op {
+            Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
+            Op::Round => 0.5,
+            _ => return None,
+        };
+        let place = (a.value.lo - offset).floor() + 1.0 + offset;
+        a.place_of(place, sides)
+    }
+
+    /// The same for a two-operand operator.
+    pub fn jump_of_two(op: Op, a: &Self, b: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
+        if !matches!(op, Op::Less | Op::LessEqual | Op::Step) {
+            return None;
+        }
+        let gradient = [0, 1, 2].map(|axis| rules::sub(a.gradient[axis], b.gradient[axis]));
+        Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
+    }
+
+    /// Where the value, if it changes evenly along one axis alone, is `wanted` inside the box, and half as much again
+    /// and further away only outside of it.
+    fn place_of(&self, wanted: f32, sides: [Interval; 3]) -> Option<(usize, f32)> {
+        let inside = self.value.lo < wanted && wanted < self.value.hi && self.value.hi < wanted + 1.0;
+        let mut along = (0..3).filter(|axis| !rules::is_zero(self.gradient[*axis]));
+        let axis = along.next().filter(|_| inside && along.next().is_none())?;
+        let slope = self.gradient[axis];
+        if slope.lo != slope.hi {
+            return None;
+        }
+        let start = if slope.lo > 0.0 { self.value.lo } else { self.value.hi };
+        let place = sides[axis].lo + (wanted - start) / slope.lo;
+        (sides[axis].lo < place && place < sides[axis].hi).then_some((axis, place))
+    }
+
+    /// What holds for both.
+    pub fn hull(&self, other: &Self) -> Self {
+        Self {
+            value: self.value.hull(other.value),
+            gradient: [0, 1, 2].map(|axis| self.gradient[axis].hull(other.gradient[axis])),
+            squares: [0, 1, 2].map(|axis| self.squares[axis].max(other.squares[axis])),
+        }
+    }
+}
+
+/// A box cut where parts of a formula jump. In each piece their slopes are those of one side, which bounds the whole far
+/// more closely than a box that holds both: noise is smooth, but its parts are not where its cells meet.
+#[derive(Debug, Clone, Default)]
+pub struct Pieces {
+    cuts: Vec<(usize, f32)>,
+    boxes: Vec<[Interval; 3]>,
+}
+
+/// Most pieces of a box; what would need more is not cut further.
+const PIECES_MAX: usize = 32;
+/// So much is left out on both sides of a jump, as a share of the coordinate: a rounding must not reach across.
+const JUMP_WIDTH: f32 = 2e-6;
+
+impl Pieces {
+    /// Begins with no jump known.
+    pub fn clear(&mut self) {
+        self.cuts.clear();
+    }
+
+    /// Takes up a jump.
+    #[inline(always)]
+    pub fn add(&mut self, jump: Option<(usize, f32)>) {
+        if let Some(jump) = jump.filter(|jump| !self.cuts.contains(jump)) {
+            self.cuts.push(jump);
+        }
+    }
+
+    /// The pieces of the box by the jumps that were found; none where there were no jumps.
+    pub fn of(&mut self, sides: [Interval; 3]) -> &[[Interval; 3]] {
+        self.boxes.clear();
+        if self.cuts.is_empty() {
+            return &self.boxes;
+        }
+        self.boxes.push(sides);
+        for &(axis, place) in &self.cuts {
+            let width = JUMP_WIDTH * (place.abs() + sides[axis].hi - sides[axis].lo);
+            for index in 0..self.boxes.len() {
+                let (mut below, mut above) = (self.boxes[index], self.boxes[index]);
+                (below[axis].hi, above[axis].lo) = (place - width, place + width);
+                let cuts = below[axis].lo < below[axis].hi && above[axis].lo < above[axis].hi;
+                if cuts && self.boxes.len() < PIECES_MAX {
+                    self.boxes[index] = below;
+                    self.boxes.push(above);
+                }
+            }
+        }
+        &self.boxes
     }
 }
 

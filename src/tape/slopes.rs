@@ -2,12 +2,13 @@
 
 use super::Tape;
 use super::evaluate::{Domain, Machine};
-use crate::graph::{FrameInputs, Interval, Op, Sloped};
+use crate::graph::{FrameInputs, Interval, Op, Pieces, Sloped};
 
 struct Slopes<'a> {
     position: [Interval; 3],
     normal: [Interval; 3],
     frame: &'a FrameInputs,
+    jumps: Option<&'a mut Pieces>,
 }
 
 impl Domain for Slopes<'_> {
@@ -23,9 +24,15 @@ impl Domain for Slopes<'_> {
         }
     }
     fn unary(&mut self, op: Op, a: &Sloped) -> Sloped {
+        if let Some(jumps) = &mut self.jumps {
+            jumps.add(Sloped::jump(op, a, self.position));
+        }
         Sloped::unary(op, a, self.frame)
     }
     fn binary(&mut self, op: Op, a: &Sloped, b: &Sloped) -> Sloped {
+        if let Some(jumps) = &mut self.jumps {
+            jumps.add(Sloped::jump_of_two(op, a, b, self.position));
+        }
         Sloped::binary(op, a, b, self.frame)
     }
     fn texture(&mut self, _texture: u16, _channel: u8, _u: &Sloped, _v: &Sloped) -> Sloped {
@@ -41,6 +48,7 @@ pub struct GradientIntervals<'a> {
     frame: &'a FrameInputs,
     machine: Machine<Sloped, Interval>,
     outputs: Vec<Sloped>,
+    pieces: Pieces,
 }
 
 impl<'a> GradientIntervals<'a> {
@@ -48,15 +56,27 @@ impl<'a> GradientIntervals<'a> {
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let nothing = Sloped::flat(Interval::point(0.0));
         let machine = Machine::with_table(tape, tape.table_bounds(frame), nothing);
-        Self { tape, frame, machine, outputs: vec![nothing; tape.outputs.len()] }
+        Self { tape, frame, machine, outputs: vec![nothing; tape.outputs.len()], pieces: Pieces::default() }
     }
 
-    /// Bounds of the outputs and of their gradients over a box of positions and of normals.
+    /// Bounds of the outputs and of their gradients over a box of positions and of normals. The box is cut where parts of
+    /// the tape jump.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Sloped] {
-        let mut domain = Slopes { position, normal, frame: self.frame };
-        self.machine.run(self.tape, &mut domain);
-        for (bounds, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *bounds = self.machine.slots[usize::from(slot)];
+        let Self { tape, frame, machine, outputs, pieces } = self;
+        pieces.clear();
+        machine.run(tape, &mut Slopes { position, normal, frame, jumps: Some(pieces) });
+        for (bounds, &slot) in outputs.iter_mut().zip(&tape.outputs) {
+            *bounds = machine.slots[usize::from(slot)];
+        }
+        for (number, &position) in pieces.of(position).iter().enumerate() {
+            machine.run(tape, &mut Slopes { position, normal, frame, jumps: None });
+            for (bounds, &slot) in outputs.iter_mut().zip(&tape.outputs) {
+                let piece = machine.slots[usize::from(slot)];
+                // The value is that of the whole box: the jumps themselves are in no piece.
+                let value = bounds.value;
+                *bounds = if number == 0 { piece } else { bounds.hull(&piece) };
+                bounds.value = value;
+            }
         }
         &self.outputs
     }
