@@ -15,6 +15,7 @@ pub mod gpu;
 pub mod graph;
 pub mod lang;
 pub mod limits;
+pub mod region;
 pub mod scenes;
 pub mod tape;
 pub mod world;

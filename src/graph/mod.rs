@@ -27,7 +27,10 @@ pub use evaluate::Point;
 pub use frame_inputs::{FrameInputs, TableData, TextureReader};
 pub use interval::{Choice, Interval, LIBRARY_ERROR};
 pub use node::{Input, Node, NodeId};
-pub use op::{CELL_HASH_GLSL, CELL_MAX, FIRST_BINARY, Kernel, Op, Properties, SMALLEST, TANH_MAX, cell_hash};
+pub use op::{
+    BoundsKernel, CELL_HASH_GLSL, CELL_MAX, FIRST_BINARY, Kernel, Op, Properties, SMALLEST, TANH_MAX,
+    cell_hash,
+};
 pub use order::{InputsUsed, Order};
 pub use sloped::{Pieces, Sloped};
 

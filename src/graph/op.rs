@@ -70,6 +70,13 @@ pub trait Kernel {
     fn run(&mut self, meaning: impl Fn(f32, f32, &FrameInputs) -> f32 + Copy);
 }
 
+/// The same for an operator's interval rule.
+pub trait BoundsKernel {
+    /// Runs with the operator's interval rule: bounds of the operands a and b (b is ignored by one-operand operators)
+    /// and the frame.
+    fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy);
+}
+
 macro_rules! operators {
     ($(
         $(#[doc = $doc:literal])+
@@ -134,6 +141,12 @@ macro_rules! operators {
                     f(a, b, frame)
                 }
                 match self { $( Op::$id => call($bounds, a, b, frame), )+ }
+            }
+
+            /// Runs a kernel with the operator's interval rule.
+            #[inline(always)]
+            pub fn with_bounds(self, kernel: &mut impl BoundsKernel) {
+                match self { $( Op::$id => kernel.run($bounds), )+ }
             }
 
             /// The partial derivatives by a and by b, where `r` is the value. Where there is none (a jump, a

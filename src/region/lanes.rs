@@ -1,0 +1,130 @@
+//! Intervals of 64 cells at once.
+
+use super::program::{Arg, INPUTS, Program};
+use crate::graph::{BoundsKernel, FrameInputs, Interval};
+
+/// Cells that are bounded at once: the children of a cell.
+pub(super) const CELLS: usize = 64;
+
+/// An interval for each cell. As two arrays, so that a processor works on several cells at once.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct Lanes {
+    pub(super) lo: [f32; CELLS],
+    pub(super) hi: [f32; CELLS],
+}
+
+impl Lanes {
+    /// The same interval in all cells.
+    pub(super) const fn splat(interval: Interval) -> Self {
+        Self { lo: [interval.lo; CELLS], hi: [interval.hi; CELLS] }
+    }
+
+    /// That of one cell.
+    #[inline(always)]
+    pub(super) fn at(&self, cell: usize) -> Interval {
+        Interval { lo: self.lo[cell], hi: self.hi[cell] }
+    }
+}
+
+/// Bits of the cells for which something holds, as a processor computes them eight at once.
+#[inline(always)]
+pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
+    let mut flags = [0u8; CELLS];
+    for (cell, flag) in flags.iter_mut().enumerate() {
+        *flag = u8::from(holds(cell));
+    }
+    let mut bits = 0;
+    for (byte, eight) in flags.as_chunks::<8>().0.iter().enumerate() {
+        // Eight bytes of 0 or 1 become eight bits: bit 8i is brought to bit 56 + i.
+        let gathered = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
+        bits |= gathered << (8 * byte);
+    }
+    bits
+}
+
+/// One operand of a kernel.
+trait Operand: Copy {
+    fn at(&self, cell: usize) -> Interval;
+}
+
+impl Operand for &Lanes {
+    #[inline(always)]
+    fn at(&self, cell: usize) -> Interval {
+        Lanes::at(self, cell)
+    }
+}
+
+impl Operand for Interval {
+    #[inline(always)]
+    fn at(&self, _: usize) -> Interval {
+        *self
+    }
+}
+
+struct Kernel<'a, A, B> {
+    a: A,
+    b: B,
+    result: &'a mut Lanes,
+    frame: &'a FrameInputs,
+}
+
+impl<A: Operand, B: Operand> BoundsKernel for Kernel<'_, A, B> {
+    #[inline(always)]
+    fn run(&mut self, rule: impl Fn(Interval, Interval, &FrameInputs) -> Interval + Copy) {
+        let result = &mut *self.result;
+        for cell in 0..CELLS {
+            let interval = rule(self.a.at(cell), self.b.at(cell), self.frame);
+            result.lo[cell] = interval.lo;
+            result.hi[cell] = interval.hi;
+        }
+    }
+}
+
+/// Bounds of all values of a program in 64 cells: `rows` begins with those of the inputs.
+pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInputs) {
+    if rows.len() < program.values() {
+        rows.resize(program.values(), Lanes::splat(Interval::point(0.0)));
+    }
+    #[cfg(target_arch = "x86_64")]
+    if std::arch::is_x86_feature_detected!("avx2") {
+        #[expect(unsafe_code, reason = "the feature that the function asks for was detected")]
+        // SAFETY: the processor has AVX2.
+        unsafe {
+            bound_avx2(program, rows, frame)
+        };
+        return;
+    }
+    bound_rows(program, rows, frame);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn bound_avx2(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
+    bound_rows(program, rows, frame);
+}
+
+#[inline(always)]
+fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
+    for (index, step) in program.steps.iter().enumerate() {
+        let (before, from) = rows.split_at_mut(INPUTS + index);
+        let Some(result) = from.first_mut() else { return };
+        match (step.a, step.b) {
+            (Arg::Value(a), Arg::Value(b)) => {
+                let (a, b) = (&before[a as usize], &before[b as usize]);
+                step.op.with_bounds(&mut Kernel { a, b, result, frame });
+            }
+            (Arg::Value(a), Arg::Number(b)) => {
+                let (a, b) = (&before[a as usize], Interval::point(b));
+                step.op.with_bounds(&mut Kernel { a, b, result, frame });
+            }
+            (Arg::Number(a), Arg::Value(b)) => {
+                let (a, b) = (Interval::point(a), &before[b as usize]);
+                step.op.with_bounds(&mut Kernel { a, b, result, frame });
+            }
+            (Arg::Number(a), Arg::Number(b)) => {
+                *result = Lanes::splat(step.op.bounds(Interval::point(a), Interval::point(b), frame));
+            }
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Regions: a tree over space, built for each frame, that says in every cell how far the surfaces are at least and which
+//! part of the distance's tape is left there.
+//!
+//! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020) shortens tapes by interval
+//! arithmetic for tiles of the screen. Here the cells divide the world, so that shadow, occlusion and reflection rays
+//! use them, too. A shortened tape gives in its cell bit for bit what the whole one gives.
+//!
+//! ```text
+//! World → RegionPlan; with a frame's inputs: numbers folded in → 64 cells at once: bounds → decisions → groups of
+//!         equal decisions → shorter programs → cells again, or tapes
+//! ```
+//!
+//! # Texels
+//! [`Regions::texels`] is what the shaders read, RGBA32UI:
+//!
+//! | texel | holds |
+//! |---|---|
+//! | 0..4096, if there are cells | the root: 16x16x16 cells, `x + 16 * (y + 16 * z)` |
+//! | 64 of a brick | the children of a divided cell, `x + 4 * (y + 4 * z)` |
+//! | a tape | in the texel before it the first texel of the tape of the object; then the clauses (`encode`) |
+//!
+//! A cell is `[bound, tape | object << 24, 0, 0]`: a lower bound of the distance everywhere in the cell, as a float's
+//! bits, at most 0 where a surface may be; the first texel of its tape; the number of the nearest object, or
+//! [`OBJECT_UNKNOWN`]. A bound of [`DIVIDED`] says that the second word is the first texel of the cell's brick.
+
+mod encode;
+mod lanes;
+mod program;
+mod prune;
+mod read;
+mod tree;
+
+pub use read::Cell;
+pub use tree::{RegionOptions, RegionStats, Regions};
+
+use std::collections::BTreeSet;
+
+use crate::graph::{FrameInputs, Input, Node, Op, Order, TableData};
+use crate::world::World;
+use encode::{Encoder, SLOTS_MAX};
+use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
+
+/// Cells of the root to each side.
+pub const ROOT_SIDE: usize = 16;
+/// Cells of a brick to each side.
+pub const BRICK_SIDE: usize = 4;
+/// The bound of a cell that is divided.
+pub const DIVIDED: u32 = u32::MAX;
+/// The object of a cell in which more than one may be the nearest.
+pub const OBJECT_UNKNOWN: u32 = 255;
+
+/// What an interpreter of regions' tapes needs.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub struct RegionVariant {
+    /// The operators that occur.
+    pub operators: BTreeSet<Op>,
+    /// Slots: a power of two, 4 to 128.
+    pub slots: usize,
+}
+
+/// What a tree depends on: where all of it is equal, so are the trees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionKey {
+    numbers: Vec<u32>,
+    tables: Vec<TableData>,
+}
+
+/// What stays the same of a world's regions from frame to frame.
+#[derive(Debug, Clone)]
+pub struct RegionPlan {
+    /// What the distance and the object need, operands first.
+    nodes: Vec<(usize, Node)>,
+    /// Places of the roots among all nodes.
+    roots: [usize; 3],
+    /// Nodes of the world's graph.
+    graph_nodes: usize,
+    inputs: Vec<Input>,
+    tables: BTreeSet<Op>,
+    variant: RegionVariant,
+    bounds: Option<([f32; 3], [f32; 3])>,
+    has_rest: bool,
+}
+
+impl RegionPlan {
+    /// The plan of a world.
+    pub fn new(world: &World) -> Self {
+        let [bound, estimate] = world.roots.distance;
+        let roots = [bound, estimate, world.roots.object];
+        // A world's graph has been checked.
+        let order = world.graph.order(&roots).unwrap_or_else(|_| Order::default());
+        let nodes: Vec<_> = order.nodes.iter().map(|id| (id.index(), world.graph.node(*id))).collect();
+        let used = world.graph.inputs_used(&roots).unwrap_or_default();
+        let mut plan = Self {
+            nodes,
+            roots: roots.map(|root| root.index()),
+            graph_nodes: world.graph.len(),
+            inputs: used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect(),
+            tables: used.tables,
+            variant: RegionVariant::default(),
+            bounds: world.bounds.map(|bounds| (bounds.low, bounds.high)),
+            has_rest: world.has_rest,
+        };
+        // Any numbers do: which slots are needed does not depend on them, but for fewer.
+        let program = plan.folded(|_| f32::NAN, &FrameInputs::default());
+        let mut encoder = Encoder::default();
+        let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
+            .iter()
+            .all(|roots| encoder.encode(&program, *roots).is_ok());
+        let slots = if fits { encoder.slots } else { SLOTS_MAX };
+        let operators = program.steps.iter().map(|step| step.op).collect();
+        plan.variant = RegionVariant { operators, slots: slots.next_power_of_two() };
+        plan
+    }
+
+    /// What an interpreter needs for all trees of this plan.
+    pub fn variant(&self) -> &RegionVariant {
+        &self.variant
+    }
+
+    /// What the tree of a frame depends on.
+    pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
+        let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
+        let mut tables = Vec::new();
+        for op in &self.tables {
+            match op {
+                Op::Band => numbers.extend(inputs.bands.iter().map(|band| band.to_bits())),
+                Op::Spectrum => tables.push(inputs.spectrum.clone()),
+                Op::Waveform => tables.push(inputs.waveform.clone()),
+                Op::History => tables.push(inputs.history.clone()),
+                _ => {}
+            }
+        }
+        RegionKey { numbers, tables }
+    }
+
+    /// The tree of a frame.
+    pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
+        let program = self.folded(|input| inputs.value(input), inputs);
+        tree::build(program, self.bounds, self.has_rest, inputs, options)
+    }
+
+    /// The program with a frame's numbers folded in.
+    fn folded(&self, value: impl Fn(Input) -> f32, frame: &FrameInputs) -> Program {
+        let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
+        let mut places = vec![Arg::Number(0.0); self.graph_nodes];
+        for (index, node) in &self.nodes {
+            places[*index] = match *node {
+                Node::Constant(number) => Arg::Number(number),
+                Node::Input(input) => match input.of_point() {
+                    Some(place) if place < program::INPUTS => Arg::Value(place as u32),
+                    // A distance knows no normal.
+                    Some(_) => Arg::Number(0.0),
+                    None => Arg::Number(value(input)),
+                },
+                Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
+                Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
+                // Shapes read no textures.
+                Node::Texture { .. } => Arg::Number(0.0),
+            };
+        }
+        program.roots = self.roots.map(|root| places[root]);
+        program
+    }
+}
+
+#[cfg(test)]
+mod tests;

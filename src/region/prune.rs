@@ -1,0 +1,299 @@
+//! What a program becomes in each of 64 cells: decided minima, constants, dead steps.
+//!
+//! Everything is kept as masks of 64 bits, a bit for a cell: which cells need a value, in which it is a number, in which
+//! it is one of its operands. Cells with the same decisions share a program, which is written once for all of them.
+//! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section 3, shortens one
+//! tape for one cell at a time.
+
+use super::lanes::{Lanes, mask};
+use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
+use crate::graph::{FrameInputs, Op};
+
+/// Decisions about each value of a program.
+#[derive(Debug, Default)]
+pub(super) struct Decisions {
+    /// Cells that need the value.
+    live: Vec<u64>,
+    /// Those in which it is the same number everywhere.
+    number: Vec<u64>,
+    /// Those in which it is operand a.
+    left: Vec<u64>,
+    /// Those in which it is operand b.
+    right: Vec<u64>,
+    /// Where the values of the program went, while a shorter one is written.
+    moved: Vec<Arg>,
+}
+
+/// Cells in which all of an argument lies above these ends.
+#[inline(always)]
+fn above(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
+    match arg {
+        Arg::Value(value) => {
+            let lo = &rows[value as usize].lo;
+            mask(|cell| lo[cell] > ends[cell])
+        }
+        Arg::Number(number) => mask(|cell| number > ends[cell]),
+    }
+}
+
+/// Cells in which all of an argument lies below these ends.
+#[inline(always)]
+fn below(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
+    match arg {
+        Arg::Value(value) => {
+            let hi = &rows[value as usize].hi;
+            mask(|cell| hi[cell] < ends[cell])
+        }
+        Arg::Number(number) => mask(|cell| number < ends[cell]),
+    }
+}
+
+/// Cells in which nothing of `a` lies above anything of `b`.
+#[inline(always)]
+fn not_above(rows: &[Lanes], a: Arg, b: Arg) -> u64 {
+    match (a, b) {
+        (Arg::Value(a), Arg::Value(b)) => {
+            let (hi, lo) = (&rows[a as usize].hi, &rows[b as usize].lo);
+            mask(|cell| hi[cell] <= lo[cell])
+        }
+        (Arg::Value(a), Arg::Number(b)) => {
+            let hi = &rows[a as usize].hi;
+            mask(|cell| hi[cell] <= b)
+        }
+        (Arg::Number(a), Arg::Value(b)) => {
+            let lo = &rows[b as usize].lo;
+            mask(|cell| a <= lo[cell])
+        }
+        (Arg::Number(_), Arg::Number(_)) => 0,
+    }
+}
+
+/// Cells in which an argument is this number.
+#[inline(always)]
+fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u64 {
+    match arg {
+        Arg::Value(value) if structure.may_settle[value as usize] => {
+            let row = &rows[value as usize];
+            mask(|cell| row.lo[cell] == number && row.hi[cell] == number)
+        }
+        _ => 0,
+    }
+}
+
+impl Decisions {
+    /// Decides for the cells of `need` what the distance needs there, and for those of `need_object` what the object
+    /// does. `rows` are the bounds of the program's values.
+    ///
+    /// An operand of a minimum is left out where it lies above the upper end of the whole nest of minima: that is
+    /// never the least, so the value stays the same bit for bit.
+    pub(super) fn decide(
+        &mut self,
+        program: &Program,
+        structure: &Structure,
+        rows: &[Lanes],
+        need: u64,
+        need_object: u64,
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            #[expect(unsafe_code, reason = "the feature that the function asks for was detected")]
+            // SAFETY: the processor has AVX2.
+            unsafe {
+                self.decide_avx2(program, structure, rows, need, need_object)
+            };
+            return;
+        }
+        self.decide_rows(program, structure, rows, need, need_object);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn decide_avx2(
+        &mut self,
+        program: &Program,
+        structure: &Structure,
+        rows: &[Lanes],
+        need: u64,
+        need_object: u64,
+    ) {
+        self.decide_rows(program, structure, rows, need, need_object);
+    }
+
+    #[inline(always)]
+    fn decide_rows(
+        &mut self,
+        program: &Program,
+        structure: &Structure,
+        rows: &[Lanes],
+        need: u64,
+        need_object: u64,
+    ) {
+        let count = program.values();
+        for masks in [&mut self.live, &mut self.number, &mut self.left, &mut self.right] {
+            masks.clear();
+            masks.resize(count, 0);
+        }
+        for (root, cells) in [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)] {
+            if let Arg::Value(value) = program.roots[root] {
+                self.live[value as usize] |= cells;
+            }
+        }
+        for (index, step) in program.steps.iter().enumerate().rev() {
+            let at = INPUTS + index;
+            let live = self.live[at];
+            if live == 0 {
+                continue;
+            }
+            let (a, b) = (step.a, step.b);
+            let number = if structure.may_settle[at] {
+                let row = &rows[at];
+                mask(|cell| row.lo[cell] == row.hi[cell]) & live
+            } else {
+                0
+            };
+            let live = live & !number;
+            let (mut left, mut right) = (0, 0);
+            match step.op {
+                Op::Min => {
+                    let least = &rows[structure.outermost[at] as usize].hi;
+                    left = not_above(rows, a, b) | above(rows, b, least);
+                    right = (not_above(rows, b, a) | above(rows, a, least)) & !left;
+                }
+                Op::Max => {
+                    let most = &rows[structure.outermost[at] as usize].lo;
+                    left = not_above(rows, b, a) | below(rows, b, most);
+                    right = (not_above(rows, a, b) | below(rows, a, most)) & !left;
+                }
+                Op::Abs => left = not_above(rows, Arg::Number(0.0), a),
+                Op::Mask => {
+                    if let Arg::Value(a) = a {
+                        let row = &rows[a as usize];
+                        right = mask(|cell| row.lo[cell] > 0.0 || row.hi[cell] < 0.0);
+                    }
+                }
+                Op::Add => {
+                    left = is_number(rows, structure, b, 0.0);
+                    right = is_number(rows, structure, a, 0.0) & !left;
+                }
+                Op::Sub => left = is_number(rows, structure, b, 0.0),
+                Op::Mul => {
+                    left = is_number(rows, structure, b, 1.0);
+                    right = is_number(rows, structure, a, 1.0) & !left;
+                }
+                Op::Div => left = is_number(rows, structure, b, 1.0),
+                // In the first period nothing is taken away.
+                Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
+                Op::Mod => {
+                    if let Arg::Number(period) = b {
+                        left = below(rows, a, &[period; 64]) & not_above(rows, Arg::Number(0.0), a);
+                    }
+                }
+                _ => {}
+            }
+            (left, right) = (left & live, right & live);
+            self.number[at] = number;
+            self.left[at] = left;
+            self.right[at] = right;
+            if let Arg::Value(a) = a {
+                self.live[a as usize] |= live & !right;
+            }
+            if let Arg::Value(b) = b {
+                self.live[b as usize] |= live & !left;
+            }
+        }
+    }
+
+    /// The cells, put together where the decisions are the same.
+    pub(super) fn groups(&self, program: &Program, rows: &[Lanes], cells: &[u64], groups: &mut Vec<u64>) {
+        groups.clear();
+        groups.extend(cells.iter().copied().filter(|cells| *cells != 0));
+        for index in 0..program.steps.len() {
+            let at = INPUTS + index;
+            for decided in [self.left[at], self.right[at]] {
+                if decided != 0 {
+                    split(groups, decided);
+                }
+            }
+            let number = self.number[at];
+            if number != 0 {
+                split(groups, number);
+                split_by_value(groups, number, &rows[at].lo);
+            }
+        }
+    }
+
+    /// The program of the cells of a group.
+    pub(super) fn shortened(
+        &mut self,
+        program: &Program,
+        rows: &[Lanes],
+        group: u64,
+        with_object: bool,
+        frame: &FrameInputs,
+        short: &mut Program,
+    ) {
+        let cell = (group.trailing_zeros() as usize).min(63);
+        let bit = 1u64 << cell;
+        short.steps.clear();
+        self.moved.clear();
+        self.moved.extend((0..INPUTS as u32).map(Arg::Value));
+        self.moved.resize(program.values(), Arg::Number(0.0));
+        let moved = |args: &[Arg], arg: Arg| match arg {
+            Arg::Value(value) => args[value as usize],
+            number => number,
+        };
+        for (index, step) in program.steps.iter().enumerate() {
+            let at = INPUTS + index;
+            if self.live[at] & bit == 0 {
+                continue;
+            }
+            self.moved[at] = if self.number[at] & bit != 0 {
+                Arg::Number(rows[at].lo[cell] + 0.0)
+            } else if self.left[at] & bit != 0 {
+                moved(&self.moved, step.a)
+            } else if self.right[at] & bit != 0 {
+                moved(&self.moved, step.b)
+            } else {
+                short.push(step.op, moved(&self.moved, step.a), moved(&self.moved, step.b), frame)
+            };
+        }
+        short.roots = program.roots.map(|root| moved(&self.moved, root));
+        if !with_object {
+            short.roots[OBJECT] = Arg::Number(f32::NAN);
+        }
+    }
+}
+
+/// Cuts every group into what is inside of a mask and what is not.
+fn split(groups: &mut Vec<u64>, mask: u64) {
+    for index in 0..groups.len() {
+        let group = groups[index];
+        let inside = group & mask;
+        if inside != 0 && inside != group {
+            groups[index] = inside;
+            groups.push(group & !mask);
+        }
+    }
+}
+
+/// Cuts the groups inside of a mask by the value there.
+fn split_by_value(groups: &mut Vec<u64>, inside: u64, values: &[f32; 64]) {
+    let first = values[(inside.trailing_zeros() as usize).min(63)];
+    if mask(|cell| values[cell] == first) & inside == inside {
+        return;
+    }
+    let mut index = 0;
+    while index < groups.len() {
+        let group = groups[index];
+        if group & inside != 0 {
+            let first = values[(group.trailing_zeros() as usize).min(63)];
+            let same = mask(|cell| values[cell] == first) & group;
+            // What differs goes to the end and is looked at again.
+            if same != group {
+                groups[index] = same;
+                groups.push(group & !same);
+            }
+        }
+        index += 1;
+    }
+}

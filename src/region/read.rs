@@ -1,0 +1,110 @@
+//! What the shaders do with a tree, on the processor: for tests and for tracing without a GPU.
+
+use super::tree::Regions;
+use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
+use crate::graph::{FrameInputs, Input};
+use crate::tape::{Clause, Instruction, Operand, opcode};
+
+/// A cell of the tree.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Everywhere in the cell the distance is at least this; 0 where a surface may be.
+    pub bound: f32,
+    /// First texel of its tape.
+    pub tape: u32,
+    /// Number of the nearest object; none if more than one may be.
+    pub object: Option<u32>,
+    /// Lower corner.
+    pub low: [f32; 3],
+    /// Upper corner.
+    pub high: [f32; 3],
+}
+
+impl Regions {
+    /// The cell of a point; none outside of the tree.
+    pub fn cell_at(&self, point: [f32; 3]) -> Option<Cell> {
+        let (mut low, mut side) = (self.low, self.size.map(|size| size / ROOT_SIDE as f32));
+        let (mut first, mut cells) = (0, ROOT_SIDE);
+        loop {
+            let mut texel = 0;
+            for axis in (0..3).rev() {
+                let place = ((point[axis] - low[axis]) / side[axis]).floor();
+                if !(first > 0 || (0.0..cells as f32).contains(&place)) {
+                    return None;
+                }
+                // Within a cell that was found, roundings do not lead out.
+                let place = place.clamp(0.0, (cells - 1) as f32);
+                low[axis] += place * side[axis];
+                texel = texel * cells + place as usize;
+            }
+            let [bound, second, ..] = *self.texels.get(first + texel)?;
+            if bound != DIVIDED {
+                let object = second >> 24;
+                return Some(Cell {
+                    bound: f32::from_bits(bound),
+                    tape: second & 0xFF_FFFF,
+                    object: (object != OBJECT_UNKNOWN).then_some(object),
+                    low,
+                    high: std::array::from_fn(|axis| low[axis] + side[axis]),
+                });
+            }
+            first = second as usize;
+            cells = BRICK_SIDE;
+            side = side.map(|side| side / BRICK_SIDE as f32);
+        }
+    }
+
+    /// Runs a tape at a point with a penumbra: bound and estimate, or twice the object.
+    pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
+        let mut slots = [0.0f32; 256];
+        let inputs = [point[0], point[1], point[2], penumbra];
+        slots[..4].copy_from_slice(&inputs);
+        for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
+            for [word, immediate] in texel.as_chunks::<2>().0 {
+                let immediate = f32::from_bits(*immediate);
+                let Some(instruction) = Clause::from_word(*word).decode() else { continue };
+                let of = |slots: &[f32; 256], operand: Operand| match operand {
+                    Operand::Slot(slot) => slots[usize::from(slot)],
+                    Operand::Immediate(_) => immediate,
+                };
+                match instruction {
+                    Instruction::Unary { op, output, a } => {
+                        slots[usize::from(output)] = op.value(slots[usize::from(a)], 0.0, frame);
+                    }
+                    Instruction::Binary { op, output, a, b } => {
+                        slots[usize::from(output)] = op.value(of(&slots, a), of(&slots, b), frame);
+                    }
+                    Instruction::Load { output, .. } => slots[usize::from(output)] = immediate,
+                    Instruction::Input { output, place } => {
+                        debug_assert!(usize::from(place) < Input::OF_POINT.len());
+                        slots[usize::from(output)] = inputs.get(usize::from(place)).copied().unwrap_or(0.0);
+                    }
+                    _ => {}
+                }
+            }
+            if texel[2] & 255 == u32::from(opcode::END) {
+                let [_, _, first, second] = texel[2].to_le_bytes();
+                return [first, second].map(|slot| slots[usize::from(slot)] + 0.0);
+            }
+        }
+        [0.0; 2]
+    }
+
+    /// Bound and estimate at a point, by its cell's tape.
+    pub fn distance(&self, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
+        let tape = self.cell_at(point).map_or(self.whole_tape, |cell| cell.tape);
+        self.run(tape, point, penumbra, frame)
+    }
+
+    /// The number of the nearest object at a point.
+    pub fn object(&self, point: [f32; 3], frame: &FrameInputs) -> u32 {
+        let cell = self.cell_at(point);
+        if let Some(object) = cell.and_then(|cell| cell.object) {
+            return object;
+        }
+        let tape = cell.map_or(self.whole_tape, |cell| cell.tape) as usize;
+        let object_tape =
+            tape.checked_sub(1).and_then(|head| self.texels.get(head)).map_or(0, |head| head[0]);
+        self.run(object_tape, point, 0.0, frame)[0] as u32
+    }
+}
