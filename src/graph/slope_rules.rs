@@ -155,7 +155,7 @@ pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval)
     }
     let base = Interval { lo: a.lo.max(SMALLEST), hi: a.hi };
     let mut by_a = rules::div(rules::mul(b, r), base);
-    if b.lo >= 0.0 && b.hi <= OWN_POWER_MAX && base.hi < f32::INFINITY {
+    if b.lo >= 0.0 && b.hi <= OWN_POWER_MAX && r.hi < f32::INFINITY {
         // The same by another way, which does not divide by what is almost 0; apart by the roundings of both ways.
         let power = rules::mul(b, rules::pow(base, rules::sub(b, ONE)));
         if power.hi > ROUNDED_BADLY {

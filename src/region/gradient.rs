@@ -9,7 +9,8 @@
 //! | `z` | lower x | lower y | lower z | upper x |
 //! | `w` | upper y | upper z | scale, low byte | scale, high byte |
 
-use crate::graph::{Interval, Sloped};
+use super::program::{Arg, BOUND, Program};
+use crate::graph::{FrameInputs, Interval, Pieces, Sloped};
 
 /// Smallest scale that is not 0: far above what GPUs flush, far below what a ray notices.
 const SCALE_MIN: f32 = 1e-30;
@@ -64,11 +65,7 @@ pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     let scale = f32::from_bits(w & 0xFFFF_0000);
     let share = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
     let side = |lo: f32, hi: f32| Interval { lo, hi };
-    [
-        side(share(z, 0), share(z, 24)),
-        side(share(z, 8), share(w, 0)),
-        side(share(z, 16), share(w, 8)),
-    ]
+    [side(share(z, 0), share(z, 24)), side(share(z, 8), share(w, 0)), side(share(z, 16), share(w, 8))]
 }
 
 /// The largest rate at which a value with such a gradient can fall along a direction: -inf(gradient · direction).
@@ -83,9 +80,56 @@ pub fn steepness(gradient: [Interval; 3]) -> f32 {
     gradient.iter().map(|side| side.lo.abs().max(side.hi.abs())).fold(0.0, f32::hypot)
 }
 
-/// The words of a value's gradient.
-pub fn of(sloped: &Sloped) -> [u32; 2] {
-    pack(sloped.gradient)
+/// Bounds gradients of programs.
+#[derive(Debug, Default)]
+pub(super) struct Gradients {
+    values: Vec<Sloped>,
+    jumps: Pieces,
+}
+
+impl Gradients {
+    /// The words of the gradient of a program's bound all over a box, which is cut where parts of it jump.
+    pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
+        self.jumps.clear();
+        let whole = run(&mut self.values, Some(&mut self.jumps), program, sides, frame);
+        let pieces =
+            self.jumps.of(sides).iter().map(|piece| run(&mut self.values, None, program, *piece, frame));
+        pack(pieces.reduce(|all, piece| all.hull(&piece)).unwrap_or(whole).gradient)
+    }
+}
+
+fn run(
+    values: &mut Vec<Sloped>,
+    mut jumps: Option<&mut Pieces>,
+    program: &Program,
+    sides: [Interval; 3],
+    frame: &FrameInputs,
+) -> Sloped {
+    values.clear();
+    values.extend((0..3).map(|axis| Sloped::coordinate(axis, sides[axis])));
+    // How far a ray may step does not depend on the penumbra.
+    values.push(Sloped::flat(Interval::point(0.0)));
+    let of = |values: &[Sloped], arg: Arg| match arg {
+        Arg::Number(number) => Sloped::flat(Interval::point(number)),
+        Arg::Value(at) => values[at as usize],
+    };
+    for step in &program.steps {
+        let (a, b) = (of(values, step.a), of(values, step.b));
+        let two = step.op.arity() == 2;
+        if let Some(jumps) = &mut jumps {
+            jumps.add(if two {
+                Sloped::jump_of_two(step.op, &a, &b, sides)
+            } else {
+                Sloped::jump(step.op, &a, sides)
+            });
+        }
+        values.push(if two {
+            Sloped::binary(step.op, &a, &b, frame)
+        } else {
+            Sloped::unary(step.op, &a, frame)
+        });
+    }
+    of(values, program.roots[BOUND])
 }
 
 #[cfg(test)]
