@@ -1,5 +1,10 @@
 // A point of a surface, asked of the scene's functions.
 
+// What a ray asks: compiled functions hold everywhere.
+vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
+    return scene_distance(p, penumbra);
+}
+
 // `p` lies on the plane with the number `plane`, or on anything else if that is NOTHING. `dx` and `dy` are how far the
 // pixel's neighbours see at this distance.
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
