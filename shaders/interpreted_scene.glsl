@@ -47,7 +47,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
             if (probe == OBJECT_PROBE) {
                 s.object = cell.object;
                 if (cell.object == SEVERAL) break;
-            } else if (cell.bound < PROBES[probe - FIRST_OCCLUSION_PROBE]) {
+            } else if (AS_DISTANCE(cell.bound) < PROBES[probe - FIRST_OCCLUSION_PROBE]) {
                 break;
             }
         }
@@ -61,7 +61,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
         } else if (probe == OBJECT_PROBE) {
             s.object = int(d.x + 0.5);
         } else {
-            occluders[probe - FIRST_OCCLUSION_PROBE] = d.y;
+            occluders[probe - FIRST_OCCLUSION_PROBE] = AS_DISTANCE(d.y);
             COUNT(occlusion);
         }
         probe++;

@@ -31,6 +31,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = walk.start + t * walk.pace;
             cell = cell_at(q);
+            cell.bound = AS_DISTANCE(cell.bound);
             COUNT(lookups);
             float leaves = past(exit_of(cell, walk, q));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
@@ -42,6 +43,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         }
         if (t >= end) break;
         vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
+#ifdef STEEP
+        nearest = steep_nearest(cell, walk, t, to_light, nearest);
+#endif
         float d = nearest.y;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS

@@ -18,11 +18,21 @@ const int SKIPS_MAX = 1024;
 // A ray goes on behind a cell's face by this, and by this share of its way.
 const float PAST_FACE = 4e-6;
 
+// What a value says of the distance: where formulas are no distances, what they are at surfaces, typically.
+#ifdef STEEP
+#define AS_DISTANCE(value) ((value) / (region_low.w - 1.0))
+#else
+#define AS_DISTANCE(value) (value)
+#endif
+
 struct Cell {
     float bound;    // no surface is nearer to any of its points
     int tape;       // first texel of what gives bound and estimate inside
     int object;     // the nearest one, or SEVERAL
     float side;     // in root cells; 0 outside of the tree
+#ifdef STEEP
+    uvec2 slopes;   // bounds of the gradient (steep.glsl)
+#endif
 };
 
 // The cell at a point in root cells.
@@ -39,8 +49,15 @@ Cell cell_at(vec3 q) {
         place = ivec3(q * per_root) & 3;
         at = int(texel.y) + place.x + 4 * (place.y + 4 * place.z);
     }
-    return inside ? Cell(uintBitsToFloat(texel.x), int(texel.y & 0xFFFFFFu), int(texel.y >> 24), 1.0 / per_root)
-                  : Cell(0.0, int(region_scale.w), SEVERAL, 0.0);
+    Cell cell;
+    cell.bound = inside ? uintBitsToFloat(texel.x) : 0.0;
+    cell.tape = inside ? int(texel.y & 0xFFFFFFu) : int(region_scale.w);
+    cell.object = inside ? int(texel.y >> 24) : SEVERAL;
+    cell.side = inside ? 1.0 / per_root : 0.0;
+#ifdef STEEP
+    cell.slopes = texel.zw;
+#endif
+    return cell;
 }
 
 // A point in root cells.

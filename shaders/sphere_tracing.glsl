@@ -46,6 +46,9 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
     return hit;
 }
 
+#ifdef STEEP
+#include "steep.glsl"
+#else
 // First surface along the ray. `cone` is the radius of the pixel's cone at t = 0 and `spread` its growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
@@ -82,3 +85,4 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
     return Hit(t, NOTHING, true);
 }
+#endif

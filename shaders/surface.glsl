@@ -23,6 +23,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     vec4 d = PROBES;
     if (occluder_near(p)) {
         d = scene_estimates(p.x + s.normal.x * PROBES, p.y + s.normal.y * PROBES, p.z + s.normal.z * PROBES);
+        d = AS_DISTANCE(d);
         COUNT_N(occlusion, 4);
     }
     s.open = openness(p, s.normal, d);

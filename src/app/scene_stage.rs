@@ -12,8 +12,8 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use super::overlay::{Notice, OverlayContent, Problem, Slider};
+use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::audio::Moment;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
@@ -259,7 +259,8 @@ impl SceneStage {
         if let Err(error) = fits {
             tracing::warn!("{error}");
         }
-        let interpreter = fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, &ready.plan, self.gl.info()));
+        let interpreter =
+            fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, &ready.plan, self.gl.info()));
         let sliders = ready.world.scene.params.iter().map(|param| Slider {
             name: param.name.clone(),
             value: param.default,
@@ -499,7 +500,12 @@ impl SceneStage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub fn draw(&mut self, renderer: &mut Renderer, moment: Moment, size: (u32, u32)) -> Result<Option<Shown>, GpuError> {
+    pub fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        moment: Moment,
+        size: (u32, u32),
+    ) -> Result<Option<Shown>, GpuError> {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
         let wanted = Shown { moment, size, revision: self.revision };
@@ -521,8 +527,10 @@ impl SceneStage {
             self.builder.request(TreeJob { tag, frame, plan, request });
             self.asked = Some(tag);
         }
-        let fits = |built: &BuiltTree<(u64, Shown)>| built.tag.0 == cast.id && built.regions.request.options.cells;
-        let Some(BuiltTree { tag: (_, mut shown), mut frame, regions }) = self.builder.poll().filter(fits) else {
+        let fits =
+            |built: &BuiltTree<(u64, Shown)>| built.tag.0 == cast.id && built.regions.request.options.cells;
+        let Some(BuiltTree { tag: (_, mut shown), mut frame, regions }) = self.builder.poll().filter(fits)
+        else {
             return Ok(None);
         };
         if shown.size != size {

@@ -19,6 +19,8 @@ use crate::world::{TapeBuffers, World};
 pub const SCENE_SHADER: &str = "scene.frag";
 /// The define of the variant that counts distance evaluations and clauses.
 pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
+/// The define of scenes whose distance is none.
+const STEEP_DEFINE: &str = "STEEP 1";
 
 /// Scenes with more clauses are interpreted unless they are asked to be compiled: drivers take minutes for them.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
@@ -74,6 +76,7 @@ impl Interpreter {
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);
         self.lanes.covers(&other.lanes)
+            && regions.steep == others.steep
             && regions.slots >= others.slots
             && regions.operators.is_superset(&others.operators)
     }
@@ -91,9 +94,14 @@ impl Interpreter {
     /// The shader's text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
         let mut variant = common(self.lanes.textures, counting);
+        if self.regions.steep {
+            variant.defines.push(STEEP_DEFINE.to_owned());
+        }
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
-        variant.generated.push(("operators.glsl".into(), self.lanes.text(&self.regions.operators, self.regions.slots)));
+        variant
+            .generated
+            .push(("operators.glsl".into(), self.lanes.text(&self.regions.operators, self.regions.slots)));
         variant
     }
 }
@@ -123,7 +131,11 @@ fn common(textures: usize, counting: Counting) -> Variant {
 /// # Errors
 /// Generated GLSL that is refused.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
-    Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting))
+    let mut variant = compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting);
+    if world.steep {
+        variant.defines.push(STEEP_DEFINE.to_owned());
+    }
+    Ok(variant)
 }
 
 /// The variant of a world in a mode.

@@ -167,10 +167,13 @@ impl SceneResources {
     pub fn region_request(&self, frame: &Frame) -> RegionRequest {
         // The tree of a scene without bounds follows the eye, not with every step.
         let eye = frame.camera.position.as_vec3();
-        let center = if self.world.bounds.is_some() { glam::Vec3::ZERO } else { CENTER_STEP * (eye / CENTER_STEP).round() };
+        let center = if self.world.bounds.is_some() {
+            glam::Vec3::ZERO
+        } else {
+            CENTER_STEP * (eye / CENTER_STEP).round()
+        };
         let center = center.to_array();
-        let options =
-            RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
+        let options = RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
         RegionRequest::of(&self.plan, frame, options)
     }
 
@@ -199,8 +202,8 @@ impl SceneResources {
             self.take_regions(built.clone());
             built
         });
-        let Regions { low, size, whole_tape, .. } = built.regions;
-        RegionTree { low, size, whole_tape }
+        let Regions { low, size, whole_tape, slope, .. } = built.regions;
+        RegionTree { low, size, whole_tape, slope }
     }
 
     /// Uploads the table of a frame.
@@ -240,7 +243,8 @@ impl SceneNames {
                 gl.active_texture(unit);
                 gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
             }
-            for (name, buffer) in [("tape", self.tape), ("tape_table", self.table), ("regions", self.regions)] {
+            for (name, buffer) in [("tape", self.tape), ("tape_table", self.table), ("regions", self.regions)]
+            {
                 gl.active_texture(glow::TEXTURE0 + unit_of(name));
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer));
             }

@@ -58,6 +58,8 @@ pub struct RegionVariant {
     pub operators: BTreeSet<Op>,
     /// Slots: a power of two, 4 to 128.
     pub slots: usize,
+    /// Whether rays need the cells' bounds of the gradient.
+    pub steep: bool,
 }
 
 /// What a tree depends on: where all of it is equal, so are the trees.
@@ -82,6 +84,7 @@ pub struct RegionPlan {
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
     steep: bool,
+    slope: f32,
 }
 
 impl RegionPlan {
@@ -103,6 +106,7 @@ impl RegionPlan {
             bounds: world.bounds.map(|bounds| (bounds.low, bounds.high)),
             has_rest: world.has_rest,
             steep: world.steep,
+            slope: world.slope,
         };
         // Any numbers do: which slots are needed does not depend on them, but for fewer.
         let program = plan.folded(|_| f32::NAN, &FrameInputs::default());
@@ -112,7 +116,7 @@ impl RegionPlan {
             .all(|roots| encoder.encode(&program, *roots).is_ok());
         let slots = if fits { encoder.slots } else { SLOTS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
-        plan.variant = RegionVariant { operators, slots: slots.next_power_of_two() };
+        plan.variant = RegionVariant { operators, slots: slots.next_power_of_two(), steep: plan.steep };
         plan
     }
 
@@ -140,7 +144,7 @@ impl RegionPlan {
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
         let program = self.folded(|input| inputs.value(input), inputs);
-        tree::build(program, self.bounds, self.has_rest, self.steep, inputs, options)
+        tree::build(program, self.bounds, self.has_rest, self.steep.then_some(self.slope), inputs, options)
     }
 
     /// The program with a frame's numbers folded in.

@@ -57,6 +57,8 @@ pub struct Regions {
     pub size: [f32; 3],
     /// First texel of the whole tape.
     pub whole_tape: u32,
+    /// How steep the distance is at surfaces, typically.
+    pub slope: f32,
     /// What it consists of.
     pub stats: RegionStats,
 }
@@ -107,6 +109,8 @@ struct Builder<'a> {
     levels: [Level; 4],
     /// Of scenes whose distance is none.
     gradients: Option<Gradients>,
+    /// Whether the tree lies around the eye.
+    unbounded: bool,
     margin: f32,
     overlap: f32,
     whole_tape: u32,
@@ -119,13 +123,14 @@ pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
-    steep: bool,
+    slope: Option<f32>,
     frame: &FrameInputs,
     options: &RegionOptions,
 ) -> Regions {
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
-    let cells = options.cells && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+    // Where the distance is none, rays cannot do without cells.
+    let cells = (options.cells || slope.is_some()) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut builder = Builder {
         frame,
         options,
@@ -133,7 +138,8 @@ pub(super) fn build(
         encoder: Encoder::default(),
         known: HashMap::new(),
         levels: Default::default(),
-        gradients: steep.then(Gradients::default),
+        gradients: slope.map(|_| Gradients::default()),
+        unbounded: bounds.is_none(),
         margin: farthest * ROUNDING,
         overlap: farthest * OVERLAP,
         whole_tape: 0,
@@ -151,6 +157,7 @@ pub(super) fn build(
         low,
         size: if cells { size } else { [0.0; 3] },
         whole_tape: builder.whole_tape,
+        slope: slope.unwrap_or(1.0),
         texels: builder.texels,
         stats: builder.stats,
     }
@@ -304,7 +311,7 @@ impl Builder<'_> {
             (low - self.options.center[axis]).max(self.options.center[axis] - high).max(0.0)
         });
         let side = block.cell.into_iter().fold(0.0, f32::max);
-        side > FINE_SHARE * away.fold(0.0, f32::hypot)
+        self.unbounded && side > FINE_SHARE * away.fold(0.0, f32::hypot)
     }
 
     /// The words of the gradient in one of the level's cells; 0 where no surface may be or nobody asks.

@@ -173,11 +173,8 @@ impl Variant {
             let _ = writeln!(text, "#define {name} {number}");
         }
         let _ = writeln!(text, "#ifndef TEXTURES\n#define TEXTURES {}\n#endif", self.textures);
-        let flags = [
-            ("INPUT_CLAUSES", self.inputs),
-            ("SILENT_CLAUSES", silent),
-            ("EVERY_CASE", self.every_case),
-        ];
+        let flags =
+            [("INPUT_CLAUSES", self.inputs), ("SILENT_CLAUSES", silent), ("EVERY_CASE", self.every_case)];
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");
         }

@@ -93,7 +93,8 @@ impl World {
         let mut programs = Programs::default();
         let objects = self.scene.objects.len();
         programs.words.resize(TEXEL + objects.div_ceil(TEXEL) * TEXEL, 0);
-        let directory = [programs.add(tape(&self.roots.sky)?), programs.add(tape(&self.roots.ambient)?), 0, 0];
+        let directory =
+            [programs.add(tape(&self.roots.sky)?), programs.add(tape(&self.roots.ambient)?), 0, 0];
         let mut materials = Vec::with_capacity(self.roots.materials.len());
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
