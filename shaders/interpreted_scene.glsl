@@ -34,6 +34,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
             int i = probe & 3;
             if (probe == OBJECT_PROBE) {
                 s.normal = normal_of_taps(taps);
+                NOTE_SLOPE(taps, h);
                 at = p;
             } else if (probe < OBJECT_PROBE) {
                 at = p + h * vec3(TAPS_X[i], TAPS_Y[i], TAPS_Z[i]);
@@ -74,6 +75,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     s.object = 0;
     if (plane != NOTHING) {
         s.normal = planes[plane].xyz;
+        NOTE_PLANE;
         s.object = int(plane_objects[plane] + 0.5);
     }
     vec4 occluders;

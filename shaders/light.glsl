@@ -19,6 +19,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
     vec2 span = traced_span(origin, to_light, SHADOW_MARGIN);
     float end = min(span.y, light_t);
+#ifdef STEEP
+    end = min(end, steep_span(origin, to_light).y);
+#endif
     float t = max(span.x, 0.02);
     float visible = 1.0;
     float previous = 1e4;
@@ -31,7 +34,9 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = walk.start + t * walk.pace;
             cell = cell_at(q);
-            cell.bound = AS_DISTANCE(cell.bound);
+#ifdef STEEP
+            cell.bound = cell.bound > 0.0 ? FAR * SHARPNESS_MAX : 0.0;
+#endif
             COUNT(lookups);
             float leaves = past(exit_of(cell, walk, q));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;

@@ -18,13 +18,6 @@ const int SKIPS_MAX = 1024;
 // A ray goes on behind a cell's face by this, and by this share of its way.
 const float PAST_FACE = 4e-6;
 
-// What a value says of the distance: where formulas are no distances, what they are at surfaces, typically.
-#ifdef STEEP
-#define AS_DISTANCE(value) ((value) / (region_low.w - 1.0))
-#else
-#define AS_DISTANCE(value) (value)
-#endif
-
 struct Cell {
     float bound;    // no surface is nearer to any of its points
     int tape;       // first texel of what gives bound and estimate inside

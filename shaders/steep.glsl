@@ -33,11 +33,6 @@ float slope_towards(Slopes slopes, vec3 direction) {
     return falls.x + falls.y + falls.z;
 }
 
-// What the value is divided by to be no more than a distance.
-float steepness(Slopes slopes) {
-    return max(length(max(abs(slopes.low), abs(slopes.high))), 1e-12);
-}
-
 // Where along the ray there are cells that may hold a surface.
 vec2 steep_span(vec3 origin, vec3 direction) {
     vec2 span = traced_span(origin, direction, 0.0);
@@ -106,14 +101,11 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     return behind;
 }
 
-// For a shadow ray: how far it may step, and an estimate of the distance from the value.
+// For a shadow ray: how far it may step, and whether anything is in its way, as a distance that is far or 0. What is no
+// distance says nothing of how closely a ray passes: shadows are sharp.
 vec2 steep_nearest(Cell cell, Walk walk, float t, vec3 direction, vec2 values) {
-    Slopes slopes = unpack_slopes(cell.slopes);
-    float towards = slope_towards(slopes, direction);
+    float towards = slope_towards(unpack_slopes(cell.slopes), direction);
     float leaves = past(exit_of(cell, walk, walk.start + t * walk.pace)) - t;
-    float stride = min(towards > 0.0 ? values.x / towards : FAR, leaves);
-    if (cell.side == 0.0) return AS_DISTANCE(values);
-    // Flatter parts than is typical are farther away than they seem. Cells without surfaces do not tell.
-    float slope = cell.bound > 0.0 ? region_low.w - 1.0 : min(region_low.w - 1.0, steepness(slopes));
-    return vec2(stride, values.y > 0.0 ? max(values.y / slope, 0.0021) : 0.0);
+    float stride = min(towards > 0.0 ? values.x / towards : FAR, cell.side > 0.0 ? leaves : FAR);
+    return vec2(stride, values.y > 0.0 ? FAR : 0.0);
 }

@@ -11,10 +11,13 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     Surface s;
     if (plane != NOTHING) {
         s.normal = planes[plane].xyz;
+        NOTE_PLANE;
         s.object = int(plane_objects[plane] + 0.5);
     } else {
         float h = tap_distance(cone);
-        s.normal = normal_of_taps(scene_estimates(p.x + h * TAPS_X, p.y + h * TAPS_Y, p.z + h * TAPS_Z));
+        vec4 taps = scene_estimates(p.x + h * TAPS_X, p.y + h * TAPS_Y, p.z + h * TAPS_Z);
+        s.normal = normal_of_taps(taps);
+        NOTE_SLOPE(taps, h);
         COUNT_N(normal, 4);
         s.object = scene_object(p);
     }

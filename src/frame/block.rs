@@ -42,8 +42,6 @@ pub struct RegionTree {
     pub size: [f32; 3],
     /// First texel of the tape that holds everywhere; below 2^24, which a float holds exactly.
     pub whole_tape: u32,
-    /// How steep the distance is at surfaces, typically; 1 for one that is a distance.
-    pub slope: f32,
 }
 
 /// Cells along each side of the root.
@@ -82,7 +80,7 @@ impl Frame {
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if world.bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
-            [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 + tree.slope } else { 0.0 }],
+            [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
         ];
         let mut rest = &mut block[..];
@@ -146,13 +144,13 @@ mod tests {
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
         let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]);
-        let tree = RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], whole_tape: 9, slope: 0.5 };
+        let tree = RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], whole_tape: 9 };
         let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
         assert_eq!(block[6], [0.25, 0.0, 1.0, 0.0]);
         assert_eq!((block[8][3], block[9][3]), (1.0, 1.0));
-        assert_eq!(block[11..13], [[1.0, 1.0, 1.0, 1.5], [8.0, 4.0, 2.0, 9.0]]);
+        assert_eq!(block[11..13], [[1.0; 4], [8.0, 4.0, 2.0, 9.0]]);
         assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
         let lights = HEAD + PLANES_MAX;
         assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);

@@ -202,8 +202,8 @@ impl SceneResources {
             self.take_regions(built.clone());
             built
         });
-        let Regions { low, size, whole_tape, slope, .. } = built.regions;
-        RegionTree { low, size, whole_tape, slope }
+        let Regions { low, size, whole_tape, .. } = built.regions;
+        RegionTree { low, size, whole_tape }
     }
 
     /// Uploads the table of a frame.

@@ -84,7 +84,6 @@ pub struct RegionPlan {
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
     steep: bool,
-    slope: f32,
 }
 
 impl RegionPlan {
@@ -106,7 +105,6 @@ impl RegionPlan {
             bounds: world.bounds.map(|bounds| (bounds.low, bounds.high)),
             has_rest: world.has_rest,
             steep: world.steep,
-            slope: world.slope,
         };
         // Any numbers do: which slots are needed does not depend on them, but for fewer.
         let program = plan.folded(|_| f32::NAN, &FrameInputs::default());
@@ -144,7 +142,7 @@ impl RegionPlan {
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
         let program = self.folded(|input| inputs.value(input), inputs);
-        tree::build(program, self.bounds, self.has_rest, self.steep.then_some(self.slope), inputs, options)
+        tree::build(program, self.bounds, self.has_rest, self.steep, inputs, options)
     }
 
     /// The program with a frame's numbers folded in.

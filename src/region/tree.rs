@@ -57,8 +57,6 @@ pub struct Regions {
     pub size: [f32; 3],
     /// First texel of the whole tape.
     pub whole_tape: u32,
-    /// How steep the distance is at surfaces, typically.
-    pub slope: f32,
     /// What it consists of.
     pub stats: RegionStats,
 }
@@ -123,14 +121,14 @@ pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
-    slope: Option<f32>,
+    steep: bool,
     frame: &FrameInputs,
     options: &RegionOptions,
 ) -> Regions {
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
     // Where the distance is none, rays cannot do without cells.
-    let cells = (options.cells || slope.is_some()) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+    let cells = (options.cells || steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut builder = Builder {
         frame,
         options,
@@ -138,7 +136,7 @@ pub(super) fn build(
         encoder: Encoder::default(),
         known: HashMap::new(),
         levels: Default::default(),
-        gradients: slope.map(|_| Gradients::default()),
+        gradients: steep.then(Gradients::default),
         unbounded: bounds.is_none(),
         margin: farthest * ROUNDING,
         overlap: farthest * OVERLAP,
@@ -157,7 +155,6 @@ pub(super) fn build(
         low,
         size: if cells { size } else { [0.0; 3] },
         whole_tape: builder.whole_tape,
-        slope: slope.unwrap_or(1.0),
         texels: builder.texels,
         stats: builder.stats,
     }

@@ -29,7 +29,6 @@ use image::RgbaImage;
 use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::Scene;
 use crate::tape::{Tape, TapeError, TapeOptions};
-use steepness::Steepness;
 
 /// Why a scene cannot be made ready.
 #[derive(Debug, thiserror::Error)]
@@ -134,8 +133,6 @@ pub struct World {
     /// Whether the distance of the rest is none in practice: steeper than the way, or much flatter at surfaces. Rays then
     /// need to know how steep it is where they are.
     pub steep: bool,
-    /// How steep the distance is at surfaces, typically: 1 for one that is none of those above.
-    pub slope: f32,
     /// What the shader evaluates.
     pub roots: Roots,
     /// What the processor evaluates once a frame.
@@ -156,7 +153,7 @@ impl World {
         let roots = roots(&mut scene, rest.as_ref());
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let (mut bounds, mut steepness) = (None, Steepness::DISTANCE);
+        let (mut bounds, mut steep) = (None, false);
         if rest.is_some() {
             let options = TapeOptions::default();
             let tape = Tape::build(&scene.graph, &roots.distance[..1], &options).map_err(tape_error)?;
@@ -166,15 +163,14 @@ impl World {
                 bounds.unwrap_or_else(|| Bounds::around(frame_tape.values(inputs).target, steepness::AROUND))
             };
             let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
-            steepness = Steepness::of(&tape, frames);
+            steep = steepness::is_steep(&tape, frames);
         }
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),
             bounds,
-            steep: steepness.steep,
-            slope: steepness.slope,
+            steep,
             roots,
             graph,
             hoisted,

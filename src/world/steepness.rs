@@ -24,9 +24,6 @@ const STEPS: usize = 4;
 /// Clauses that may be evaluated, with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
 
-/// Range of typical slopes that shaders divide by.
-const SLOPES: (f32, f32) = (1e-3, 1e6);
-
 /// Slopes that were met.
 #[derive(Debug, Clone, Default)]
 struct Slopes {
@@ -36,34 +33,13 @@ struct Slopes {
     surface: Vec<f32>,
 }
 
-/// What was found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Steepness {
-    /// Whether the value is no distance in practice.
-    pub(super) steep: bool,
-    /// How steep it is at surfaces, typically; 1 for a distance.
-    pub(super) slope: f32,
-}
-
-impl Steepness {
-    /// That of a distance function.
-    pub(super) const DISTANCE: Self = Self { steep: false, slope: 1.0 };
-
-    /// Whether the value of the tape's first output is no distance function in practice: steeper than one somewhere, or
-    /// much flatter at its surfaces. `frames` are frames and the box to look into in each.
-    pub(super) fn of(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> Self {
-        let mut slopes = slopes(tape, frames);
-        let steep = slopes.outside.iter().filter(|slope| **slope > STEEPEST).count();
-        let flat = slopes.surface.iter().filter(|slope| **slope < FLATTEST).count();
-        let too_steep = steep as f32 > STEEP_SHARE * slopes.outside.len() as f32;
-        if !too_steep && 2 * flat <= slopes.surface.len() {
-            return Self::DISTANCE;
-        }
-        let typical = if slopes.surface.is_empty() { &mut slopes.outside } else { &mut slopes.surface };
-        let middle = typical.len() / 2;
-        let (_, median, _) = typical.select_nth_unstable_by(middle, f32::total_cmp);
-        Self { steep: true, slope: median.clamp(SLOPES.0, SLOPES.1) }
-    }
+/// Whether the value of the tape's first output is no distance function in practice: steeper than one somewhere, or much
+/// flatter at its surfaces. `frames` are frames and the box to look into in each.
+pub(super) fn is_steep(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> bool {
+    let slopes = slopes(tape, frames);
+    let steep = slopes.outside.iter().filter(|slope| **slope > STEEPEST).count();
+    let flat = slopes.surface.iter().filter(|slope| **slope < FLATTEST).count();
+    steep as f32 > STEEP_SHARE * slopes.outside.len() as f32 || 2 * flat > slopes.surface.len()
 }
 
 fn slopes(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> Slopes {
@@ -159,16 +135,6 @@ mod tests {
         let shapes = SHAPES.iter().map(|(call, _)| (*call).to_owned());
         for text in shapes.chain(made).chain(moved.map(str::to_owned)) {
             assert!(!world_of(&text).steep, "{text}");
-        }
-    }
-
-    #[test]
-    fn slopes_at_surfaces_are_measured() {
-        assert_eq!(world_of("length(p) - 1").slope, 1.0);
-        for (text, slope) in [("3*(length(p)-1)", 3.0), ("0.02*(length(p)-1)", 0.02), ("x^2+y^2+z^2-1", 2.0)]
-        {
-            let found = world_of(text).slope;
-            assert!((found - slope).abs() < 0.01 * slope, "{text}: {found}");
         }
     }
 
