@@ -23,10 +23,10 @@ const ROUNDS: usize = 25;
 fn main() {
     let context = Headless::new(false).unwrap();
     let (gl, library) = (context.gl(), ShaderLibrary::embedded());
-    let ReadyScene { world, buffers } = SceneSource::Shipped("speakers".into()).ready().unwrap();
-    let resources = SceneResources::upload(gl, world.clone(), buffers.clone()).unwrap();
+    let ReadyScene { world, buffers, plan } = SceneSource::Shipped("speakers".into()).ready().unwrap();
+    let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone()).unwrap();
     let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
-    let compiled = variant_of(&world, &buffers, Mode::Compiled, gl.info(), Counting::Off).unwrap();
+    let compiled = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
     let by_hand = compiled_variant(BY_HAND, world.pictures.len(), Counting::Off);
     let programs = [compiled, by_hand].map(|variant| link_scene(gl, &library, &variant).unwrap());
     for at in [0.0, 30.0, 62.0] {

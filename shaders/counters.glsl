@@ -8,6 +8,7 @@ float count_normal = 0.0;
 float count_shadow = 0.0;
 float count_occlusion = 0.0;
 float count_capped = 0.0;   // rays of this pixel that reached their step cap
+float count_lookups = 0.0;  // searches for a point's cell
 #define COUNT(kind) count_##kind += 1.0
 #define COUNT_N(kind, n) count_##kind += float(n)
 #else

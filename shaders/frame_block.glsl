@@ -12,6 +12,8 @@ layout(std140) uniform FrameBlock {
     vec4 bounds_low;        // xyz lower corner of what is traced; w 1 if there is anything but planes
     vec4 bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
+    vec4 region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
+    vec4 region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
     vec4 planes[PLANES_MAX];            // unit normal, and the origin's distance; normal 0 for none
     vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius
     vec4 frame_bands[BAND_QUADS];       // 32 logarithmic bands, 0..1, four to a vector

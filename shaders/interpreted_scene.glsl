@@ -1,91 +1,101 @@
 // The scene by way of the interpreter: its programs are found by the directory at the tape's start
-// (src/world/interpreted.rs).
+// (src/world/interpreted.rs), distances by the regions' tapes.
 
 #include "interpreter.glsl"
 
-const int DISTANCE_PROGRAM = 0;
-const int OBJECT_PROGRAM = 1;
-const int SKY_PROGRAM = 2;
-const int AMBIENT_PROGRAM = 3;
+const int SKY_PROGRAM = 0;
+const int AMBIENT_PROGRAM = 1;
+const int MATERIAL_PROGRAMS = 4;
 
 int program_at(int place) {
     return int(texelFetch(tape, place >> 2)[place & 3]);
 }
 
-void scene_begin() {
-    load_program(program_at(DISTANCE_PROGRAM));
+vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
+    return run_region(cell.tape, p, penumbra);
 }
 
-vec2 scene_distance(vec3 p, float penumbra) {
-    return run_loaded(p, vec3(penumbra, 0.0, 0.0));
+// The normal, the object and the occluders' distances of a point: one call in a loop, as each is compiled anew. Each
+// round looks for the next probe that needs an evaluation.
+const int OBJECT_PROBE = 4;
+const int FIRST_OCCLUSION_PROBE = 5;
+const int PROBES_END = 9;
+
+void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 occluders) {
+    float h = tap_distance(cone);
+    vec4 taps = vec4(0.0);
+    occluders = PROBES;
+    int probe = is_plane ? FIRST_OCCLUSION_PROBE : 0;
+    int end = occluder_near(p) ? PROBES_END : FIRST_OCCLUSION_PROBE;
+    for (int round = 0; round < PROBES_END; round++) {
+        vec3 at = p;
+        int tape = 0;
+        for (; probe < end; probe++) {
+            int i = probe & 3;
+            if (probe == OBJECT_PROBE) {
+                s.normal = normal_of_taps(taps);
+                NOTE_SLOPE(taps, h);
+                at = p;
+            } else if (probe < OBJECT_PROBE) {
+                at = p + h * vec3(TAPS_X[i], TAPS_Y[i], TAPS_Z[i]);
+            } else {
+                at = p + PROBES[probe - FIRST_OCCLUSION_PROBE] * s.normal;
+            }
+            Cell cell = cell_at(in_root(at));
+            COUNT(lookups);
+            tape = cell.tape;
+            if (probe < OBJECT_PROBE) break;
+            if (probe == OBJECT_PROBE) {
+                s.object = cell.object;
+                if (cell.object == SEVERAL) break;
+            } else if (AS_DISTANCE(cell.bound) < PROBES[probe - FIRST_OCCLUSION_PROBE]) {
+                break;
+            }
+        }
+        if (probe >= end) break;
+        // The object's tape stands before the distance's.
+        if (probe == OBJECT_PROBE) tape = int(texelFetch(regions, tape - 1).x);
+        vec2 d = run_region(tape, at, 0.0);
+        if (probe < OBJECT_PROBE) {
+            taps[probe] = d.y;
+            COUNT(normal);
+        } else if (probe == OBJECT_PROBE) {
+            s.object = int(d.x + 0.5);
+        } else {
+            occluders[probe - FIRST_OCCLUSION_PROBE] = AS_DISTANCE(d.y);
+            COUNT(occlusion);
+        }
+        probe++;
+    }
 }
 
-// What is asked of a surface, in this order.
-const int NORMAL_PROBE = 0;
-const int OBJECT_PROBE = 1;
-const int MATERIAL_PROBE = 2;
-const int OCCLUSION_PROBE = 3;
-const int AMBIENT_PROBE = 4;
-
-// As in surface.glsl, but with one call of the interpreter in a loop: each call is compiled anew, which is most of the
-// time that a driver needs for this shader.
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
     Surface s;
     s.normal = vec3(0.0, 1.0, 0.0);
     s.object = 0;
     if (plane != NOTHING) {
         s.normal = planes[plane].xyz;
+        NOTE_PLANE;
         s.object = int(plane_objects[plane] + 0.5);
     }
-    vec4 d = PROBES;
-    for (int probe = plane != NOTHING ? MATERIAL_PROBE : NORMAL_PROBE; probe <= AMBIENT_PROBE; probe++) {
-        if (probe == OCCLUSION_PROBE && !occluder_near(p)) continue;
-        vec4 x = vec4(p.x);
-        vec4 y = vec4(p.y);
-        vec4 z = vec4(p.z);
-        vec3 n = s.normal;
-        int program = DISTANCE_PROGRAM;
-        if (probe == NORMAL_PROBE) {
-            float h = tap_distance(cone);
-            x += h * TAPS_X;
-            y += h * TAPS_Y;
-            z += h * TAPS_Z;
-            n = vec3(0.0);
-        } else if (probe == OBJECT_PROBE) {
-            program = OBJECT_PROGRAM;
-        } else if (probe == MATERIAL_PROBE) {
-            program = 4 + s.object;
-            vec3 right = along_surface(dx, n, direction);
-            vec3 up = along_surface(dy, n, direction);
-            x += vec4(0.0, right.x, up.x, 0.0);
-            y += vec4(0.0, right.y, up.y, 0.0);
-            z += vec4(0.0, right.z, up.z, 0.0);
-        } else if (probe == OCCLUSION_PROBE) {
-            x += n.x * PROBES;
-            y += n.y * PROBES;
-            z += n.z * PROBES;
-            n = vec3(0.0);
-        } else {
-            program = AMBIENT_PROGRAM;
-        }
+    vec4 occluders;
+    probe_surface(p, plane != NOTHING, cone, s, occluders);
+    s.open = openness(p, s.normal, occluders);
+    vec3 right = along_surface(dx, s.normal, direction);
+    vec3 up = along_surface(dy, s.normal, direction);
+    // The material, then the ambient light: again one call in a loop.
+    for (int i = 0; i < 2; i++) {
+        int program = i == 0 ? MATERIAL_PROGRAMS + s.object : AMBIENT_PROGRAM;
         vec4 r[12];
-        run_lanes(program_at(program), x, y, z, vec4(n.x), vec4(n.y), vec4(n.z), r);
-        if (probe == NORMAL_PROBE) {
-            s.normal = normal_of_taps(r[1]);
-            COUNT_N(normal, 4);
-        } else if (probe == OBJECT_PROBE) {
-            s.object = int(r[0].x + 0.5);
-        } else if (probe == MATERIAL_PROBE) {
+        run_lanes(program_at(program), p.x + vec4(0.0, right.x, up.x, 0.0), p.y + vec4(0.0, right.y, up.y, 0.0),
+                  p.z + vec4(0.0, right.z, up.z, 0.0), vec4(s.normal.x), vec4(s.normal.y), vec4(s.normal.z), r);
+        if (i == 0) {
             s.material = Material(vec3(r[0].x, r[1].x, r[2].x), r[3].x, r[4].x, vec3(r[5].x, r[6].x, r[7].x), r[8].x,
                                   r[9].x, r[10].x);
-        } else if (probe == OCCLUSION_PROBE) {
-            d = r[1];
-            COUNT_N(occlusion, 4);
         } else {
             s.ambient = vec3(r[0].x, r[1].x, r[2].x);
         }
     }
-    s.open = openness(p, s.normal, d);
     return s;
 }
 

@@ -79,13 +79,15 @@ uint output_slot(uint word) {
 #define PICK_ENTRY(file, word, place) PICK16(file, SLOTS, word, place)
 #endif
 
+#define WRITE(file, i, at, value) file[i] = at == uint(i) ? value : file[i]
+#define WRITE_SLOT4(file, at, value) WRITE(file, 0, at, value); WRITE(file, 1, at, value); WRITE(file, 2, at, value); WRITE(file, 3, at, value)
+#define WRITE_SLOT8(file, at, value) WRITE_SLOT4(file, at, value); WRITE(file, 4, at, value); WRITE(file, 5, at, value); WRITE(file, 6, at, value); WRITE(file, 7, at, value)
 #ifdef SELECTED
 #define READ_SLOT(file, word, place) PICK_SLOT(file, word, place)
-#define WRITE(file, i, at, value) file[i] = at == uint(i) ? value : file[i]
 #if SLOTS == 4
-#define WRITE_SLOT(file, at, value) WRITE(file, 0, at, value); WRITE(file, 1, at, value); WRITE(file, 2, at, value); WRITE(file, 3, at, value)
+#define WRITE_SLOT(file, at, value) WRITE_SLOT4(file, at, value)
 #else
-#define WRITE_SLOT(file, at, value) WRITE(file, 0, at, value); WRITE(file, 1, at, value); WRITE(file, 2, at, value); WRITE(file, 3, at, value); WRITE(file, 4, at, value); WRITE(file, 5, at, value); WRITE(file, 6, at, value); WRITE(file, 7, at, value)
+#define WRITE_SLOT(file, at, value) WRITE_SLOT8(file, at, value)
 #endif
 #else
 #define READ_SLOT(file, word, place) file[SLOT(word, place)]
@@ -122,95 +124,59 @@ float table_entry(uint entry) {
 #endif
 #endif
 
-// --- One point ---
+// --- One point of a region ---
 
-float point_file[SLOTS + TABLE + 1];
-#if MEMORY > 0
-float point_memory[MEMORY];
+// Slots of a region's tape. A tape is a run of texels of two clauses, each followed by its immediate; the first one does
+// nothing where its word is 0. The last texel's second word is END with the slots of the results in its bytes 2 and 3.
+float region_file[REGION_SLOTS];
+
+#define REGION_SLOT(word, place) (BYTE(word, place) & uint(REGION_SLOTS - 1))
+#if REGION_SLOTS == 4
+#define READ_REGION(word, place) PICK4(region_file, 0, word, place)
+#elif REGION_SLOTS == 8
+#define READ_REGION(word, place) PICK8(region_file, 0, word, place)
+#else
+#define READ_REGION(word, place) region_file[REGION_SLOT(word, place)]
 #endif
 
 // Runs a clause. Rare operators are computed where `last` is true: a constant.
-void point_clause(uint word, const bool last, vec3 p, vec3 n) {
+void region_clause(uint word, uint immediate, const bool last) {
     int number = operator_number(word);
-    FETCH_IMMEDIATE(word);
-    float a = READ_A(float, point_file, word);
-    float b = READ_B(float, point_file, word);
+    float a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ_REGION(word, 2);
+    float b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ_REGION(word, 3);
     float r = common_operator(number, a, b);
     if (last) r = rare_operator(number, r, a, b);
-#ifdef INPUT_CLAUSES
-    r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
-    r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
-#endif
-#if MEMORY > 0
-    if (last) {
-        uint place = (word >> 16) & uint(MEMORY - 1);
-        if (number == RELOAD) r = point_memory[place];
-        if (number == STORE) point_memory[place] = READ_SLOT(point_file, word, 1);
-    }
-#endif
-#if TEXTURES > 0
-    if (number == TEXTURE) r = 0.0;
-#endif
-#if TABLE == 0
-    if (number == PAGE) page = table + PAGE_TEXELS * int(word >> 16);
-#endif
-    uint at = output_slot(word);
-    WRITE_SLOT(point_file, at, r);
-}
-
-int point_program = 0;
-uvec4 point_head = uvec4(0u);
-
-// Takes the program that `run_loaded` runs. A tracer whose steps stay with one program saves its header and table.
-void load_program(int program) {
-    point_program = program;
-    point_head = texelFetch(tape, program);
-#if TABLE == 0
-    table = FIRST_TEXEL(point_head);
+    uint at = REGION_SLOT(word, 1);
+    // END gives the slot of its byte 2 to itself.
+    if (last && number == 0) at = REGION_SLOT(word, 2);
+#if REGION_SLOTS == 4
+    WRITE_SLOT4(region_file, at, r);
+#elif REGION_SLOTS == 8
+    WRITE_SLOT8(region_file, at, r);
 #else
-    for (int i = 0; i < KEPT_TEXELS(point_head); ++i) {
-        vec4 four = texelFetch(tape_table, FIRST_TEXEL(point_head) + i);
-        point_file[KEPT(i)] = four.x;
-        point_file[KEPT(i) + 1] = four.y;
-        point_file[KEPT(i) + 2] = four.z;
-        point_file[KEPT(i) + 3] = four.w;
-    }
+    region_file[at] = r;
 #endif
 }
 
-// Outputs 0 and 1 of the loaded program at a point. Textures are 0.
-vec2 run_loaded(vec3 p, vec3 n) {
-#if TABLE == 0
-    page = table;
-#endif
-    point_file[0] = p.x;
-    point_file[1] = p.y;
-    point_file[2] = p.z;
-    point_file[3] = n.x;
-#if SLOTS > 4
-    point_file[4] = n.y;
-    point_file[5] = n.z;
-#endif
-    for (int texel = 1; texel <= TEXELS_MAX; ++texel) {
-        uvec4 words = texelFetch(tape, point_program + texel);
-        COUNT_TEXEL(1.0);
+// The results of a region's tape at a point: bound and estimate, or an object.
+vec2 run_region(int tape, vec3 p, float penumbra) {
+    region_file[0] = p.x;
+    region_file[1] = p.y;
+    region_file[2] = p.z;
+    region_file[3] = penumbra;
+    uvec4 words = uvec4(0u);
+    for (int texel = 0; texel < TEXELS_MAX; ++texel) {
+        words = texelFetch(regions, tape + texel);
+        COUNT_TEXEL(2.0);
 #ifdef EVERY_CASE
-        point_clause(words.x, false, p, n);
-        point_clause(words.y, false, p, n);
-        point_clause(words.z, false, p, n);
-        point_clause(words.w, true, p, n);
+        region_clause(words.x, words.y, false);
 #else
-        for (int i = 0; i < 4; ++i) point_clause(words[i], true, p, n);
+        region_clause(words.x, words.y, true);
 #endif
-        if ((words.w & 255u) == 0u) break;
+        region_clause(words.z, words.w, true);
+        if ((words.z & 255u) == 0u) break;
     }
-    return vec2(READ_SLOT(point_file, point_head.y, 0), READ_SLOT(point_file, point_head.y, 1));
-}
-
-// The same of any program.
-vec2 run_point(int program, vec3 p, vec3 n) {
-    load_program(program);
-    return run_loaded(p, n);
+    return vec2(READ_REGION(words.z, 2), READ_REGION(words.z, 3));
 }
 
 // --- Four points ---

@@ -19,14 +19,38 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
     vec2 span = traced_span(origin, to_light, SHADOW_MARGIN);
     float end = min(span.y, light_t);
+#ifdef STEEP
+    end = min(end, steep_span(origin, to_light).y);
+#endif
     float t = max(span.x, 0.02);
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
     if (t >= end) return 1.0;
-    scene_begin();
+    Walk walk = walk_of(origin, to_light);
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
-        vec2 nearest = scene_distance(origin + t * to_light, t / sharpness);
+        // Over cells whose surfaces are too far away to take any more light.
+        Cell cell;
+        for (int skip = 0; skip < SKIPS_MAX; skip++) {
+            vec3 q = walk.start + t * walk.pace;
+            cell = cell_at(q);
+#ifdef STEEP
+            cell.bound = cell.bound > 0.0 ? FAR * SHARPNESS_MAX : 0.0;
+#endif
+            COUNT(lookups);
+            float leaves = past(exit_of(cell, walk, q));
+            if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
+            t = leaves;
+            // Nothing is left to triangulate.
+            stride = 1e4;
+            previous = 1e4;
+            if (t >= end) break;
+        }
+        if (t >= end) break;
+        vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
+#ifdef STEEP
+        nearest = steep_nearest(cell, walk, t, to_light, nearest);
+#endif
         float d = nearest.y;
         COUNT(shadow);
 #ifdef COUNT_EVALUATIONS

@@ -8,6 +8,7 @@
 #include "footprint.glsl"
 #include "normal.glsl"
 #include "occlusion.glsl"
+#include "regions.glsl"
 #include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "light.glsl"
@@ -16,7 +17,7 @@
 layout(location = 0) out vec4 sample_color;         // alpha: a whole number below 2048
 #ifdef COUNT_EVALUATIONS
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
-layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, 0
+layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, lookups of cells
 #endif
 
 // Light from the surface at p towards the eye, without what it mirrors.
@@ -122,6 +123,6 @@ void main() {
 #define CLAUSES_RUN 0.0
 #endif
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
-    more_evaluations = vec4(count_occlusion, count_capped, CLAUSES_RUN, 0.0);
+    more_evaluations = vec4(count_occlusion, count_capped, CLAUSES_RUN, count_lookups);
 #endif
 }

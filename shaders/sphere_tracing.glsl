@@ -46,6 +46,9 @@ Hit trace_planes(vec3 origin, vec3 direction, float start) {
     return hit;
 }
 
+#ifdef STEEP
+#include "steep.glsl"
+#else
 // First surface along the ray. `cone` is the radius of the pixel's cone at t = 0 and `spread` its growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
@@ -53,15 +56,26 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float end = min(span.y, behind.t);
     float t = max(span.x, start);
     if (t >= end) return behind;
-    scene_begin();
+    Walk walk = walk_of(origin, direction);
     float d = 0.0;
     for (int i = 0; i < STEPS_MAX; i++) {
-        d = scene_distance(origin + t * direction, 0.0).x;
+        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(i);
+        // Over cells that hold no surface, to where the distance must be asked.
+        Cell cell;
+        for (int skip = 0; skip < SKIPS_MAX; skip++) {
+            vec3 q = walk.start + t * walk.pace;
+            cell = cell_at(q);
+            COUNT(lookups);
+            if (!(cell.bound > reach * (cone + spread * t))) break;
+            t = max(t + cell.bound, past(exit_of(cell, walk, q)));
+            if (t >= end) break;
+        }
+        if (t >= end) return behind;
+        d = scene_distance(cell, origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEPS_MAX - 1) COUNT(capped);
 #endif
-        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(i);
         // Not d >= reach: what is no number ends the ray, too.
         if (!(d >= reach * (cone + spread * t))) break;
         t += d;
@@ -71,3 +85,4 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
     return Hit(t, NOTHING, true);
 }
+#endif

@@ -93,6 +93,10 @@ struct CommonArguments {
     /// How the scene's formulas are run; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
+    /// Whether rays skip empty space and run tapes shortened to where they are; the picture is the same [default: on;
+    /// bench measures both]
+    #[arg(long, value_name = "ON-OFF")]
+    regions: Option<Switch>,
     /// Read the shaders from this folder, for work on them
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
@@ -110,6 +114,13 @@ enum Sdf {
     Interpreted,
     Compiled,
     Auto,
+}
+
+/// On or off.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Switch {
+    On,
+    Off,
 }
 
 #[derive(Subcommand)]
@@ -345,6 +356,7 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         size: arguments.size,
         frames: arguments.frames.into(),
         scene: common.scene()?,
+        both: common.regions.is_none(),
     })?;
     if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
@@ -389,6 +401,7 @@ impl CommonArguments {
                 Sdf::Auto => SdfChoice::Auto,
             },
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
+            regions: self.regions != Some(Switch::Off),
             verbose: self.verbose > 0,
         })
     }

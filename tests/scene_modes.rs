@@ -175,7 +175,8 @@ fn a_painter_draws_as_it_was_asked() {
         (SdfChoice::Auto, Mode::Compiled),
     ] {
         let source = SceneSource::Formula(PLANES.into());
-        let choice = SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), verbose: false };
+        let choice =
+            SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), regions: true, verbose: false };
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
         painter.draw(0.0, silence(), (16, 9)).unwrap();

@@ -34,8 +34,8 @@ struct Case {
 
 /// The scene's shader in a mode.
 fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
-    let ReadyScene { world, buffers } = ready(scene);
-    let variant = variant_of(&world, &buffers, mode, &driver(software), counting).unwrap();
+    let ReadyScene { world, buffers, plan } = ready(scene);
+    let variant = variant_of(&world, &buffers, &plan, mode, &driver(software), counting).unwrap();
     let place = if software { "a processor" } else { "a GPU" };
     let name = format!("{SCENE_SHADER} of {}, {mode} for {place}, counting {counting:?}", scene.name());
     Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted }

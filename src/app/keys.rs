@@ -15,6 +15,8 @@ pub enum Action {
     ToggleMute,
     /// Change between the interpreted and the compiled scene.
     ToggleMode,
+    /// Use the cells of regions, or the whole tape everywhere.
+    ToggleRegions,
     /// The next scene, or the previous one.
     ChangeScene {
         /// Whether it is the next.
@@ -116,6 +118,13 @@ pub const BINDINGS: &[Binding] = &[
         written: "C",
         action: Action::ToggleMode,
         meaning: "interpreted, or compiled; the picture is the same",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("r")],
+        written: "R",
+        action: Action::ToggleRegions,
+        meaning: "skip empty space by regions, or not; the picture is the same",
         repeats: false,
     },
     Binding {

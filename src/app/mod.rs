@@ -5,6 +5,7 @@ mod frame_times;
 pub mod keys;
 pub mod overlay;
 pub mod pacing;
+mod region_builder;
 mod scene_stage;
 mod show;
 mod window;

@@ -14,11 +14,11 @@ use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
 use super::overlay::Overlay;
 use super::pacing::Pacing;
-use super::scene_stage::{SceneLoader, SceneStage};
+use super::scene_stage::{SceneLoader, SceneStage, Shown};
 use super::window::GlWindowContext;
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
-use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
+use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
@@ -137,8 +137,8 @@ struct Stage {
     renderer: Renderer,
     scene: SceneStage,
     pacing: Pacing,
-    /// What the last frame showed: moment, size and the scene's revision. A show that stands still is not drawn again.
-    shown: Option<(Moment, (u32, u32), u64)>,
+    /// What the last frame showed. A show that stands still is not drawn again.
+    shown: Option<Shown>,
     frame_times: FrameTimes,
     status_due: Instant,
     told_silent: Option<String>,
@@ -177,7 +177,15 @@ impl Show {
         let contexts = window.worker_contexts(COMPILERS);
         let waker = self.waker.clone();
         let wake = move || waker.wake();
-        let scene = SceneStage::new(window.gl(), contexts, library, self.scene.sdf, loader, first, wake)?;
+        let scene = SceneStage::new(
+            window.gl(),
+            contexts,
+            library,
+            (self.scene.sdf, self.scene.regions),
+            loader,
+            first,
+            wake,
+        )?;
         let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
@@ -217,7 +225,10 @@ impl Show {
     fn draw(&mut self) -> Result<(), AppError> {
         let Some(stage) = &mut self.stage else { return Ok(()) };
         let begun = Instant::now();
-        stage.pacing.begun(begun);
+        // A picture whose regions have come is one that was due before.
+        if !stage.scene.has_regions() {
+            stage.pacing.begun(begun);
+        }
         let Some(size) = stage.window.size() else { return Ok(()) };
         let moment = stage.player.now(self.settings.latency);
         // A window beyond the driver's textures is drawn smaller and enlarged.
@@ -226,16 +237,27 @@ impl Show {
         if !stage.scene.is_ready() {
             return Ok(());
         }
-        let now_shown = (moment, drawn, stage.scene.revision());
-        if stage.shown != Some(now_shown) {
-            stage.scene.draw(&mut stage.renderer, moment.song_time, moment.features, drawn)?;
+        let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
+        let mut new = None;
+        if stage.shown != Some(wanted) {
+            new = stage.scene.draw(&mut stage.renderer, moment, drawn)?;
         }
-        stage.renderer.show(size)?;
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
         let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let Some(shown) = new.or(stage.shown) else { return Ok(()) };
+        // Without a new picture there is something to show only if what stands over it changes, or the window.
+        let waits = new.is_none() && shown != wanted && shown.size == drawn;
+        if waits && stage.overlay.due(&content, begun).is_none_or(|due| due > begun) {
+            return Ok(());
+        }
+        stage.renderer.show(size)?;
         let painted = stage.overlay.paint(stage.window.window(), size, content)?;
         stage.window.swap()?;
-        let first = stage.shown.replace(now_shown).is_none();
+        let first = stage.shown.replace(shown).is_none();
+        if new.is_some() {
+            stage.frame_times.note(begun.elapsed());
+            stage.scene.note_frame_time(begun.elapsed());
+        }
         if painted.params_changed {
             stage.scene.note_moved();
         }
@@ -243,7 +265,6 @@ impl Show {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
             stage.player.set_paused(stage.paused);
         }
-        stage.frame_times.note(begun.elapsed());
         Ok(())
     }
 
@@ -260,6 +281,7 @@ impl Show {
             Action::ChangeVolume(delta) => stage.player.change_volume(delta),
             Action::ToggleMute => stage.player.toggle_mute(),
             Action::ToggleMode => stage.scene.toggle_mode(),
+            Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
             Action::ToggleSliders => stage.sliders = !stage.sliders,
             Action::ToggleCorner => stage.corner = !stage.corner,
@@ -420,7 +442,7 @@ impl ApplicationHandler for Show {
         let revision = stage.scene.revision();
         let moving = stage
             .shown
-            .is_none_or(|(shown, _, drawn)| stage.player.now(latency) != shown || drawn != revision)
+            .is_none_or(|shown| stage.player.now(latency) != shown.moment || shown.revision != revision)
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
@@ -429,7 +451,7 @@ impl ApplicationHandler for Show {
             let idle = now + IDLE_INTERVAL;
             let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
             event_loop.set_control_flow(ControlFlow::WaitUntil(wake));
-        } else if now >= stage.pacing.due() {
+        } else if now >= stage.pacing.due() || stage.scene.has_regions() {
             stage.window.window().request_redraw();
             event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));
         } else {

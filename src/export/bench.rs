@@ -1,5 +1,8 @@
-//! Measurements without a window: frame times, CPU time, evaluations and clauses, a row for each mode.
+//! Measurements without a window: frame times, CPU time, evaluations and clauses, a row for each mode with and without
+//! regions.
 
+use std::rc::Rc;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
@@ -16,8 +19,9 @@ use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
-use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 use crate::gpu::timer::GpuTimer;
+use crate::region::RegionStats;
 use crate::scenes::ReadyScene;
 use crate::world::Cost;
 
@@ -34,6 +38,8 @@ pub struct BenchRequest {
     pub frames: usize,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
+    /// Whether to measure with regions and without, whatever the scene's choice.
+    pub both: bool,
 }
 
 /// What was measured.
@@ -49,13 +55,13 @@ pub struct BenchReport {
     pub size: (u32, u32),
     /// The moment, in seconds.
     pub at: f64,
-    /// Frames that were timed in each mode.
+    /// Frames that were to be timed in each row.
     pub frames: usize,
     /// From the start of the measurement to a finished context, in ms.
     pub context_ms: f64,
     /// From text to tapes and bounds, in ms.
     pub scene_ms: f64,
-    /// A row for each mode that was measured.
+    /// A row for each mode that was measured, with regions and without.
     pub modes: Vec<ModeReport>,
     /// What kept a mode from being measured.
     pub notes: Vec<String>,
@@ -66,6 +72,14 @@ pub struct BenchReport {
 pub struct ModeReport {
     /// Interpreted or compiled.
     pub mode: Mode,
+    /// Whether space was divided into cells.
+    pub regions: bool,
+    /// Frames that were timed; fewer than asked for where they took very long.
+    pub frames: usize,
+    /// Building the tree of regions on one thread, median, in ms.
+    pub build_ms: f64,
+    /// What the tree consists of.
+    pub tree: RegionStats,
     /// Assembling, compiling and linking its program, in ms.
     pub shader_ms: f64,
     /// The first draw, in which drivers compile once more, in ms.
@@ -91,7 +105,7 @@ pub struct ModeReport {
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
     let start = Instant::now();
-    let ReadyScene { world, buffers } = request.scene.source.ready()?;
+    let ReadyScene { world, buffers, plan } = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
     let frame = Frame::new(&world, request.at, features, request.size);
 
@@ -110,25 +124,48 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         modes.push(Mode::Compiled);
     }
     let library = &request.scene.shaders;
-    let resources = SceneResources::upload(gl, world.clone(), buffers.clone())?;
+    let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone())?;
     let mut renderer = Renderer::new(gl, library, Counting::Off)?;
-    let mut runs = Vec::with_capacity(modes.len());
+    let mut runs: Vec<Run> = Vec::new();
     for mode in modes {
         let start = Instant::now();
-        let variant = variant_of(&world, &buffers, mode, gl.info(), Counting::Off)?;
-        let program = link_scene(gl, library, &variant)?;
+        let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
+        let program = Rc::new(link_scene(gl, library, &variant)?);
         let shader_ms = milliseconds(start.elapsed());
-        let start = Instant::now();
-        renderer.draw(&frame, &resources, &program)?;
-        gl.finish();
-        let first_draw_ms = milliseconds(start.elapsed());
-        let (wall, cpu, gpu) = Default::default();
-        runs.push(Run { mode, program, shader_ms, first_draw_ms, wall, cpu, gpu });
+        let ways: &[bool] = if request.both { &[true, false] } else { &[request.scene.regions] };
+        for &regions in ways {
+            let (built, build_ms) = build(&resources, &frame, regions);
+            resources.take_regions(built.clone());
+            let start = Instant::now();
+            renderer.draw(&frame, &resources, &program)?;
+            gl.finish();
+            let first_draw_ms = milliseconds(start.elapsed());
+            let program = program.clone();
+            let (wall, cpu, gpu) = Default::default();
+            runs.push(Run {
+                mode,
+                regions,
+                built,
+                build_ms,
+                program,
+                shader_ms,
+                first_draw_ms,
+                wall,
+                cpu,
+                gpu,
+            });
+        }
     }
 
     let timer = if gl.info().software { None } else { Some(GpuTimer::new(gl)?) };
     for _ in 0..request.frames.max(1) {
         for run in &mut runs {
+            if run.wall.len() >= FRAMES_MIN && run.wall.iter().sum::<f64>() > ROW_MS_MAX {
+                continue;
+            }
+            resources.set_cells(run.regions);
+            resources.take_regions(run.built.clone());
+            gl.finish();
             let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
             let drawn = match &timer {
                 Some(timer) => {
@@ -150,8 +187,10 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let pixels = f64::from(request.size.0) * f64::from(request.size.1);
     let mut reports = Vec::with_capacity(runs.len());
     for mut run in runs {
-        let variant = variant_of(&world, &buffers, run.mode, gl.info(), Counting::On)?;
+        let variant = variant_of(&world, &buffers, &plan, run.mode, gl.info(), Counting::On)?;
         let program = link_scene(gl, library, &variant)?;
+        resources.set_cells(run.regions);
+        resources.take_regions(run.built.clone());
         counter.draw(&frame, &resources, &program)?;
         let evaluations = counter.evaluations().per_pixel(pixels);
         reports.push(run.report(evaluations));
@@ -170,13 +209,32 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     })
 }
 
+/// A row that has taken so long in all is not timed further, in ms ..
+const ROW_MS_MAX: f64 = 20_000.0;
+/// .. once it has so many frames.
+const FRAMES_MIN: usize = 3;
+/// Trees that are built to find out how long it takes.
+const BUILDS: usize = 9;
+
+/// The tree of a frame, and how long it takes to build one, in ms.
+fn build(resources: &SceneResources, frame: &Frame, cells: bool) -> (Arc<BuiltRegions>, f64) {
+    resources.set_cells(cells);
+    let once = || BuiltRegions::new(resources.plan(), &frame.inputs, resources.region_request(frame));
+    let built = once();
+    let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(once().time)).collect();
+    (Arc::new(built), percentile(&mut times, 0.5))
+}
+
 /// A title, and what stands under a mode.
 type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
 
 /// One mode while it is measured.
 struct Run {
     mode: Mode,
-    program: Program,
+    regions: bool,
+    built: Arc<BuiltRegions>,
+    build_ms: f64,
+    program: Rc<Program>,
     shader_ms: f64,
     first_draw_ms: f64,
     wall: Vec<f64>,
@@ -188,6 +246,10 @@ impl Run {
     fn report(&mut self, evaluations: Evaluations) -> ModeReport {
         ModeReport {
             mode: self.mode,
+            regions: self.regions,
+            frames: self.wall.len(),
+            build_ms: self.build_ms,
+            tree: self.built.regions.stats,
             shader_ms: self.shader_ms,
             first_draw_ms: self.first_draw_ms,
             wall_p50_ms: percentile(&mut self.wall, 0.5),
@@ -205,7 +267,7 @@ impl std::fmt::Display for BenchReport {
         writeln!(f, "{} ({})", self.gl.renderer, self.gl.version)?;
         writeln!(
             f,
-            "{}: {} clauses for the distance, {} in all; {}x{}, t = {} s, {} frames in each mode",
+            "{}: {} clauses for the distance, {} in all; {}x{}, t = {} s, {} frames in each row",
             self.scene,
             self.clauses.distance,
             self.clauses.total,
@@ -219,8 +281,13 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let rows: [Row; 15] = [
+        let rows: [Row; 21] = [
             ("", &|row| row.mode.to_string()),
+            ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
+            ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
+            ("  cells", &|row| row.tree.cells.to_string()),
+            ("  distinct tapes", &|row| row.tree.tapes.to_string()),
+            ("  KiB", &|row| (row.tree.bytes / 1024).to_string()),
             ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
             ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
             ("frame, wall, p50, ms", &|row| format!("{:.2}", row.wall_p50_ms)),
@@ -230,6 +297,7 @@ impl std::fmt::Display for BenchReport {
                 // A software renderer's timer tells nothing.
                 row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |gpu| format!("{gpu:.2}"))
             }),
+            ("lookups of cells per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),
             ("clauses per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
             ("evaluations per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel_total)),
             ("  primary", &|row| format!("{:.2}", row.evaluations_per_pixel.primary)),
@@ -250,9 +318,16 @@ impl std::fmt::Display for BenchReport {
         }
         let edge = self.modes.first().map_or(0.0, |row| row.evaluations_per_pixel.edge_pixels);
         write!(f, "{:<32}{:>14}", "pixels with an edge's samples, %", format!("{:.2}", 100.0 * edge))?;
-        if let [interpreted, compiled] = self.modes.as_slice() {
-            let (slow, fast) = (interpreted.cpu_p50_ms, compiled.cpu_p50_ms.max(1e-9));
-            write!(f, "\n{:<32}{:>14}", "interpreted over compiled, CPU", format!("{:.2}", slow / fast))?;
+        let cpu = |mode: Mode, regions: bool| {
+            let row = self.modes.iter().find(|row| row.mode == mode && row.regions == regions)?;
+            Some(row.cpu_p50_ms.max(1e-9))
+        };
+        let ratios = [("with", true, true), ("without", false, false), ("with over without", true, false)];
+        for (what, interpreted, compiled) in ratios {
+            let both = cpu(Mode::Interpreted, interpreted).zip(cpu(Mode::Compiled, compiled));
+            if let Some((slow, fast)) = both {
+                write!(f, "\ninterpreted over compiled, CPU, {what} regions: {:.2}", slow / fast)?;
+            }
         }
         Ok(())
     }

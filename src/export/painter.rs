@@ -23,6 +23,8 @@ pub struct SceneChoice {
     pub sdf: SdfChoice,
     /// The shaders.
     pub shaders: ShaderLibrary,
+    /// Whether regions are divided into cells.
+    pub regions: bool,
     /// Log the driver's debug output.
     pub verbose: bool,
 }
@@ -45,14 +47,15 @@ impl Painter {
     /// # Errors
     /// The scene or the driver refuse.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
-        let ReadyScene { world, buffers } = choice.source.ready()?;
+        let ReadyScene { world, buffers, plan } = choice.source.ready()?;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
         let mode = mode_on(choice.sdf, &buffers, gl.info());
         let renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
-        let variant = variant_of(&world, &buffers, mode, gl.info(), Counting::Off)?;
+        let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
         let program = link_scene(gl, &choice.shaders, &variant)?;
-        let resources = SceneResources::upload(gl, world, buffers)?;
+        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        resources.set_cells(choice.regions);
         Ok(Self { renderer, program, resources, mode, context })
     }
 

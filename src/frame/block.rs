@@ -9,7 +9,7 @@ use crate::world::{PLANES_MAX, World};
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Vectors before the arrays of the block.
-const HEAD: usize = 11;
+const HEAD: usize = 13;
 const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
 const BAND_QUADS: usize = BAND_COUNT.div_ceil(4);
 const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
@@ -33,9 +33,23 @@ pub fn block_defines() -> [String; 5] {
     ]
 }
 
+/// Where the tree of regions of a frame lies, and what holds where it has no cells.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RegionTree {
+    /// Lower corner of its box.
+    pub low: [f32; 3],
+    /// Extent of its box; 0 where there are no cells.
+    pub size: [f32; 3],
+    /// First texel of the tape that holds everywhere; below 2^24, which a float holds exactly.
+    pub whole_tape: u32,
+}
+
+/// Cells along each side of the root.
+const REGION_ROOT_SIDE: f32 = 16.0;
+
 impl Frame {
     /// Packs the frame of a world for the shaders. Every number is finite.
-    pub fn block(&self, world: &World) -> FrameBlock {
+    pub fn block(&self, world: &World, tree: &RegionTree) -> FrameBlock {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let camera = &self.camera;
         let (right, up) = (camera.right * camera.tan_half.0, camera.up * camera.tan_half.1);
@@ -50,6 +64,8 @@ impl Frame {
         for (to, plane) in plane_objects.iter_mut().zip(&world.planes) {
             *to = plane.object as f32;
         }
+        let has_cells = tree.size.iter().all(|side| *side > 0.0);
+        let per_unit = tree.size.map(|side| if has_cells { REGION_ROOT_SIDE / side } else { 1.0 });
         let mut block = [[0.0; 4]; FRAME_BLOCK_VECTORS];
         let head: [[f32; 4]; HEAD] = [
             [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),
@@ -64,6 +80,8 @@ impl Frame {
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if world.bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
+            [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
+            [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);
@@ -125,11 +143,14 @@ mod tests {
         }
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
-        let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]).block(&world);
+        let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]);
+        let tree = RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], whole_tape: 9 };
+        let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
         assert_eq!(block[6], [0.25, 0.0, 1.0, 0.0]);
         assert_eq!((block[8][3], block[9][3]), (1.0, 1.0));
+        assert_eq!(block[11..13], [[1.0; 4], [8.0, 4.0, 2.0, 9.0]]);
         assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
         let lights = HEAD + PLANES_MAX;
         assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);

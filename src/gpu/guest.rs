@@ -81,11 +81,12 @@ mod tests {
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world_of(SPEAKERS));
         let buffers = Arc::new(world.tape_buffers().unwrap());
-        let variant = variant_of(&world, &buffers, Mode::Compiled, gl.info(), Counting::Off).unwrap();
+        let plan = Arc::new(crate::region::RegionPlan::new(&world));
+        let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, &library, &variant).unwrap();
         let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
         let frame = Frame::new(&world, 1.0, Default::default(), (64, 36));
-        let scene = SceneResources::upload(gl, world, buffers).unwrap();
+        let scene = SceneResources::upload(gl, world, buffers, plan).unwrap();
         renderer.draw(&frame, &scene, &program).unwrap();
         let before = renderer.read();
         let (texture, buffer) = (Texture::new(gl).unwrap(), Buffer::new(gl).unwrap());

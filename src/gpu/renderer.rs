@@ -48,6 +48,8 @@ pub struct Evaluations {
     pub capped_rays: f64,
     /// Clauses that the interpreter ran; 0 for compiled scenes.
     pub clauses: f64,
+    /// Searches for the cell of a point.
+    pub lookups: f64,
     /// Pixels that got the samples of an edge.
     pub edge_pixels: f64,
 }
@@ -68,6 +70,7 @@ impl Evaluations {
             occlusion: self.occlusion / pixels,
             capped_rays: self.capped_rays / pixels,
             clauses: self.clauses / pixels,
+            lookups: self.lookups / pixels,
             edge_pixels: self.edge_pixels / pixels,
         }
     }
@@ -130,7 +133,8 @@ impl Renderer {
     /// A size beyond the driver's, or an error that the driver reports.
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
         scene.upload_table(&frame.inputs);
-        self.draw_block(frame.size, &frame.block(scene.world()), &scene.names(), program)
+        let tree = scene.tree_of(frame);
+        self.draw_block(frame.size, &frame.block(scene.world(), &tree), &scene.names(), program)
     }
 
     /// Draws a picture of `size` pixels from a frame's block and what is bound for its scene.
@@ -231,6 +235,7 @@ impl Renderer {
                 sum.occlusion += f64::from(texel[0]);
                 sum.capped_rays += f64::from(texel[1]);
                 sum.clauses += f64::from(texel[2]);
+                sum.lookups += f64::from(texel[3]);
             }
         }
         let extra = targets.extra.read_rgba32f(0);

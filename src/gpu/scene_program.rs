@@ -11,6 +11,7 @@ use super::renderer::Counting;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::block_defines;
 use crate::graph::CELL_HASH_GLSL;
+use crate::region::{RegionPlan, RegionVariant};
 use crate::tape::interpreter;
 use crate::world::{TapeBuffers, World};
 
@@ -18,6 +19,8 @@ use crate::world::{TapeBuffers, World};
 pub const SCENE_SHADER: &str = "scene.frag";
 /// The define of the variant that counts distance evaluations and clauses.
 pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
+/// The define of scenes whose distance is none.
+const STEEP_DEFINE: &str = "STEEP 1";
 
 /// Scenes with more clauses are interpreted unless they are asked to be compiled: drivers take minutes for them.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
@@ -43,7 +46,12 @@ impl std::fmt::Display for Mode {
 
 /// A variant of the interpreter.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Interpreter(interpreter::Variant);
+pub struct Interpreter {
+    /// What runs materials and light.
+    lanes: interpreter::Variant,
+    /// What runs the regions' tapes.
+    regions: RegionVariant,
+}
 
 /// Why a scene cannot be interpreted by a driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -59,13 +67,18 @@ pub struct DoesNotFit {
 
 impl Interpreter {
     /// The narrowest variant for a scene on this driver.
-    pub fn for_scene(buffers: &TapeBuffers, info: &GlInfo) -> Self {
-        Self(if info.software { &buffers.software_variant } else { &buffers.variant }.clone())
+    pub fn for_scene(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
+        let lanes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
+        Self { lanes, regions: plan.variant().clone() }
     }
 
     /// Whether what this variant was made for includes what `other` was.
     pub fn covers(&self, other: &Self) -> bool {
-        self.0.covers(&other.0)
+        let (regions, others) = (&self.regions, &other.regions);
+        self.lanes.covers(&other.lanes)
+            && regions.steep == others.steep
+            && regions.slots >= others.slots
+            && regions.operators.is_superset(&others.operators)
     }
 
     /// Whether a scene's buffers fit what the driver reports.
@@ -80,10 +93,15 @@ impl Interpreter {
 
     /// The shader's text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
-        let mut variant = common(self.0.textures, counting);
+        let mut variant = common(self.lanes.textures, counting);
+        if self.regions.steep {
+            variant.defines.push(STEEP_DEFINE.to_owned());
+        }
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
-        variant.generated.push(("operators.glsl".into(), self.0.text()));
+        variant
+            .generated
+            .push(("operators.glsl".into(), self.lanes.text(&self.regions.operators, self.regions.slots)));
         variant
     }
 }
@@ -113,7 +131,11 @@ fn common(textures: usize, counting: Counting) -> Variant {
 /// # Errors
 /// Generated GLSL that is refused.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
-    Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting))
+    let mut variant = compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting);
+    if world.steep {
+        variant.defines.push(STEEP_DEFINE.to_owned());
+    }
+    Ok(variant)
 }
 
 /// The variant of a world in a mode.
@@ -123,6 +145,7 @@ pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant,
 pub fn variant_of(
     world: &World,
     buffers: &TapeBuffers,
+    plan: &RegionPlan,
     mode: Mode,
     info: &GlInfo,
     counting: Counting,
@@ -131,7 +154,7 @@ pub fn variant_of(
         Mode::Compiled => compiled_variant_of(world, counting),
         Mode::Interpreted => {
             Interpreter::fits(buffers, info)?;
-            Ok(Interpreter::for_scene(buffers, info).variant(counting))
+            Ok(Interpreter::for_scene(buffers, plan, info).variant(counting))
         }
     }
 }

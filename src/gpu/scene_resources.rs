@@ -2,8 +2,10 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use glow::HasContext;
 use image::RgbaImage;
@@ -15,7 +17,10 @@ use super::program::unit_of;
 use super::scene_program::Interpreter;
 use super::texture;
 use super::texture_buffer::{BufferTexel, TextureBuffer};
+use crate::frame::Frame;
+use crate::frame::block::RegionTree;
 use crate::graph::FrameInputs;
+use crate::region::{RegionKey, RegionOptions, RegionPlan, Regions};
 use crate::world::{TapeBuffers, World};
 
 /// A world, uploaded.
@@ -26,6 +31,52 @@ pub struct SceneResources {
     pictures: Vec<Rc<Texture>>,
     tape: TextureBuffer,
     table: TextureBuffer,
+    plan: Arc<RegionPlan>,
+    regions: TextureBuffer,
+    texels_max: usize,
+    /// Whether empty space is skipped.
+    with_cells: Cell<bool>,
+    /// Those that were uploaded last.
+    uploaded: RefCell<Option<Arc<BuiltRegions>>>,
+}
+
+/// Distance between the places where the tree of a scene without bounds may have its middle.
+const CENTER_STEP: f32 = 8.0;
+
+/// What a tree of regions was built for: equal ones, equal trees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionRequest {
+    /// What the distance reads.
+    pub key: RegionKey,
+    /// How the tree is built.
+    pub options: RegionOptions,
+}
+
+/// Regions, and what they were built for.
+#[derive(Debug)]
+pub struct BuiltRegions {
+    /// What they were built for.
+    pub request: RegionRequest,
+    /// The tree.
+    pub regions: Regions,
+    /// How long it took.
+    pub time: Duration,
+}
+
+impl RegionRequest {
+    /// What the regions of a frame are built for.
+    pub fn of(plan: &RegionPlan, frame: &Frame, options: RegionOptions) -> Self {
+        Self { key: plan.key(&frame.inputs), options }
+    }
+}
+
+impl BuiltRegions {
+    /// Builds the tree of a frame.
+    pub fn new(plan: &RegionPlan, inputs: &FrameInputs, request: RegionRequest) -> Self {
+        let start = Instant::now();
+        let regions = plan.build(inputs, &request.options);
+        Self { regions, time: start.elapsed(), request }
+    }
 }
 
 impl SceneResources {
@@ -34,8 +85,13 @@ impl SceneResources {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub fn upload(gl: &Gl, world: Arc<World>, buffers: Arc<TapeBuffers>) -> Result<Self, GpuError> {
-        Self::upload_after(None, gl, world, buffers)
+    pub fn upload(
+        gl: &Gl,
+        world: Arc<World>,
+        buffers: Arc<TapeBuffers>,
+        plan: Arc<RegionPlan>,
+    ) -> Result<Self, GpuError> {
+        Self::upload_after(None, gl, world, buffers, plan)
     }
 
     /// The same, without uploading pictures again that `last` has.
@@ -47,6 +103,7 @@ impl SceneResources {
         gl: &Gl,
         world: Arc<World>,
         buffers: Arc<TapeBuffers>,
+        plan: Arc<RegionPlan>,
     ) -> Result<Self, GpuError> {
         let pictures = world.pictures.iter().map(|picture| {
             let known = last.and_then(|last| {
@@ -66,8 +123,20 @@ impl SceneResources {
         };
         let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &words)?;
         let table = TextureBuffer::new(gl, BufferTexel::Rgba32F, &[0; 16])?;
+        let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         gl.check("uploading a scene")?;
-        Ok(Self { world, buffers, pictures, tape, table })
+        Ok(Self {
+            world,
+            buffers,
+            pictures,
+            tape,
+            table,
+            plan,
+            regions,
+            with_cells: Cell::new(true),
+            uploaded: RefCell::new(None),
+            texels_max: gl.info().texture_buffer_texels_max as usize,
+        })
     }
 
     fn pictures_with_textures(&self) -> impl Iterator<Item = (&Arc<RgbaImage>, &Rc<Texture>)> {
@@ -84,6 +153,59 @@ impl SceneResources {
         &self.buffers
     }
 
+    /// What builds its regions.
+    pub fn plan(&self) -> &Arc<RegionPlan> {
+        &self.plan
+    }
+
+    /// Chooses whether space is divided into cells, of which empty ones are skipped, or the whole tape holds everywhere.
+    pub fn set_cells(&self, cells: bool) {
+        self.with_cells.set(cells);
+    }
+
+    /// What the regions of a frame are built for.
+    pub fn region_request(&self, frame: &Frame) -> RegionRequest {
+        // The tree of a scene without bounds follows the eye, not with every step.
+        let eye = frame.camera.position.as_vec3();
+        let center = if self.world.bounds.is_some() {
+            glam::Vec3::ZERO
+        } else {
+            CENTER_STEP * (eye / CENTER_STEP).round()
+        };
+        let center = center.to_array();
+        let options = RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
+        RegionRequest::of(&self.plan, frame, options)
+    }
+
+    /// The regions of the last picture.
+    pub fn regions(&self) -> Option<Arc<BuiltRegions>> {
+        self.uploaded.borrow().clone()
+    }
+
+    /// Takes regions that were built elsewhere.
+    pub fn take_regions(&self, built: Arc<BuiltRegions>) {
+        if self.regions().is_some_and(|last| Arc::ptr_eq(&last, &built)) {
+            return;
+        }
+        let bytes: Vec<u8> =
+            built.regions.texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect();
+        self.regions.replace(&bytes);
+        *self.uploaded.borrow_mut() = Some(built);
+    }
+
+    /// The tree of a frame. What is not there yet is built: no picture is drawn with regions of other inputs.
+    pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
+        let request = self.region_request(frame);
+        let known = self.regions().filter(|built| built.request == request);
+        let built = known.unwrap_or_else(|| {
+            let built = Arc::new(BuiltRegions::new(&self.plan, &frame.inputs, request));
+            self.take_regions(built.clone());
+            built
+        });
+        let Regions { low, size, whole_tape, .. } = built.regions;
+        RegionTree { low, size, whole_tape }
+    }
+
     /// Uploads the table of a frame.
     pub(super) fn upload_table(&self, inputs: &FrameInputs) {
         let bytes: Vec<u8> =
@@ -97,6 +219,7 @@ impl SceneResources {
             pictures: self.pictures.iter().map(|picture| picture.native()).collect(),
             tape: self.tape.texture(),
             table: self.table.texture(),
+            regions: self.regions.texture(),
         }
     }
 }
@@ -108,6 +231,7 @@ pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
     tape: glow::NativeTexture,
     table: glow::NativeTexture,
+    regions: glow::NativeTexture,
 }
 
 impl SceneNames {
@@ -119,7 +243,8 @@ impl SceneNames {
                 gl.active_texture(unit);
                 gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
             }
-            for (name, buffer) in [("tape", self.tape), ("tape_table", self.table)] {
+            for (name, buffer) in [("tape", self.tape), ("tape_table", self.table), ("regions", self.regions)]
+            {
                 gl.active_texture(glow::TEXTURE0 + unit_of(name));
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer));
             }

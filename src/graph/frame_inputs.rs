@@ -87,14 +87,42 @@ impl TableData {
         (slope(u, self.columns, &|u| self.at(u, v)), slope(v, self.rows, &|v| self.at(u, v)))
     }
 
-    /// Bounds of the value over intervals of the coordinates: the extremes of the entries that can be
-    /// touched.
-    pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
-        if let Some((low, high)) = self.unknown {
-            return Interval { lo: low, hi: high };
+    /// Bounds of [`TableData::slopes`] over intervals of the coordinates: those of all pieces that can be touched, and 0
+    /// for what lies beyond the ends.
+    pub fn slope_bounds(&self, u: Interval, v: Interval) -> (Interval, Interval) {
+        if self.unknown.is_some() {
+            return (Interval::ALL, Interval::ALL);
         }
+        let (left, right, upper, lower) = self.touched(u, v);
+        let value = |row: usize, column: usize| self.values[row * self.columns + column];
+        let (mut by_u, mut by_v) = (Interval::point(0.0), Interval::point(0.0));
+        for row in upper..=lower {
+            for column in left..=right {
+                let here = value(row, column);
+                if column + 1 <= right {
+                    by_u = by_u.hull(Self::piece(here, value(row, column + 1), self.columns));
+                }
+                if row + 1 <= lower {
+                    by_v = by_v.hull(Self::piece(here, value(row + 1, column), self.rows));
+                }
+            }
+        }
+        (by_u, by_v)
+    }
+
+    /// The slope from one entry of `count` to the next, with what interpolating between rows may round.
+    fn piece(from: f32, to: f32, count: usize) -> Interval {
+        let scale = (count - 1) as f32;
+        let error = 16.0 * f32::EPSILON * from.abs().max(to.abs()) * scale;
+        let slope = (to - from) * scale;
+        Interval::new(slope - error, slope + error)
+    }
+
+    /// First and last column and first and last row whose entries can be read. Of a table without entries there is none:
+    /// the first lies behind the last.
+    fn touched(&self, u: Interval, v: Interval) -> (usize, usize, usize, usize) {
         if self.values.is_empty() {
-            return Interval::point(0.0);
+            return (1, 0, 1, 0);
         }
         let touched = |coordinate: Interval, count: usize| {
             if coordinate.is_any() {
@@ -104,6 +132,19 @@ impl TableData {
         };
         let (left, right) = touched(u, self.columns);
         let (upper, lower) = touched(v, self.rows);
+        (left, right, upper, lower)
+    }
+
+    /// Bounds of the value over intervals of the coordinates: the extremes of the entries that can be
+    /// touched.
+    pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
+        if let Some((low, high)) = self.unknown {
+            return Interval { lo: low, hi: high };
+        }
+        if self.values.is_empty() {
+            return Interval::point(0.0);
+        }
+        let (left, right, upper, lower) = self.touched(u, v);
         let mut bounds = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
         for row in upper..=lower {
             for &value in &self.values[row * self.columns..][left..=right] {

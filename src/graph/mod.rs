@@ -19,6 +19,8 @@ mod op;
 mod order;
 mod rules;
 mod simplify;
+mod slope_rules;
+mod sloped;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub use evaluate::Point;
@@ -30,9 +32,12 @@ pub use op::{
     cell_hash,
 };
 pub use order::{InputsUsed, Order};
+pub use sloped::{Pieces, Sloped};
 
 #[cfg(test)]
 pub(crate) mod random;
+#[cfg(test)]
+mod slope_tests;
 #[cfg(test)]
 mod tests;
 

@@ -1,8 +1,9 @@
 //! The operators: one table defines each of them once.
 //!
 //! A row gives the number, the printed name, the properties, the meaning on the CPU, the interval rule
-//! (`rules.rs`), the partial derivatives and the GLSL expression. The CPU evaluators, the interpreter's
-//! switch and the compiled source are all derived from it, so that they cannot drift apart.
+//! (`rules.rs`), the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. The CPU
+//! evaluators, the interpreter's switch and the compiled source are all derived from it, so that they cannot drift
+//! apart.
 //!
 //! **Numbers.** One-operand operators stand at 16..64, two-operand operators at 64..128; the tape adds the
 //! form of the operands on top (see `tape`). Words that were written keep their meaning only as long as a
@@ -24,6 +25,7 @@
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
 use super::rules;
+use super::slope_rules as slopes;
 
 /// The smallest operand of a logarithm and of a power's base, the smallest normal f32. GPUs flush what is
 /// below it.
@@ -79,7 +81,8 @@ macro_rules! operators {
     ($(
         $(#[doc = $doc:literal])+
         $id:ident = $number:literal $name:literal $properties:expr,
-            value $value:expr, bounds $bounds:expr, slopes $slopes:expr, glsl $glsl:literal;
+            value $value:expr, bounds $bounds:expr, slopes $slopes:expr, slope_bounds $slope_bounds:expr,
+            glsl $glsl:literal;
     )+) => {
         /// An operator of the expression graph; see the module for what holds for all of them.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -159,6 +162,23 @@ macro_rules! operators {
                 }
                 match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
             }
+
+            /// Intervals that hold the partial derivatives by a and by b for every a and b of the given
+            /// intervals, where `r` bounds the value: what [`Op::slopes`] gives, and at kinks those of both
+            /// sides. Jumps have no slope (see `slope_rules.rs`).
+            #[inline(always)]
+            pub fn slope_bounds(
+                self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
+            ) -> (Interval, Interval) {
+                #[inline(always)]
+                fn call(
+                    f: impl Fn(Interval, Interval, Interval, &FrameInputs) -> (Interval, Interval),
+                    a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
+                ) -> (Interval, Interval) {
+                    f(a, b, r, frame)
+                }
+                match self { $( Op::$id => call($slope_bounds, a, b, r, frame), )+ }
+            }
         }
     };
 }
@@ -174,200 +194,243 @@ operators! {
     /// -a.
     Neg = 16 "NEG" NONE,
         value |a, _, _| -a, bounds |a, _, _| rules::neg(a), slopes |_, _, _, _| (-1.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(-1.0, 0.0),
         glsl "-$a";
     /// |a|.
     Abs = 17 "ABS" NEVER_NEGATIVE,
         value |a, _, _| a.abs(), bounds |a, _, _| rules::abs(a),
         slopes |a, _, _, _| (if a < 0.0 { -1.0 } else { 1.0 }, 0.0),
+        slope_bounds |a, _, _, _| slopes::abs(a),
         glsl "abs($a)";
     /// -1, 0 or 1; 0 for a NaN.
     Sign = 18 "SIGN" WHOLE,
         value |a, _, _| truth(a > 0.0) - truth(a < 0.0), bounds |a, _, _| rules::sign(a),
         slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "sign($a)";
     /// The largest whole number that is not above a.
     Floor = 19 "FLOOR" WHOLE,
         value |a, _, _| a.floor(), bounds |a, _, _| a.map_rising(f32::floor), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "floor($a)";
     /// The smallest whole number that is not below a.
     Ceil = 20 "CEIL" WHOLE,
         value |a, _, _| a.ceil(), bounds |a, _, _| a.map_rising(f32::ceil), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "ceil($a)";
     /// floor(a + 0.5): halves go up. (GLSL leaves the direction of round to the driver.)
     Round = 21 "ROUND" WHOLE,
         value |a, _, _| round(a), bounds |a, _, _| a.map_rising(round), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "floor($a + 0.5)";
     /// The whole part, towards 0.
     Trunc = 22 "TRUNC" WHOLE,
         value |a, _, _| a.trunc(), bounds |a, _, _| a.map_rising(f32::trunc), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "trunc($a)";
     /// a - floor(a); 1 for tiny negative a, by rounding.
     Fract = 23 "FRACT" NEVER_NEGATIVE,
         value |a, _, _| a - a.floor(), bounds |a, _, _| rules::fract(a), slopes |_, _, _, _| (1.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(1.0, 0.0),
         glsl "($a - floor($a))";
     /// a * a.
     Square = 24 "SQUARE" NEVER_NEGATIVE,
         value |a, _, _| a * a, bounds |a, _, _| rules::square(a), slopes |a, _, _, _| (2.0 * a, 0.0),
+        slope_bounds |a, _, _, _| slopes::square(a),
         glsl "($a * $a)";
     /// The square root; 0 for negative a and for a NaN.
     Sqrt = 25 "SQRT" NEVER_NEGATIVE,
         value |a, _, _| sqrt(a), bounds |a, _, _| rules::sqrt(a),
         slopes |_, _, r, _| (if r > 0.0 { 0.5 / r } else { 0.0 }, 0.0),
+        slope_bounds |_, _, r, _| slopes::sqrt(r),
         glsl "sqrt(max($a, 0.0))";
     /// e^a.
     Exp = 26 "EXP" NEVER_NEGATIVE,
         value |a, _, _| a.exp(), bounds |a, _, _| rules::exp(a), slopes |_, _, r, _| (r, 0.0),
+        slope_bounds |_, _, r, _| slopes::first(r),
         glsl "exp($a)";
     /// 2^a.
     Exp2 = 27 "EXP2" NEVER_NEGATIVE,
         value |a, _, _| a.exp2(), bounds |a, _, _| rules::exp2(a),
         slopes |_, _, r, _| (r * std::f32::consts::LN_2, 0.0),
+        slope_bounds |_, _, r, _| slopes::exp2(r),
         glsl "exp2($a)";
     /// The natural logarithm of max(a, [`SMALLEST`]), so at least -87.34.
     Log = 28 "LOG" NONE,
         value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::log(a),
         slopes |a, _, _, _| (if a > SMALLEST { a.recip() } else { 0.0 }, 0.0),
+        slope_bounds |a, _, _, _| slopes::log(a, 1.0),
         glsl "log(max($a, 1.17549435e-38))";
     /// The binary logarithm of max(a, [`SMALLEST`]), so at least -126.
     Log2 = 29 "LOG2" NONE,
         value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::log2(a),
         slopes |a, _, _, _| (if a > SMALLEST { std::f32::consts::LOG2_E / a } else { 0.0 }, 0.0),
+        slope_bounds |a, _, _, _| slopes::log(a, std::f32::consts::LOG2_E),
         glsl "log2(max($a, 1.17549435e-38))";
     /// The sine of a in radians.
     Sin = 30 "SIN" NONE,
         value |a, _, _| a.sin(), bounds |a, _, _| rules::sin(a), slopes |a, _, _, _| (a.cos(), 0.0),
+        slope_bounds |a, _, _, _| slopes::first(rules::cos(a)),
         glsl "sin($a)";
     /// The cosine of a in radians.
     Cos = 31 "COS" NONE,
         value |a, _, _| a.cos(), bounds |a, _, _| rules::cos(a), slopes |a, _, _, _| (-a.sin(), 0.0),
+        slope_bounds |a, _, _, _| slopes::first(rules::neg(rules::sin(a))),
         glsl "cos($a)";
     /// The tangent of a in radians.
     Tan = 32 "TAN" NONE,
         value |a, _, _| a.tan(), bounds |a, _, _| rules::tan(a), slopes |_, _, r, _| (1.0 + r * r, 0.0),
+        slope_bounds |_, _, r, _| slopes::tan(r),
         glsl "tan($a)";
     /// The arc sine of a clamped to -1..1; 0 for a NaN. (GLSL's own is off by 4e-4 in Mesa.)
     Asin = 33 "ASIN" NONE,
         value |a, _, _| unit(a).asin(), bounds |a, _, _| rules::asin(a),
         slopes |a, _, _, _| (arc_slope(a), 0.0),
+        slope_bounds |a, _, _, _| slopes::first(slopes::arc(a)),
         glsl "atan(clamp($a, -1.0, 1.0), sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)))";
     /// The arc cosine of a clamped to -1..1; that of 0 for a NaN.
     Acos = 34 "ACOS" NEVER_NEGATIVE,
         value |a, _, _| unit(a).acos(), bounds |a, _, _| rules::acos(a),
         slopes |a, _, _, _| (-arc_slope(a), 0.0),
+        slope_bounds |a, _, _, _| slopes::first(rules::neg(slopes::arc(a))),
         glsl "atan(sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)), clamp($a, -1.0, 1.0))";
     /// The arc tangent of a.
     Atan = 35 "ATAN" NONE,
         value |a, _, _| a.atan(), bounds |a, _, _| rules::atan(a),
         slopes |a, _, _, _| ((1.0 + a * a).recip(), 0.0),
+        slope_bounds |a, _, _, _| slopes::atan(a),
         glsl "atan($a)";
     /// The hyperbolic sine of a.
     Sinh = 36 "SINH" NONE,
         value |a, _, _| a.sinh(), bounds |a, _, _| rules::sinh(a), slopes |a, _, _, _| (a.cosh(), 0.0),
+        slope_bounds |a, _, _, _| slopes::first(rules::cosh(a)),
         glsl "sinh($a)";
     /// The hyperbolic cosine of a.
     Cosh = 37 "COSH" NEVER_NEGATIVE,
         value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
+        slope_bounds |a, _, _, _| slopes::first(rules::sinh(a)),
         glsl "cosh($a)";
     /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`]; 0 for a NaN.
     Tanh = 38 "TANH" NONE,
         value |a, _, _| tanh(a), bounds |a, _, _| rules::tanh(a), slopes |_, _, r, _| (1.0 - r * r, 0.0),
+        slope_bounds |_, _, r, _| slopes::tanh(r),
         glsl "tanh(clamp($a, -10.0, 10.0))";
     /// 1 where a is 0, else 0 (also for a NaN).
     Not = 39 "NOT" TRUTH,
         value |a, _, _| truth(a == 0.0), bounds |a, _, _| rules::not(a), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a == 0.0)";
     /// The band with the number floor(a), clamped to 0..=31; band 0 for a NaN.
     Band = 40 "BAND" READS_FRAME,
         value |a, _, frame| frame.band(a), bounds |a, _, frame| frame.band_bounds(a),
         slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_band($a)";
     /// The spectrum at a in 0..1, low to high, clamped; linear between entries.
     Spectrum = 41 "SPECTRUM" READS_FRAME,
         value |a, _, frame| frame.spectrum.at(a, 0.0), bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
+        slope_bounds |a, _, _, frame| frame.spectrum.slope_bounds(a, Interval::point(0.0)),
         glsl "table_spectrum($a)";
     /// The waveform at a in 0..1, old to new, clamped; linear between entries.
     Waveform = 42 "WAVEFORM" READS_FRAME,
         value |a, _, frame| frame.waveform.at(a, 0.0), bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
+        slope_bounds |a, _, _, frame| frame.waveform.slope_bounds(a, Interval::point(0.0)),
         glsl "table_waveform($a)";
 
     /// a + b.
     Add = 64 "ADD" COMMUTATIVE,
         value |a, b, _| a + b, bounds |a, b, _| rules::add(a, b), slopes |_, _, _, _| (1.0, 1.0),
+        slope_bounds |_, _, _, _| slopes::constant(1.0, 1.0),
         glsl "($a + $b)";
     /// a - b.
     Sub = 65 "SUB" NONE,
         value |a, b, _| a - b, bounds |a, b, _| rules::sub(a, b), slopes |_, _, _, _| (1.0, -1.0),
+        slope_bounds |_, _, _, _| slopes::constant(1.0, -1.0),
         glsl "($a - $b)";
     /// a * b.
     Mul = 66 "MUL" COMMUTATIVE,
         value |a, b, _| a * b, bounds |a, b, _| rules::mul(a, b), slopes |a, b, _, _| (b, a),
+        slope_bounds |a, b, _, _| (b, a),
         glsl "($a * $b)";
     /// a / b; 0 where b is 0, so that the direction of no vector at all is no direction.
     Div = 67 "DIV" NONE,
         value |a, b, _| div(a, b), bounds |a, b, _| rules::div(a, b),
         slopes |_, b, r, _| if b == 0.0 { (0.0, 0.0) } else { (b.recip(), -r / b) },
+        slope_bounds |a, b, r, _| slopes::div(a, b, r),
         glsl "($b == 0.0 ? 0.0 : $a / $b)";
     /// The smaller of both.
     Min = 68 "MIN" COMMUTATIVE,
         value |a, b, _| a.min(b), bounds |a, b, _| rules::min(a, b),
         slopes |a, b, _, _| if b < a { (0.0, 1.0) } else { (1.0, 0.0) },
+        slope_bounds |a, b, _, _| slopes::chosen(Op::Min, a, b),
         glsl "min($a, $b)";
     /// The larger of both.
     Max = 69 "MAX" COMMUTATIVE,
         value |a, b, _| a.max(b), bounds |a, b, _| rules::max(a, b),
         slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
+        slope_bounds |a, b, _, _| slopes::chosen(Op::Max, a, b),
         glsl "max($a, $b)";
     /// a - b * floor(a / b), GLSL's mod: the sign is that of b; a where b is 0.
     Mod = 70 "MOD" NONE,
         value |a, b, _| modulo(a, b), bounds |a, b, _| rules::modulo(a, b),
         slopes |a, b, _, _| (1.0, -div(a, b).floor()),
+        slope_bounds |a, b, _, _| slopes::modulo(a, b),
         glsl "($b == 0.0 ? $a : $a - $b * floor($a / $b))";
     /// a to the power of b for positive a. A base that is 0 or negative (or below [`SMALLEST`]) gives 0, and
     /// 1 where b is 0.
     Pow = 71 "POW" NEVER_NEGATIVE,
         value |a, b, _| pow(a, b), bounds |a, b, _| rules::pow(a, b),
         slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
+        slope_bounds |a, b, r, _| slopes::pow(a, b, r),
         glsl "($a >= 1.17549435e-38 ? pow($a, $b) : float($b == 0.0))";
     /// The angle of the vector (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative
     /// b, else 0.
     Atan2 = 72 "ATAN2" NONE,
         value |a, b, _| atan2(a, b), bounds |a, b, _| rules::atan2(a, b),
         slopes |a, b, _, _| { let d = a * a + b * b; if d > 0.0 { (b / d, -a / d) } else { (0.0, 0.0) } },
+        slope_bounds |a, b, _, _| slopes::atan2(a, b),
         glsl "($a == 0.0 ? ($b < 0.0 ? 3.14159274 : 0.0) : atan($a, $b))";
     /// GLSL's step(a, b): 0 where b is below the edge a, else 1 (also for a NaN).
     Step = 73 "STEP" TRUTH,
         value |a, b, _| 1.0 - truth(b < a), bounds |a, b, _| rules::not(rules::less(b, a)),
         slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "($b < $a ? 0.0 : 1.0)";
     /// 1 where a < b, else 0.
     Less = 74 "LESS" TRUTH,
         value |a, b, _| truth(a < b), bounds |a, b, _| rules::less(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a < $b)";
     /// 1 where a <= b, else 0.
     LessEqual = 75 "LESS_EQUAL" TRUTH,
         value |a, b, _| truth(a <= b), bounds |a, b, _| rules::less_equal(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a <= $b)";
     /// 1 where a = b, else 0.
     Equal = 76 "EQUAL" COMMUTATIVE.and(TRUTH),
         value |a, b, _| truth(a == b), bounds |a, b, _| rules::equal(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a == $b)";
     /// b where a is not 0 (also where it is a NaN), else 0.
     Mask = 77 "MASK" NONE,
         value |a, b, _| if a == 0.0 { 0.0 } else { b }, bounds |a, b, _| rules::mask(a, b),
         slopes |a, _, _, _| (0.0, truth(a != 0.0)),
+        slope_bounds |a, b, _, _| slopes::chosen(Op::Mask, a, b),
         glsl "($a == 0.0 ? 0.0 : $b)";
     /// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)); see
     /// [`cell_hash`].
     Hash = 78 "HASH" NEVER_NEGATIVE,
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
+        slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "cell_hash($a, $b)";
     /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped,
     /// bilinear.
     History = 79 "HISTORY" READS_FRAME,
         value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
         slopes |a, b, _, frame| frame.history.slopes(a, b),
+        slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 }
 

@@ -43,6 +43,8 @@ pub use library::{Accuracy, Entry, entries, inputs};
 pub use scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky, TextureRef, Vec3};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
+#[cfg(test)]
+pub(crate) use tests::SHAPES;
 
 use crate::limits::{LIMITS, Limits};
 use diagnostic::Diagnostics;

@@ -19,11 +19,13 @@
 //! | 64 of a brick | the children of a divided cell, `x + 4 * (y + 4 * z)` |
 //! | a tape | in the texel before it the first texel of the tape of the object; then the clauses (`encode`) |
 //!
-//! A cell is `[bound, tape | object << 24, 0, 0]`: a lower bound of the distance everywhere in the cell, as a float's
+//! A cell is `[bound, tape | object << 24, slopes, slopes]`: a lower bound of the distance everywhere in the cell, as a float's
 //! bits, at most 0 where a surface may be; the first texel of its tape; the number of the nearest object, or
-//! [`OBJECT_UNKNOWN`]. A bound of [`DIVIDED`] says that the second word is the first texel of the cell's brick.
+//! [`OBJECT_UNKNOWN`]; bounds of the gradient ([`gradient`]) if the distance is none ([`World::steep`]) and a surface may
+//! be in the cell, else 0. A bound of [`DIVIDED`] says that the second word is the first texel of the cell's brick.
 
 mod encode;
+pub mod gradient;
 mod lanes;
 mod program;
 mod prune;
@@ -56,6 +58,8 @@ pub struct RegionVariant {
     pub operators: BTreeSet<Op>,
     /// Slots: a power of two, 4 to 64.
     pub slots: usize,
+    /// Whether rays need the cells' bounds of the gradient.
+    pub steep: bool,
 }
 
 /// What a tree depends on: where all of it is equal, so are the trees.
@@ -79,6 +83,7 @@ pub struct RegionPlan {
     variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
+    steep: bool,
 }
 
 impl RegionPlan {
@@ -99,6 +104,7 @@ impl RegionPlan {
             variant: RegionVariant::default(),
             bounds: world.bounds.map(|bounds| (bounds.low, bounds.high)),
             has_rest: world.has_rest,
+            steep: world.steep,
         };
         // Any numbers do: which slots are needed does not depend on them, but for fewer.
         let program = plan.folded(|_| f32::NAN, &FrameInputs::default());
@@ -108,7 +114,7 @@ impl RegionPlan {
             .all(|roots| encoder.encode(&program, *roots).is_ok());
         let slots = if fits { encoder.slots } else { SLOTS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
-        plan.variant = RegionVariant { operators, slots: slots.next_power_of_two() };
+        plan.variant = RegionVariant { operators, slots: slots.next_power_of_two(), steep: plan.steep };
         plan
     }
 
@@ -136,7 +142,7 @@ impl RegionPlan {
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
         let program = self.folded(|input| inputs.value(input), inputs);
-        tree::build(program, self.bounds, self.has_rest, inputs, options)
+        tree::build(program, self.bounds, self.has_rest, self.steep, inputs, options)
     }
 
     /// The program with a frame's numbers folded in.

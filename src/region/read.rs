@@ -1,8 +1,8 @@
 //! What the shaders do with a tree, on the processor: for tests and for tracing without a GPU.
 
 use super::tree::Regions;
-use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
-use crate::graph::{FrameInputs, Input};
+use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE, gradient};
+use crate::graph::{FrameInputs, Input, Interval};
 use crate::tape::{Clause, Instruction, Operand, opcode};
 
 /// A cell of the tree.
@@ -14,6 +14,8 @@ pub struct Cell {
     pub tape: u32,
     /// Number of the nearest object; none if more than one may be.
     pub object: Option<u32>,
+    /// Bounds of the gradient, for a distance that is none, where a surface may be.
+    pub slopes: [Interval; 3],
     /// Lower corner.
     pub low: [f32; 3],
     /// Upper corner.
@@ -37,13 +39,14 @@ impl Regions {
                 low[axis] += place * side[axis];
                 texel = texel * cells + place as usize;
             }
-            let [bound, second, ..] = *self.texels.get(first + texel)?;
+            let [bound, second, z, w] = *self.texels.get(first + texel)?;
             if bound != DIVIDED {
                 let object = second >> 24;
                 return Some(Cell {
                     bound: f32::from_bits(bound),
                     tape: second & 0xFF_FFFF,
                     object: (object != OBJECT_UNKNOWN).then_some(object),
+                    slopes: gradient::unpack([z, w]),
                     low,
                     high: std::array::from_fn(|axis| low[axis] + side[axis]),
                 });

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use super::encode::{Encoder, Texel};
+use super::gradient::Gradients;
 use super::lanes::{CELLS, Lanes, bound};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
 use super::prune::Decisions;
@@ -63,6 +64,8 @@ pub struct Regions {
 
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 12;
+/// Of a scene that needs gradients, cells near the middle are divided once more: down to this share of the way there.
+const FINE_SHARE: f32 = 0.1;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
 /// So far from surfaces penumbras and occlusion still ask for distances: a little more than the highest probe.
@@ -102,9 +105,13 @@ struct Builder<'a> {
     options: &'a RegionOptions,
     texels: Vec<Texel>,
     encoder: Encoder,
-    /// Second words of cells by the hash of their programs, and the tapes of objects by that of theirs.
+    /// Second words of cells by the hash of their programs.
     known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
-    levels: [Level; 3],
+    levels: [Level; 4],
+    /// Of scenes whose distance is none.
+    gradients: Option<Gradients>,
+    /// Whether the tree lies around the eye.
+    unbounded: bool,
     margin: f32,
     overlap: f32,
     whole_tape: u32,
@@ -117,12 +124,14 @@ pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
+    steep: bool,
     frame: &FrameInputs,
     options: &RegionOptions,
 ) -> Regions {
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
-    let cells = options.cells && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+    // Where the distance is none, rays cannot do without cells.
+    let cells = (options.cells || steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut builder = Builder {
         frame,
         options,
@@ -130,6 +139,8 @@ pub(super) fn build(
         encoder: Encoder::default(),
         known: HashMap::default(),
         levels: Default::default(),
+        gradients: steep.then(Gradients::default),
+        unbounded: bounds.is_none(),
         margin: farthest * ROUNDING,
         overlap: farthest * OVERLAP,
         whole_tape: 0,
@@ -262,7 +273,7 @@ impl Builder<'_> {
                 self.write_tape(program, CELLS)
             };
             for cell in cells_of(!own) {
-                self.write_cell(texel_of(cell), bounds.lo[cell], second);
+                self.write_cell(texel_of(cell), bounds.lo[cell], second, [0; 2]);
             }
         }
         level.decisions.decide(program, structure, &level.rows, own, near);
@@ -271,13 +282,17 @@ impl Builder<'_> {
             let group = level.groups[index];
             let with_object = group & near != 0;
             level.decisions.shortened(program, &level.rows, group, with_object, self.frame, &mut level.short);
-            let worth_it = depth == 1 && level.short.steps.len() > UNDIVIDED_MAX;
+            let worth_it = match &self.gradients {
+                None => depth == 1 && level.short.steps.len() > UNDIVIDED_MAX,
+                Some(_) => depth == 1 || (depth == 2 && self.is_fine(&block)),
+            };
             let divided = if worth_it { group & surface } else { 0 };
             let whole = group & !divided;
             if whole != 0 {
                 let second = self.write_tape(&level.short, whole.count_ones() as usize);
                 for cell in cells_of(whole) {
-                    self.write_cell(texel_of(cell), bounds.lo[cell], second);
+                    let slopes = self.slopes(&level, cell, surface);
+                    self.write_cell(texel_of(cell), bounds.lo[cell], second, slopes);
                 }
             }
             if divided != 0 {
@@ -285,7 +300,8 @@ impl Builder<'_> {
                 for cell in cells_of(divided) {
                     if self.texels.len() + CELLS > self.options.texels_max {
                         let second = self.write_tape(&level.short, 1);
-                        self.write_cell(texel_of(cell), bounds.lo[cell], second);
+                        let slopes = self.slopes(&level, cell, surface);
+                        self.write_cell(texel_of(cell), bounds.lo[cell], second, slopes);
                         continue;
                     }
                     let brick = self.texels.len();
@@ -301,11 +317,33 @@ impl Builder<'_> {
         }
     }
 
-    fn write_cell(&mut self, texel: usize, lowest: f32, second: u32) {
+    /// Whether cells of a block that is divided once more are still larger than what is seen of them from the middle.
+    fn is_fine(&self, block: &Block) -> bool {
+        let away = (0..3).map(|axis| {
+            let (low, high) = (block.low[axis], block.low[axis] + BRICK_SIDE as f32 * block.cell[axis]);
+            (low - self.options.center[axis]).max(self.options.center[axis] - high).max(0.0)
+        });
+        let side = block.cell.into_iter().fold(0.0, f32::max);
+        self.unbounded && side > FINE_SHARE * away.fold(0.0, f32::hypot)
+    }
+
+    /// The words of the gradient in one of the level's cells; 0 where no surface may be or nobody asks.
+    fn slopes(&mut self, level: &Level, cell: usize, surface: u64) -> [u32; 2] {
+        let frame = self.frame;
+        match &mut self.gradients {
+            Some(gradients) if surface >> cell & 1 == 1 => {
+                let sides = std::array::from_fn(|axis| level.rows[axis].at(cell));
+                gradients.words(&level.short, sides, frame)
+            }
+            _ => [0; 2],
+        }
+    }
+
+    fn write_cell(&mut self, texel: usize, lowest: f32, second: u32, [z, w]: [u32; 2]) {
         let bound = lowest - self.margin;
         // No number is no bound.
         let bound = if bound > 0.0 { bound.min(1e9) } else { 0.0 };
-        self.texels[texel] = [bound.to_bits(), second, 0, 0];
+        self.texels[texel] = [bound.to_bits(), second, z, w];
         self.stats.cells += 1;
     }
 

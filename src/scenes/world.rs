@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::textures::TextureCache;
 use super::{SceneError, SceneSource};
 use crate::lang::{Compiled, Diagnostic, render_all};
+use crate::region::RegionPlan;
 use crate::world::{TapeBuffers, World};
 
 /// A world with the programs of its tape.
@@ -15,6 +16,8 @@ pub struct ReadyScene {
     pub world: Arc<World>,
     /// Its programs.
     pub buffers: Arc<TapeBuffers>,
+    /// What builds its regions.
+    pub plan: Arc<RegionPlan>,
 }
 
 impl SceneSource {
@@ -45,7 +48,8 @@ impl SceneSource {
         let pictures = textures.load(self, &scene).map_err(|wrong| self.mistakes(&wrong, &compiled))?;
         let world = World::new(&self.name(), scene, pictures)?;
         let buffers = Arc::new(world.tape_buffers()?);
-        Ok(ReadyScene { world: Arc::new(world), buffers })
+        let plan = Arc::new(RegionPlan::new(&world));
+        Ok(ReadyScene { world: Arc::new(world), buffers, plan })
     }
 
     fn mistakes(&self, diagnostics: &[Diagnostic], compiled: &Compiled) -> SceneError {

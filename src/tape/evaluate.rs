@@ -1,14 +1,14 @@
 //! Tapes on the CPU: one machine, run over numbers, batches of numbers, intervals or dual numbers.
 
+use super::Tape;
 use super::clause::{Instruction, Operand};
-use super::{TableEntry, Tape};
 use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
 
 /// Points that a batch evaluates at once.
 const LANES: usize = 64;
 
 /// What a tape is run over.
-trait Domain {
+pub(super) trait Domain {
     type Value: Copy;
     /// What the table holds.
     type Entry: Copy;
@@ -21,8 +21,8 @@ trait Domain {
 
 /// The slots, the memory and the table of one run.
 #[derive(Debug, Clone)]
-struct Machine<V, E = f32> {
-    slots: Vec<V>,
+pub(super) struct Machine<V, E = f32> {
+    pub(super) slots: Vec<V>,
     memory: Vec<V>,
     table: Vec<E>,
 }
@@ -36,12 +36,12 @@ impl<V: Copy> Machine<V> {
 }
 
 impl<V: Copy, E: Copy> Machine<V, E> {
-    fn with_table(tape: &Tape, table: Vec<E>, zero: V) -> Self {
+    pub(super) fn with_table(tape: &Tape, table: Vec<E>, zero: V) -> Self {
         Self { slots: vec![zero; tape.slots.max(1)], memory: vec![zero; tape.memory], table }
     }
 
     #[inline(always)]
-    fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V, Entry = E>) {
+    pub(super) fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V, Entry = E>) {
         let Self { slots, memory, table } = self;
         let mut page = 0;
         let mut selected = (0, 0);
@@ -313,11 +313,7 @@ pub struct IntervalEvaluator<'a> {
 impl<'a> IntervalEvaluator<'a> {
     /// An evaluator of the tape with a frame's inputs, or those of every frame ([`FrameInputs::any`]).
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
-        let table = tape.table.iter().map(|entry| match *entry {
-            TableEntry::Constant(value) => Interval::point(value),
-            TableEntry::Input(input) => frame.bounds(input),
-        });
-        let machine = Machine::with_table(tape, table.collect(), Interval::point(0.0));
+        let machine = Machine::with_table(tape, tape.table_bounds(frame), Interval::point(0.0));
         let outputs = vec![Interval::point(0.0); tape.outputs.len()];
         Self { tape, frame, machine, outputs, choices: Vec::new() }
     }

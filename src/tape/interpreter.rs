@@ -152,18 +152,23 @@ impl Variant {
             && self.every_case == other.every_case
     }
 
-    /// The text of `operators.glsl`: the defines and the operators of the variant. It relies on what
-    /// [`super::glsl`] lists, as far as its operators use it.
-    pub fn text(&self) -> String {
+    /// The text of `operators.glsl`: the defines and the operators of the variant, and those of the regions' tapes. It
+    /// relies on what [`super::glsl`] lists, as far as its operators use it.
+    pub fn text(&self, region_operators: &BTreeSet<Op>, region_slots: usize) -> String {
         let mut text = String::with_capacity(8192);
-        self.write(&mut text);
+        self.write(region_operators, region_slots, &mut text);
         text
     }
 
-    fn write(&self, text: &mut String) {
+    fn write(&self, region_operators: &BTreeSet<Op>, region_slots: usize, text: &mut String) {
         // Writing to a String cannot fail.
         let silent = self.table == 0 || self.memory > 0 || self.textures > 0;
-        let numbers = [("SLOTS", self.slots), ("TABLE", self.table), ("MEMORY", self.memory)];
+        let numbers = [
+            ("SLOTS", self.slots),
+            ("TABLE", self.table),
+            ("MEMORY", self.memory),
+            ("REGION_SLOTS", region_slots),
+        ];
         for (name, number) in numbers {
             let _ = writeln!(text, "#define {name} {number}");
         }
@@ -175,12 +180,14 @@ impl Variant {
         }
         // A texel may hold a single clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
-        for &op in self.operators.iter().filter(|op| needs_scalars(**op)) {
+        for &op in self.operators.union(region_operators).filter(|op| needs_scalars(**op)) {
             write_scalar_function(text, op);
         }
-        let (rare, common): (Vec<Op>, Vec<Op>) =
-            self.operators.iter().partition(|op| self.every_case && is_rare(**op));
-        for (vector, lanes) in [("float", false), ("vec4", true)] {
+        for (vector, operators, lanes) in
+            [("float", region_operators, false), ("vec4", &self.operators, true)]
+        {
+            let (rare, common): (Vec<Op>, Vec<Op>) =
+                operators.iter().partition(|op| self.every_case && is_rare(**op));
             let _ = writeln!(text, "{vector} common_operator(int number, {vector} a, {vector} b) {{");
             let _ = writeln!(text, "    {vector} r = a;");
             self.write_cases(text, &common, lanes);

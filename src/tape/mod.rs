@@ -39,13 +39,15 @@ mod evaluate;
 pub mod glsl;
 pub mod interpreter;
 mod print;
+mod slopes;
 
 pub use clause::{Clause, Instruction, Operand, opcode};
 pub use evaluate::{Batch, Dual, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points};
+pub use slopes::GradientIntervals;
 
 use std::collections::BTreeSet;
 
-use crate::graph::{FrameInputs, Graph, GraphError, Input, NodeId, Op};
+use crate::graph::{FrameInputs, Graph, GraphError, Input, Interval, NodeId, Op};
 use crate::limits::{LIMITS, Limits};
 
 /// Why no tape was built.
@@ -153,6 +155,15 @@ impl Tape {
         }));
     }
 
+    /// Bounds of the table's numbers: points, unless the inputs are those of every frame.
+    fn table_bounds(&self, frame: &FrameInputs) -> Vec<Interval> {
+        let bounds = self.table.iter().map(|entry| match *entry {
+            TableEntry::Constant(value) => Interval::point(value),
+            TableEntry::Input(input) => frame.bounds(input),
+        });
+        bounds.collect()
+    }
+
     /// The slots that hold the values of the roots at the end.
     pub fn outputs(&self) -> &[u8] {
         &self.outputs
@@ -179,5 +190,7 @@ impl Tape {
     }
 }
 
+#[cfg(test)]
+mod slope_tests;
 #[cfg(test)]
 mod tests;

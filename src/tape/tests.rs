@@ -428,7 +428,7 @@ fn glsl_is_written_from_the_operators() {
         .map(|(number, value)| format!("    r = number == {number} ? ({value}) : r;\n"))
         .collect();
     for (every_case, expected) in [(false, switch), (true, selection)] {
-        let text = interpreter::Variant::of([&tape], every_case).text();
+        let text = interpreter::Variant::of([&tape], every_case).text(&Default::default(), 4);
         assert_eq!(text.matches(&expected).count(), 2, "for one point and for four: {text}");
     }
     let texel = graph.input(Input::Param(6));

@@ -12,6 +12,13 @@ pub struct Bounds {
     pub high: [f32; 3],
 }
 
+impl Bounds {
+    /// The cube of all that is no farther than `reach` away from a place along any axis.
+    pub fn around(place: [f32; 3], reach: f32) -> Self {
+        Self { low: place.map(|v| v - reach), high: place.map(|v| v + reach) }
+    }
+}
+
 /// Surfaces are looked for in a cube that reaches about so far from the origin; what goes on beyond has no bounds.
 const REACH: f32 = 1024.0;
 /// Farther away than this nothing is looked for.

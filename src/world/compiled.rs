@@ -41,8 +41,7 @@ impl World {
     /// What the renderer's shaders call.
     fn contract(&self) -> String {
         let mut text = String::from(
-            "void scene_begin() {}\n\
-             vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \
+            "vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \
              rest_distance(p, vec3(penumbra, 0.0, 0.0), d.x, d.y);\n    return d;\n}\n\
              vec4 scene_estimates(vec4 x, vec4 y, vec4 z) {\n    vec4 estimates;\n    \
              for (int i = 0; i < 4; i++) {\n        \

@@ -2,11 +2,11 @@
 //!
 //! | texel (four words) | holds |
 //! |---|---|
-//! | 0 | where the programs of the distance, the object, the sky and the ambient light begin |
+//! | 0 | where the programs of the sky and the ambient light begin |
 //! | 1.. | where the material of each object begins, four objects a texel |
 //! | a program | a header, then its clauses |
 //!
-//! The words of a program are those of [`crate::tape::interpreter`].
+//! The words of a program are those of [`crate::tape::interpreter`]. Distances and objects come from regions.
 
 use super::{MATERIAL_OUTPUTS, World, WorldError};
 use crate::graph::{FrameInputs, NodeId};
@@ -15,6 +15,9 @@ use crate::tape::{TableEntry, Tape, TapeOptions};
 
 /// Words of a texel, and entries of one of the table.
 const TEXEL: usize = 4;
+
+/// Programs before those of the materials: sky and ambient light.
+const PROGRAMS_OF_LIGHT: usize = 2;
 
 /// Entries of a table's page.
 const PAGE: usize = 256;
@@ -90,12 +93,8 @@ impl World {
         let mut programs = Programs::default();
         let objects = self.scene.objects.len();
         programs.words.resize(TEXEL + objects.div_ceil(TEXEL) * TEXEL, 0);
-        let directory = [
-            programs.add(tape(&self.roots.distance)?),
-            programs.add(tape(&[self.roots.object])?),
-            programs.add(tape(&self.roots.sky)?),
-            programs.add(tape(&self.roots.ambient)?),
-        ];
+        let directory =
+            [programs.add(tape(&self.roots.sky)?), programs.add(tape(&self.roots.ambient)?), 0, 0];
         let mut materials = Vec::with_capacity(self.roots.materials.len());
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
@@ -110,11 +109,12 @@ impl World {
         let end = programs.table.len() + PAGE;
         programs.table.resize(end, TableEntry::Constant(0.0));
         let clauses = |tapes: &[Tape]| tapes.iter().map(|tape| tape.clauses().len()).sum();
-        let (first, others) = programs.tapes.split_at(directory.len());
+        let (_, of_materials) = programs.tapes.split_at(PROGRAMS_OF_LIGHT);
+        let traced = [tape(&self.roots.distance)?, tape(&[self.roots.object])?];
         let cost = Cost {
-            distance: first.first().map_or(0, |tape| tape.clauses().len()),
-            materials: clauses(others),
-            total: clauses(&programs.tapes),
+            distance: clauses(&traced[..1]),
+            materials: clauses(of_materials),
+            total: clauses(&programs.tapes) + clauses(&traced),
         };
         Ok(TapeBuffers {
             variant: Variant::of(&programs.tapes, false),
@@ -145,8 +145,8 @@ mod tests {
         assert_eq!(words[4], words[6], "the first and the third object are of one material");
         assert_ne!(words[4], words[5]);
         for (program, roots) in [
-            (words[0], &world.roots.distance[..]),
-            (words[1], &[world.roots.object]),
+            (words[0], &world.roots.sky[..]),
+            (words[1], &world.roots.ambient),
             (words[4], &world.roots.materials[0]),
             (words[5], &world.roots.materials[1]),
         ] {

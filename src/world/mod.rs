@@ -13,6 +13,7 @@ mod frame_tape;
 mod hoist;
 mod interpreted;
 mod planes;
+mod steepness;
 mod validate;
 
 pub use bounds::Bounds;
@@ -129,6 +130,9 @@ pub struct World {
     pub has_rest: bool,
     /// Where the surfaces of the rest lie at any sound and time, where that is known.
     pub bounds: Option<Bounds>,
+    /// Whether the distance of the rest is none in practice: steeper than the way, or much flatter at surfaces. Rays then
+    /// need to know how steep it is where they are.
+    pub steep: bool,
     /// What the shader evaluates.
     pub roots: Roots,
     /// What the processor evaluates once a frame.
@@ -148,19 +152,25 @@ impl World {
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
         let roots = roots(&mut scene, rest.as_ref());
         scene.graph.check().map_err(graph_error)?;
-        let mut bounds = None;
+        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
+        let (mut bounds, mut steep) = (None, false);
         if rest.is_some() {
             let options = TapeOptions::default();
             let tape = Tape::build(&scene.graph, &roots.distance[..1], &options).map_err(tape_error)?;
             let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
             bounds = bounds::find(&tape, &any);
+            let around = |inputs: &FrameInputs| {
+                bounds.unwrap_or_else(|| Bounds::around(frame_tape.values(inputs).target, steepness::AROUND))
+            };
+            let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
+            steep = steepness::is_steep(&tape, frames);
         }
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
-        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),
             bounds,
+            steep,
             roots,
             graph,
             hoisted,

@@ -26,14 +26,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("lang", &["graph", "limits"]),
     ("graph", &["limits"]),
     ("tape", &["graph", "limits"]),
-    ("region", &["tape", "limits"]),
+    ("region", &["world", "graph", "tape", "limits"]),
     // How many bands there are is the sound's to say.
     ("world", &["lang", "graph", "tape", "dsp", "limits"]),
     ("dsp", &["limits"]),
     ("audio", &["dsp", "limits"]),
     ("frame", &["world", "graph", "dsp", "limits"]),
-    ("gpu", &["frame", "world", "graph", "tape", "limits"]),
-    ("scenes", &["lang", "world", "limits"]),
+    ("gpu", &["frame", "world", "region", "graph", "tape", "limits"]),
+    ("scenes", &["lang", "world", "region", "limits"]),
     (
         "app",
         &[
@@ -41,7 +41,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "config", "limits",
         ],
     ),
-    ("export", &["world", "scenes", "frame", "gpu", "audio", "dsp", "config", "limits"]),
+    ("export", &["world", "region", "scenes", "frame", "gpu", "audio", "dsp", "config", "limits"]),
     ("config", &["limits"]),
 ];
 

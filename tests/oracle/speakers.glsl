@@ -67,8 +67,6 @@ float bars_distance(vec3 p) {
     return min(bar_distance(p, first), bar_distance(p, second));
 }
 
-void scene_begin() {}
-
 vec2 scene_distance(vec3 p, float penumbra) {
     float speakers = speakers_distance(p);
     float bars = bars_distance(p);

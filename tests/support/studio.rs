@@ -55,22 +55,22 @@ impl Studio {
 
     /// Another scene and mode, or the counting variant.
     pub fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
-        let ReadyScene { world, buffers } = ready(scene);
+        let ReadyScene { world, buffers, plan } = ready(scene);
         let context = Headless::new(false).unwrap();
         let gl = context.gl();
         let renderer =
             Renderer::new(gl, &ShaderLibrary::embedded(), counting).unwrap_or_else(|error| panic!("{error}"));
-        let variant = variant_of(&world, &buffers, mode, gl.info(), counting)
+        let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", scene.name()));
         let program = link(&context, &ShaderLibrary::embedded(), &variant);
-        let resources = SceneResources::upload(gl, world, buffers).unwrap();
+        let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
         Self { renderer, program, resources, context }
     }
 
     /// The program of the scene in a mode, for [`Studio::program`].
     pub fn program_of(&self, mode: Mode, counting: Counting) -> Program {
-        let (world, buffers) = (self.world(), self.resources.buffers());
-        let variant = variant_of(world, buffers, mode, self.context.gl().info(), counting)
+        let (world, buffers, plan) = (self.world(), self.resources.buffers(), self.resources.plan());
+        let variant = variant_of(world, buffers, plan, mode, self.context.gl().info(), counting)
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
         self.link(&ShaderLibrary::embedded(), &variant)
     }

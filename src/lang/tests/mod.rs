@@ -11,6 +11,8 @@ mod messages;
 #[cfg(test)]
 mod shapes;
 
+pub(crate) use shapes::SHAPES;
+
 use super::{Compiled, Scene, compile, no_includes};
 use crate::graph::{FrameInputs, Point};
 

@@ -3,10 +3,10 @@ use super::super::{Fault, compile, entries, no_includes};
 use super::{distance, scene, value};
 
 /// A point and the distance there.
-type Sample = ([f32; 3], f32);
+pub(crate) type Sample = ([f32; 3], f32);
 
 /// A call of each shape, and points with their distances.
-const SHAPES: &[(&str, &[Sample])] = &[
+pub(crate) const SHAPES: &[(&str, &[Sample])] = &[
     ("sphere(p, 1)", &[([2.0, 0.0, 0.0], 1.0), ([0.0, 0.0, 0.0], -1.0)]),
     ("box(p, vec3(1, 0.5, 0.75))", &[([4.0, 4.5, 0.0], 5.0), ([0.0, 0.0, 0.0], -0.5)]),
     ("round_box(p, 0.75, 0.25)", &[([2.0, 0.0, 0.0], 1.0)]),

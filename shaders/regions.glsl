@@ -1,0 +1,84 @@
+// The tree over space that the program builds for a frame (src/region/): how far away every surface is from a cell at
+// least, and the short tape that gives the distance inside it.
+//
+// Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A cell that is divided has a brick of 4 x 4 x 4.
+//   x   the least distance in the cell, as float bits, 0 where a surface may lie in it; DIVIDED if it has a brick
+//   y   a brick's first texel; else the tape's first texel, and from bit 24 on the number of the nearest object
+
+uniform usamplerBuffer regions;     // RGBA32UI
+
+const uint DIVIDED = 0xFFFFFFFFu;
+// Texels that are read to find a cell: in the root, in a brick, in a brick of it.
+const int REGION_LEVELS = 3;
+const float ROOT_SIDE = 16.0;
+// The object of a cell that holds several.
+const int SEVERAL = 255;
+// The most cells that a ray passes without an evaluation.
+const int SKIPS_MAX = 1024;
+// A ray goes on behind a cell's face by this, and by this share of its way.
+const float PAST_FACE = 4e-6;
+
+struct Cell {
+    float bound;    // no surface is nearer to any of its points
+    int tape;       // first texel of what gives bound and estimate inside
+    int object;     // the nearest one, or SEVERAL
+    float side;     // in root cells; 0 outside of the tree
+#ifdef STEEP
+    uvec2 slopes;   // bounds of the gradient (steep.glsl)
+#endif
+};
+
+// The cell at a point in root cells.
+Cell cell_at(vec3 q) {
+    bool inside = region_low.w > 0.5 && all(greaterThanEqual(q, vec3(0.0))) && all(lessThan(q, vec3(ROOT_SIDE)));
+    uvec4 texel = uvec4(0u);
+    float per_root = 1.0;
+    ivec3 place = inside ? ivec3(q) : ivec3(0);
+    int at = place.x + 16 * (place.y + 16 * place.z);
+    for (int level = 0; level < REGION_LEVELS; level++) {
+        texel = texelFetch(regions, at);
+        if (texel.x != DIVIDED || !inside) break;
+        per_root *= 4.0;
+        place = ivec3(q * per_root) & 3;
+        at = int(texel.y) + place.x + 4 * (place.y + 4 * place.z);
+    }
+    Cell cell;
+    cell.bound = inside ? uintBitsToFloat(texel.x) : 0.0;
+    cell.tape = inside ? int(texel.y & 0xFFFFFFu) : int(region_scale.w);
+    cell.object = inside ? int(texel.y >> 24) : SEVERAL;
+    cell.side = inside ? 1.0 / per_root : 0.0;
+#ifdef STEEP
+    cell.slopes = texel.zw;
+#endif
+    return cell;
+}
+
+// A point in root cells.
+vec3 in_root(vec3 p) {
+    return (p - region_low.xyz) * region_scale.xyz;
+}
+
+// A ray in root cells.
+struct Walk {
+    vec3 start;
+    vec3 pace;
+    vec3 inverse;
+};
+
+Walk walk_of(vec3 origin, vec3 direction) {
+    vec3 pace = direction * region_scale.xyz;
+    // A component of exactly 0 would make 0 * inf = NaN.
+    return Walk(in_root(origin), pace, 1.0 / (pace + mix(vec3(-1e-12), vec3(1e-12), greaterThanEqual(pace, vec3(0.0)))));
+}
+
+// Where the ray, at a point q of the cell, leaves it.
+float exit_of(Cell cell, Walk walk, vec3 q) {
+    vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.pace)) * cell.side;
+    vec3 t = (face - walk.start) * walk.inverse;
+    return min(t.x, min(t.y, t.z));
+}
+
+// A little behind a face, so that the ray stands in the next cell.
+float past(float t) {
+    return t * (1.0 + PAST_FACE) + PAST_FACE;
+}

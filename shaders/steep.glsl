@@ -1,0 +1,111 @@
+// Rays through formulas that are no distance functions, in the variant STEEP: `trace` of sphere_tracing.glsl. Each cell of the tree (regions.glsl) knows
+// how steep the formula may be inside (src/region/gradient.rs), so a step that cannot pass a surface is known, too: the
+// value over the rate at which it can fall along the ray, or up to the cell's face.
+
+// Steps of a ray, grazing ones counted in, and rounds that close in on where the sign changed.
+const int STEEP_STEPS_MAX = 512;
+const int CLOSINGS_MAX = 6;
+// The smallest step, as a share of the radius of the pixel's cone: nothing that is seen is thinner.
+const float STEEP_STEP_MIN = 0.5;
+// The smallest step grows so much with each: a ray that grazes a surface ends.
+const float STEEP_STEP_GROWTH = 0.005;
+// So close is close enough to where the sign changes, as a share of the same.
+const float CLOSE_ENOUGH = 0.05;
+
+// Bounds of the gradient.
+struct Slopes {
+    vec3 low;
+    vec3 high;
+};
+
+// The bounds in the words .z and .w of a cell: shares of one scale, whole numbers over 128.
+Slopes unpack_slopes(uvec2 words) {
+    ivec2 signed_words = ivec2(words);
+    float unit = uintBitsToFloat(words.y & 0xFFFF0000u) / 128.0;
+    vec3 low = vec3((signed_words.x << 24) >> 24, (signed_words.x << 16) >> 24, (signed_words.x << 8) >> 24);
+    vec3 high = vec3(signed_words.x >> 24, (signed_words.y << 24) >> 24, (signed_words.y << 16) >> 24);
+    return Slopes(low * unit, high * unit);
+}
+
+// The largest rate at which the value can fall along a direction.
+float slope_towards(Slopes slopes, vec3 direction) {
+    vec3 falls = max(-slopes.low * direction, -slopes.high * direction);
+    return falls.x + falls.y + falls.z;
+}
+
+// Where along the ray there are cells that may hold a surface.
+vec2 steep_span(vec3 origin, vec3 direction) {
+    vec2 span = traced_span(origin, direction, 0.0);
+    vec2 tree = box_span(origin, direction, region_low.xyz, region_low.xyz + ROOT_SIDE / region_scale.xyz);
+    return vec2(max(span.x, tree.x), min(span.y, tree.y));
+}
+
+// First surface along the ray: where the sign changes. `cone` is the radius of the pixel's cone at t = 0 and `spread` its
+// growth.
+Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
+    Hit behind = trace_planes(origin, direction, start);
+    vec2 span = steep_span(origin, direction);
+    float end = min(span.y, behind.t);
+    float t = max(past(span.x), start);
+    if (t >= end) return behind;
+    Walk walk = walk_of(origin, direction);
+    // The last point outside with its value, unless that is only known to be above 0, and the first one inside.
+    float outside = t;
+    float above = 0.0;
+    float inside = -1.0;
+    float below = 0.0;
+    int closings = 0;
+    for (int i = 0; i < STEEP_STEPS_MAX; i++) {
+        Cell cell;
+        vec3 q;
+        for (int skip = 0; skip < SKIPS_MAX; skip++) {
+            q = walk.start + t * walk.pace;
+            cell = cell_at(q);
+            COUNT(lookups);
+            if (!(cell.bound > 0.0) || inside >= 0.0) break;
+            outside = t;
+            above = 0.0;
+            t = past(exit_of(cell, walk, q));
+            if (t >= end) break;
+        }
+        if (t >= end) return behind;
+        float value = scene_distance(cell, origin + t * direction, 0.0).x;
+#ifdef COUNT_EVALUATIONS
+        if (reflected) { COUNT(reflection); } else { COUNT(primary); }
+        if (i == STEEP_STEPS_MAX - 1) COUNT(capped);
+#endif
+        float radius = cone + spread * t;
+        // What is no number is inside, too.
+        if (value > 0.0) {
+            outside = t;
+            above = value;
+        } else {
+            inside = t;
+            below = value;
+        }
+        if (inside >= 0.0) {
+            bool close = inside - outside < CLOSE_ENOUGH * radius;
+            if (!(above > 0.0) || close || closings == CLOSINGS_MAX) return Hit(inside, NOTHING, true);
+            closings++;
+            // The secant, kept off both ends so that both close in.
+            t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
+        } else {
+            float slope = slope_towards(unpack_slopes(cell.slopes), direction);
+            float safe = slope > 0.0 ? value / slope : FAR;
+            float leaves = past(exit_of(cell, walk, q)) - t;
+            float smallest = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * float(i)) * radius;
+            // Outside of the tree by a rounding there is no cell to leave.
+            t += cell.side > 0.0 ? max(min(safe, leaves), smallest) : past(smallest);
+        }
+    }
+    return behind;
+}
+
+// For a shadow ray: how far it may step, and whether anything is in its way, as a distance that is far or 0. What is no
+// distance says nothing of how closely a ray passes: shadows are sharp.
+vec2 steep_nearest(Cell cell, Walk walk, float t, vec3 direction, vec2 values) {
+    float towards = slope_towards(unpack_slopes(cell.slopes), direction);
+    float leaves = past(exit_of(cell, walk, walk.start + t * walk.pace)) - t;
+    float stride = min(towards > 0.0 ? values.x / towards : FAR, cell.side > 0.0 ? leaves : FAR);
+    return vec2(stride, values.y > 0.0 ? FAR : 0.0);
+}

@@ -1,0 +1,159 @@
+//! Trees of regions, built beside the frames on a thread of their own.
+//!
+//! Only the latest request counts: one that was not begun is replaced. What comes back is the tree with the whole frame
+//! that it was asked for, so that a picture is drawn with the inputs of its tree.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use crate::frame::Frame;
+use crate::gpu::scene_resources::{BuiltRegions, RegionRequest};
+use crate::region::RegionPlan;
+
+/// A tree to be built.
+pub struct TreeJob<Tag> {
+    /// What the asker knows it by.
+    pub tag: Tag,
+    /// The frame that is to be drawn with it.
+    pub frame: Frame,
+    /// What builds it.
+    pub plan: Arc<RegionPlan>,
+    /// What it is built for.
+    pub request: RegionRequest,
+}
+
+/// A tree that is done.
+pub struct BuiltTree<Tag> {
+    /// What the asker knows it by.
+    pub tag: Tag,
+    /// The frame that is to be drawn with it.
+    pub frame: Frame,
+    /// The tree.
+    pub regions: Arc<BuiltRegions>,
+}
+
+struct State<Tag> {
+    next: Option<TreeJob<Tag>>,
+    done: Option<BuiltTree<Tag>>,
+    over: bool,
+}
+
+struct Shared<Tag> {
+    state: Mutex<State<Tag>>,
+    changed: Condvar,
+}
+
+impl<Tag> Shared<Tag> {
+    fn lock(&self) -> MutexGuard<'_, State<Tag>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The thread and what lies between it and the frames.
+pub struct RegionBuilder<Tag> {
+    shared: Arc<Shared<Tag>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl<Tag: Send + 'static> RegionBuilder<Tag> {
+    /// Starts the thread, which calls `wake` after each tree.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        let state = State { next: None, done: None, over: false };
+        let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
+        let theirs = shared.clone();
+        let thread = std::thread::Builder::new().name("regions".into());
+        let thread = thread.spawn(move || work(&theirs, &wake))?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Asks for a tree in place of any that was not begun.
+    pub fn request(&self, job: TreeJob<Tag>) {
+        self.shared.lock().next = Some(job);
+        self.shared.changed.notify_one();
+    }
+
+    /// The latest tree that is done, once.
+    pub fn poll(&self) -> Option<BuiltTree<Tag>> {
+        self.shared.lock().done.take()
+    }
+
+    /// Whether [`RegionBuilder::poll`] has something.
+    pub fn has_built(&self) -> bool {
+        self.shared.lock().done.is_some()
+    }
+}
+
+impl<Tag> Drop for RegionBuilder<Tag> {
+    fn drop(&mut self) {
+        let mut state = self.shared.lock();
+        state.over = true;
+        state.next = None;
+        drop(state);
+        self.shared.changed.notify_one();
+        // A tree takes milliseconds.
+        if self.thread.take().is_some_and(|thread| thread.join().is_err()) {
+            tracing::warn!("the thread of the regions ended by a panic");
+        }
+    }
+}
+
+fn work<Tag>(shared: &Shared<Tag>, wake: &dyn Fn()) {
+    loop {
+        let mut state = shared.lock();
+        while state.next.is_none() && !state.over {
+            state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+        let Some(job) = state.next.take().filter(|_| !state.over) else { return };
+        drop(state);
+        let TreeJob { tag, frame, plan, request } = job;
+        // A panic must not leave the picture waiting: the next request is another chance.
+        let built = catch_unwind(AssertUnwindSafe(|| BuiltRegions::new(&plan, &frame.inputs, request)));
+        match built {
+            Ok(regions) => shared.lock().done = Some(BuiltTree { tag, frame, regions: Arc::new(regions) }),
+            Err(_) => tracing::error!("building the regions ended by a panic"),
+        }
+        wake();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dsp::Features;
+    use crate::gpu::scene_resources::RegionRequest;
+    use crate::region::RegionOptions;
+    use crate::world::testing::world_of;
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    #[test]
+    fn the_latest_request_is_built_and_comes_with_its_frame() {
+        let world = world_of("object ball { shape = sphere(p, 1 + 0.1 * sin(t)) }");
+        let plan = Arc::new(RegionPlan::new(&world));
+        let (woken, wakes) = channel();
+        let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        let job = |tag: usize| {
+            let frame = Frame::new(&world, tag as f64, Features::SILENCE, (8, 8));
+            let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
+            TreeJob { tag, frame, plan: plan.clone(), request }
+        };
+        for tag in 0..50 {
+            builder.request(job(tag));
+        }
+        let last = loop {
+            wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+            match builder.poll() {
+                Some(built) if built.tag == 49 => break built,
+                _ => {}
+            }
+        };
+        assert_eq!(last.frame.inputs.time, 49.0);
+        let alone = plan.build(&last.frame.inputs, &RegionOptions::default());
+        assert_eq!(last.regions.regions, alone);
+        assert!(builder.poll().is_none(), "a tree comes once");
+    }
+}

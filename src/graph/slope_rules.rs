@@ -1,0 +1,181 @@
+//! Interval rules of the partial derivatives: for every value in the operands, the slopes that
+//! [`super::Op::slopes`] gives are in the result, and at a kink those of both sides.
+//!
+//! **Jumps.** The slope of FLOOR, LESS, HASH and their like is 0 on both sides of a jump, and so it is here, though
+//! nothing bounds the change across one. That is right for what formulas use them for: parts that jump, put together
+//! to a value that does not (noise is smooth across its cells, a repeated shape across its seams). The mean value
+//! theorem holds for such a value: from one point of a box to another it changes by no more than bounds of the slopes
+//! on all pieces allow. A value that does jump is bounded from jump to jump only.
+//!
+//! **Rounding.** As in `rules.rs`: the slopes are computed by the operations of [`super::Op::slopes`] in the same order,
+//! rounded to nearest, which never reverses an order; library functions are widened.
+
+use super::interval::{Choice, Interval};
+use super::op::{Op, SMALLEST};
+use super::rules;
+
+const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
+const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
+/// From 0 to beyond all bounds: near a vertical tangent.
+const STEEP: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
+
+/// Slopes that are the same everywhere.
+#[inline(always)]
+pub(super) const fn constant(by_a: f32, by_b: f32) -> (Interval, Interval) {
+    (Interval { lo: by_a, hi: by_a }, Interval { lo: by_b, hi: by_b })
+}
+
+/// The slope of a one-operand operator.
+#[inline(always)]
+pub(super) const fn first(by_a: Interval) -> (Interval, Interval) {
+    (by_a, ZERO)
+}
+
+/// What both bound; the first where rounding leaves nothing.
+fn meet(a: Interval, b: Interval) -> Interval {
+    if a.is_any() || b.is_any() {
+        return if a.is_any() { b } else { a };
+    }
+    let both = Interval::new(a.lo.max(b.lo), a.hi.min(b.hi));
+    if both.is_any() { a } else { both }
+}
+
+/// The bounds of a function that never rises.
+fn map_falling(a: Interval, f: impl Fn(f32) -> f32) -> Interval {
+    Interval { lo: f(a.hi), hi: f(a.lo) }
+}
+
+#[inline(always)]
+pub(super) fn abs(a: Interval) -> (Interval, Interval) {
+    first(Interval { lo: if a.lo >= 0.0 { 1.0 } else { -1.0 }, hi: if a.hi < 0.0 { -1.0 } else { 1.0 } })
+}
+
+#[inline(always)]
+pub(super) fn square(a: Interval) -> (Interval, Interval) {
+    first(a.map_rising(|v| 2.0 * v))
+}
+
+pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
+    if r.is_any() {
+        return first(STEEP);
+    }
+    let slope = |r: f32| if r > 0.0 { 0.5 / r } else { f32::INFINITY };
+    first(if rules::is_zero(r) {
+        ZERO
+    } else if r.lo > 0.0 {
+        map_falling(r, slope)
+    } else {
+        STEEP
+    })
+}
+
+pub(super) fn exp2(r: Interval) -> (Interval, Interval) {
+    first(r.map_rising(|r| r * std::f32::consts::LN_2))
+}
+
+/// `scale` is the slope at 1.
+pub(super) fn log(a: Interval, scale: f32) -> (Interval, Interval) {
+    if a.lo > SMALLEST {
+        return first(map_falling(a, |v| scale / v));
+    }
+    first(if a.hi <= SMALLEST { ZERO } else { Interval { lo: 0.0, hi: scale / SMALLEST } })
+}
+
+pub(super) fn tan(r: Interval) -> (Interval, Interval) {
+    first(rules::add(ONE, rules::square(r)))
+}
+
+pub(super) fn tanh(r: Interval) -> (Interval, Interval) {
+    first(rules::sub(ONE, rules::square(r)))
+}
+
+/// Of the arc sine: 0 beyond -1..1, vertical at the ends.
+pub(super) fn arc(a: Interval) -> Interval {
+    let size = rules::abs(a);
+    if size.lo >= 1.0 {
+        return ZERO;
+    }
+    let slope = |v: f32| (1.0 - v * v).sqrt().recip();
+    if size.hi < 1.0 { size.map_rising(slope) } else { STEEP }
+}
+
+pub(super) fn atan(a: Interval) -> (Interval, Interval) {
+    first(map_falling(rules::abs(a), |v| (1.0 + v * v).recip()))
+}
+
+pub(super) fn div(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
+    if rules::is_zero(b) {
+        return constant(0.0, 0.0);
+    }
+    if !b.has_zero() {
+        return (map_falling(b, f32::recip), rules::neg(rules::div(r, b)));
+    }
+    let by_a = Interval {
+        lo: if b.lo >= 0.0 { 0.0 } else { f32::NEG_INFINITY },
+        hi: if b.hi <= 0.0 { 0.0 } else { f32::INFINITY },
+    };
+    let by_b = if rules::is_zero(a) {
+        ZERO
+    } else if a.is_any() || b.is_any() || a.is_unbounded() {
+        Interval::ANY
+    } else {
+        Interval::ALL
+    };
+    (by_a, by_b)
+}
+
+pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
+    (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
+}
+
+/// The slope of whichever operand is taken: of both where either may be, or where they touch.
+#[inline(always)]
+pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
+    match op.choice(a, b) {
+        _ if op != Op::Mask && (a.lo == b.hi || a.hi == b.lo) => (Interval::UNIT, Interval::UNIT),
+        Choice::Left if op == Op::Mask => constant(0.0, 0.0),
+        Choice::Left => constant(1.0, 0.0),
+        Choice::Right => constant(0.0, 1.0),
+        Choice::Both if op == Op::Mask => (ZERO, Interval::UNIT),
+        Choice::Both => (Interval::UNIT, Interval::UNIT),
+    }
+}
+
+/// Exponents up to here have slopes of their own power, not only quotients of it.
+const OWN_POWER_MAX: f32 = 64.0;
+/// Below this a value may come from denormal numbers, which are rounded too badly to be bounded in two ways.
+const ROUNDED_BADLY: f32 = 1e-3;
+
+pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
+    if a.hi < SMALLEST {
+        return constant(0.0, 0.0);
+    }
+    if a.is_any() || b.is_any() {
+        return (Interval::ANY, Interval::ANY);
+    }
+    let base = Interval { lo: a.lo.max(SMALLEST), hi: a.hi };
+    let mut by_a = rules::div(rules::mul(b, r), base);
+    if b.lo >= 0.0 && b.hi <= OWN_POWER_MAX && r.hi < f32::INFINITY {
+        // The same by another way, which does not divide by what is almost 0; apart by the roundings of both ways.
+        let power = rules::mul(b, rules::pow(base, rules::sub(b, ONE)));
+        if power.hi > ROUNDED_BADLY {
+            by_a = meet(by_a, Interval { lo: 0.0, hi: power.hi * 1.001 });
+        }
+    }
+    let by_b = rules::mul(r, rules::log(base));
+    if a.lo < SMALLEST { (by_a.hull(ZERO), by_b.hull(ZERO)) } else { (by_a, by_b) }
+}
+
+pub(super) fn atan2(a: Interval, b: Interval) -> (Interval, Interval) {
+    if a.is_any() || b.is_any() || a.is_unbounded() || b.is_unbounded() {
+        return (Interval::ANY, Interval::ANY);
+    }
+    let d = rules::add(rules::square(a), rules::square(b));
+    if !(d.lo > 0.0) {
+        return (Interval::ALL, Interval::ALL);
+    }
+    // No steeper than one over the distance from the origin.
+    let most = if d.lo > SMALLEST / f32::EPSILON { d.lo.sqrt().recip() * 1.001 } else { f32::INFINITY };
+    let most = Interval { lo: -most, hi: most };
+    (meet(rules::div(b, d), most), meet(rules::neg(rules::div(a, d)), most))
+}

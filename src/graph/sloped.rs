@@ -1,0 +1,214 @@
+//! Bounds of a value and of its gradient over a box, by forward accumulation (Moore, Kearfott and Cloud 2009, section 6.4;
+//! Griewank and Walther 2008, chapter 3).
+
+use super::frame_inputs::FrameInputs;
+use super::interval::Interval;
+use super::op::Op;
+use super::rules;
+
+/// Bounds of a value all over a box, and of its derivatives by x, y and z there; of those on both sides at a kink. Jumps
+/// have no slope (see `slope_rules.rs`).
+///
+/// **Lengths.** The slope of a square root is unbounded at 0, that of a length is not: with s = Σ aᵢ² and r = √s,
+/// ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x, and by Cauchy and Schwarz |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²), as Σ (aᵢ/r)² = 1. So a sum of squares
+/// carries Σ (∂aᵢ/∂x)² until its root is taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sloped {
+    /// The value.
+    pub value: Interval,
+    /// The gradient.
+    pub gradient: [Interval; 3],
+    /// Where the value is known to be a sum of squares, also of a constant that is not negative: for each axis at least
+    /// the sum of the squared derivatives of what is squared. Else infinite.
+    squares: [f32; 3],
+}
+
+const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
+/// More than what the roundings of a sum of squares, of its root and of both slopes come to.
+const LENGTH_ERROR: f32 = 1.0 + 1e-4;
+
+impl Sloped {
+    /// What is the same all over the box: a constant, an input of the frame.
+    #[inline(always)]
+    pub fn flat(value: Interval) -> Self {
+        let squares = if value.lo >= 0.0 { [0.0; 3] } else { [f32::INFINITY; 3] };
+        Self { value, gradient: [ZERO; 3], squares }
+    }
+
+    /// The coordinate with the number `axis`, 0..3.
+    #[inline(always)]
+    pub fn coordinate(axis: usize, value: Interval) -> Self {
+        let gradient = [0, 1, 2].map(|each| Interval::point(if each == axis { 1.0 } else { 0.0 }));
+        Self { value, gradient, squares: [f32::INFINITY; 3] }
+    }
+
+    /// A one-operand operator.
+    pub fn unary(op: Op, a: &Self, frame: &FrameInputs) -> Self {
+        let value = op.bounds(a.value, ZERO, frame);
+        let (slope, _) = op.slope_bounds(a.value, ZERO, value, frame);
+        let mut gradient = a.gradient.map(|change| along(slope, change));
+        let mut squares = [f32::INFINITY; 3];
+        match op {
+            Op::Square => squares = a.gradient.map(|change| rules::square(change).hi),
+            Op::Sqrt => {
+                for (change, square) in gradient.iter_mut().zip(a.squares) {
+                    let most = (square * LENGTH_ERROR).sqrt();
+                    // Nothing is known of the change where the root's slope is unbounded and its operand's a NaN.
+                    if most.is_finite() {
+                        let (lo, hi) = (change.lo.max(-most), change.hi.min(most));
+                        *change = Interval { lo: lo.min(most), hi: hi.max(-most) };
+                    }
+                }
+            }
+            _ => {}
+        }
+        Self { value, gradient, squares }
+    }
+
+    /// A two-operand operator.
+    pub fn binary(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
+        let value = op.bounds(a.value, b.value, frame);
+        let (by_a, by_b) = op.slope_bounds(a.value, b.value, value, frame);
+        if op.chooses() {
+            return Self::chosen([(a, by_a), (b, by_b)], value);
+        }
+        let each = |axis: usize| rules::add(along(by_a, a.gradient[axis]), along(by_b, b.gradient[axis]));
+        let squares = match op {
+            Op::Add => [0, 1, 2].map(|axis| a.squares[axis] + b.squares[axis]),
+            Op::Mul if is_factor(a) => b.squares.map(|square| square * a.value.hi),
+            Op::Mul if is_factor(b) => a.squares.map(|square| square * b.value.hi),
+            _ => [f32::INFINITY; 3],
+        };
+        Self { value, gradient: [0, 1, 2].map(each), squares }
+    }
+
+    /// A minimum, maximum or mask has the slopes of one operand: where either may be it, of both. (By the chain rule
+    /// alone it would have any sum of shares of both.)
+    fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
+        let may_be = operands.iter().filter(|(_, share)| share.hi > 0.0).map(|(operand, _)| **operand);
+        let surely = operands.iter().any(|(_, share)| share.lo > 0.0)
+            || operands.iter().all(|(_, share)| share.hi > 0.0);
+        let nothing = (!surely).then(|| Self::flat(ZERO));
+        let chosen = may_be.chain(nothing).reduce(|a, b| a.hull(&b)).unwrap_or(Self::flat(ZERO));
+        Self { value, ..chosen }
+    }
+
+    /// Where a one-operand operator jumps in a box, if that is on one plane across one axis: the axis and the
+    /// coordinate.
+    pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
+        let offset = match op {
+            Op::Floor | Op::Ceil | Op::Trunc | Op::Fract => 0.0,
+            Op::Round => 0.5,
+            _ => return None,
+        };
+        let place = (a.value.lo - offset).floor() + 1.0 + offset;
+        a.place_of(place, sides)
+    }
+
+    /// The same for a two-operand operator.
+    pub fn jump_of_two(op: Op, a: &Self, b: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
+        if !matches!(op, Op::Less | Op::LessEqual | Op::Step) {
+            return None;
+        }
+        let gradient = [0, 1, 2].map(|axis| rules::sub(a.gradient[axis], b.gradient[axis]));
+        Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
+    }
+
+    /// Where the value, if it changes evenly along one axis alone, is `wanted` inside the box, and half as much again
+    /// and further away only outside of it.
+    fn place_of(&self, wanted: f32, sides: [Interval; 3]) -> Option<(usize, f32)> {
+        let inside = self.value.lo < wanted && wanted < self.value.hi && self.value.hi < wanted + 1.0;
+        let mut along = (0..3).filter(|axis| !rules::is_zero(self.gradient[*axis]));
+        let axis = along.next().filter(|_| inside && along.next().is_none())?;
+        let slope = self.gradient[axis];
+        if slope.lo != slope.hi {
+            return None;
+        }
+        let start = if slope.lo > 0.0 { self.value.lo } else { self.value.hi };
+        let place = sides[axis].lo + (wanted - start) / slope.lo;
+        (sides[axis].lo < place && place < sides[axis].hi).then_some((axis, place))
+    }
+
+    /// What holds for both.
+    pub fn hull(&self, other: &Self) -> Self {
+        Self {
+            value: self.value.hull(other.value),
+            gradient: [0, 1, 2].map(|axis| self.gradient[axis].hull(other.gradient[axis])),
+            squares: [0, 1, 2].map(|axis| self.squares[axis].max(other.squares[axis])),
+        }
+    }
+}
+
+/// A box cut where parts of a formula jump. In each piece their slopes are those of one side, which bounds the whole far
+/// more closely than a box that holds both: noise is smooth, but its parts are not where its cells meet.
+#[derive(Debug, Clone, Default)]
+pub struct Pieces {
+    cuts: Vec<(usize, f32)>,
+    boxes: Vec<[Interval; 3]>,
+}
+
+/// Most pieces of a box; what would need more is not cut further.
+const PIECES_MAX: usize = 32;
+/// So much is left out on both sides of a jump, as a share of the coordinate: a rounding must not reach across.
+const JUMP_WIDTH: f32 = 2e-6;
+
+impl Pieces {
+    /// Begins with no jump known.
+    pub fn clear(&mut self) {
+        self.cuts.clear();
+    }
+
+    /// Takes up a jump.
+    #[inline(always)]
+    pub fn add(&mut self, jump: Option<(usize, f32)>) {
+        if let Some(jump) = jump.filter(|jump| !self.cuts.contains(jump)) {
+            self.cuts.push(jump);
+        }
+    }
+
+    /// The pieces of the box by the jumps that were found; none where there were no jumps.
+    pub fn of(&mut self, sides: [Interval; 3]) -> &[[Interval; 3]] {
+        self.boxes.clear();
+        if self.cuts.is_empty() {
+            return &self.boxes;
+        }
+        self.boxes.push(sides);
+        for &(axis, place) in &self.cuts {
+            let width = JUMP_WIDTH * (place.abs() + sides[axis].hi - sides[axis].lo);
+            for index in 0..self.boxes.len() {
+                let (mut below, mut above) = (self.boxes[index], self.boxes[index]);
+                (below[axis].hi, above[axis].lo) = (place - width, place + width);
+                let cuts = below[axis].lo < below[axis].hi && above[axis].lo < above[axis].hi;
+                if cuts && self.boxes.len() < PIECES_MAX {
+                    self.boxes[index] = below;
+                    self.boxes.push(above);
+                }
+            }
+        }
+        &self.boxes
+    }
+}
+
+/// What a sum of squares may be multiplied by.
+fn is_factor(a: &Sloped) -> bool {
+    a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
+}
+
+/// The chain rule; what does not change passes no slope on, however steep, and what is not steep none of any change.
+#[inline(always)]
+fn along(slope: Interval, change: Interval) -> Interval {
+    if rules::is_zero(slope) || rules::is_zero(change) {
+        return ZERO;
+    }
+    if slope.is_any() || change.is_any() {
+        return Interval::ANY;
+    }
+    let product = |slope: f32, change: f32| if slope == 0.0 || change == 0.0 { 0.0 } else { slope * change };
+    let [a, b, c, d] = [
+        product(slope.lo, change.lo),
+        product(slope.lo, change.hi),
+        product(slope.hi, change.lo),
+        product(slope.hi, change.hi),
+    ];
+    Interval { lo: a.min(b).min(c.min(d)), hi: a.max(b).max(c.max(d)) }
+}

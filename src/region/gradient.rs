@@ -1,0 +1,200 @@
+//! How steep the distance may be in a cell, in two words: for formulas that are no distance functions.
+//!
+//! Bounds of the gradient, lower and upper along each axis, are whole shares (-128..=127, over 128) of one scale, rounded
+//! outwards. The scale is the upper half of a float's bits: a whole share of it is exact in 32 bits, here and in the
+//! shaders.
+//!
+//! | word | bits 0..8 | 8..16 | 16..24 | 24..32 |
+//! |---|---|---|---|---|
+//! | `z` | lower x | lower y | lower z | upper x |
+//! | `w` | upper y | upper z | scale, low byte | scale, high byte |
+
+use super::program::{Arg, BOUND, Program};
+use crate::graph::{FrameInputs, Interval, Pieces, Sloped};
+
+/// Smallest scale that is not 0: far above what GPUs flush, far below what a ray notices.
+const SCALE_MIN: f32 = 1e-30;
+/// The largest float whose lower half is 0: what is steeper counts as unbounded.
+const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
+/// Steps of a share.
+const SHARES: f32 = 128.0;
+
+/// The words of bounds of a gradient.
+pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
+    let most = gradient.iter().map(|side| side.lo.abs().max(side.hi.abs())).fold(0.0, f32::max);
+    let known = gradient.iter().all(|side| !side.is_any()) && most < 0.99 * SCALE_MAX;
+    if !known {
+        return words([-128; 3], [127; 3], SCALE_MAX);
+    }
+    if most == 0.0 {
+        return words([0; 3], [0; 3], 0.0);
+    }
+    // One step more than the largest: the upper bounds reach 127 steps only.
+    let scale = rounded_up((most * (SHARES / 127.0)).max(SCALE_MIN));
+    let share = |value: f32, round: fn(f32) -> f32| round(value / scale * SHARES).clamp(-128.0, 127.0) as i32;
+    let lower = gradient.map(|side| {
+        let found = share(side.lo, f32::floor);
+        if value(found, scale) > side.lo { found - 1 } else { found }
+    });
+    let upper = gradient.map(|side| {
+        let found = share(side.hi, f32::ceil);
+        if value(found, scale) < side.hi { found + 1 } else { found }
+    });
+    words(lower, upper, scale)
+}
+
+/// The least scale that is not below a positive number.
+fn rounded_up(value: f32) -> f32 {
+    f32::from_bits((value.to_bits() + 0xFFFF) & 0xFFFF_0000).min(SCALE_MAX)
+}
+
+fn value(share: i32, scale: f32) -> f32 {
+    share as f32 * scale * (1.0 / SHARES)
+}
+
+fn words(lower: [i32; 3], upper: [i32; 3], scale: f32) -> [u32; 2] {
+    let byte = |share: i32| u32::from(share as u8);
+    [
+        byte(lower[0]) | byte(lower[1]) << 8 | byte(lower[2]) << 16 | byte(upper[0]) << 24,
+        byte(upper[1]) | byte(upper[2]) << 8 | (scale.to_bits() & 0xFFFF_0000),
+    ]
+}
+
+/// The bounds that words hold; never narrower than what was packed, but at most ±3.4e38.
+pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
+    let scale = f32::from_bits(w & 0xFFFF_0000);
+    let share = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
+    let side = |lo: f32, hi: f32| Interval { lo, hi };
+    [side(share(z, 0), share(z, 24)), side(share(z, 8), share(w, 0)), side(share(z, 16), share(w, 8))]
+}
+
+/// The largest rate at which a value with such a gradient can fall along a direction: -inf(gradient · direction).
+/// Negative where it surely rises.
+pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
+    let falls = |side: Interval, along: f32| (-side.lo * along).max(-side.hi * along);
+    (0..3).map(|axis| falls(gradient[axis], direction[axis])).sum()
+}
+
+/// A bound of the gradient's length: what a value is divided by to be at most a distance.
+pub fn steepness(gradient: [Interval; 3]) -> f32 {
+    gradient.iter().map(|side| side.lo.abs().max(side.hi.abs())).fold(0.0, f32::hypot)
+}
+
+/// Bounds gradients of programs.
+#[derive(Debug, Default)]
+pub(super) struct Gradients {
+    values: Vec<Sloped>,
+    jumps: Pieces,
+}
+
+impl Gradients {
+    /// The words of the gradient of a program's bound all over a box, which is cut where parts of it jump.
+    pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
+        self.jumps.clear();
+        let whole = run(&mut self.values, Some(&mut self.jumps), program, sides, frame);
+        let pieces =
+            self.jumps.of(sides).iter().map(|piece| run(&mut self.values, None, program, *piece, frame));
+        pack(pieces.reduce(|all, piece| all.hull(&piece)).unwrap_or(whole).gradient)
+    }
+}
+
+fn run(
+    values: &mut Vec<Sloped>,
+    mut jumps: Option<&mut Pieces>,
+    program: &Program,
+    sides: [Interval; 3],
+    frame: &FrameInputs,
+) -> Sloped {
+    values.clear();
+    values.extend((0..3).map(|axis| Sloped::coordinate(axis, sides[axis])));
+    // How far a ray may step does not depend on the penumbra.
+    values.push(Sloped::flat(Interval::point(0.0)));
+    let of = |values: &[Sloped], arg: Arg| match arg {
+        Arg::Number(number) => Sloped::flat(Interval::point(number)),
+        Arg::Value(at) => values[at as usize],
+    };
+    for step in &program.steps {
+        let (a, b) = (of(values, step.a), of(values, step.b));
+        let two = step.op.arity() == 2;
+        if let Some(jumps) = &mut jumps {
+            jumps.add(if two {
+                Sloped::jump_of_two(step.op, &a, &b, sides)
+            } else {
+                Sloped::jump(step.op, &a, sides)
+            });
+        }
+        values.push(if two {
+            Sloped::binary(step.op, &a, &b, frame)
+        } else {
+            Sloped::unary(step.op, &a, frame)
+        });
+    }
+    of(values, program.roots[BOUND])
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn number() -> impl Strategy<Value = f32> {
+        prop_oneof![
+            4 => -3.0f32..3.0,
+            1 => any::<f32>(),
+            1 => proptest::sample::select(vec![0.0, -0.0, 1.0, -1.0, 1e-45, -1e-38, f32::MAX, f32::MIN, f32::INFINITY]),
+        ]
+    }
+
+    fn interval(a: f32, b: f32) -> Interval {
+        Interval::new(a.min(b), a.max(b))
+    }
+
+    /// What bounds beyond all numbers are taken for.
+    fn finite(side: Interval) -> Interval {
+        if side.is_any() {
+            return Interval { lo: -1e38, hi: 1e38 };
+        }
+        Interval { lo: side.lo.clamp(-1e38, 1e38), hi: side.hi.clamp(-1e38, 1e38) }
+    }
+
+    proptest! {
+        #[test]
+        fn packed_bounds_hold_what_was_packed(ends in proptest::array::uniform3((number(), number()))) {
+            let gradient = ends.map(|(a, b)| interval(a, b));
+            let found = unpack(pack(gradient));
+            for (found, side) in found.iter().zip(gradient.map(finite)) {
+                prop_assert!(found.lo <= side.lo && side.hi <= found.hi, "{found:?} {side:?}");
+            }
+        }
+
+        #[test]
+        fn packed_bounds_are_close(ends in proptest::array::uniform3((-3.0f32..3.0, -3.0f32..3.0))) {
+            let gradient = ends.map(|(a, b)| interval(a, b));
+            let most = gradient.iter().map(|side| side.lo.abs().max(side.hi.abs())).fold(0.0, f32::max);
+            for (found, side) in unpack(pack(gradient)).iter().zip(gradient) {
+                prop_assert!(side.lo - found.lo <= most / 60.0 && found.hi - side.hi <= most / 60.0, "{found:?} {side:?}");
+            }
+        }
+
+        #[test]
+        fn no_gradient_within_falls_faster(
+            ends in proptest::array::uniform3((-3.0f32..3.0, -3.0f32..3.0)),
+            along in proptest::array::uniform3(0.0f32..=1.0),
+            direction in proptest::array::uniform3(-1.0f32..1.0),
+        ) {
+            let gradient = ends.map(|(a, b)| interval(a, b));
+            let one = |axis: usize| gradient[axis].lo + along[axis] * (gradient[axis].hi - gradient[axis].lo);
+            let change: f32 = (0..3).map(|axis| one(axis) * direction[axis]).sum();
+            let bounds = unpack(pack(gradient));
+            prop_assert!(-change <= slope_towards(bounds, direction) + 1e-5);
+            prop_assert!(change.abs() <= steepness(bounds) * direction.iter().map(|d| d * d).sum::<f32>().sqrt() + 1e-5);
+        }
+    }
+
+    #[test]
+    fn what_does_not_change_has_no_slope() {
+        let flat = [Interval::point(0.0); 3];
+        assert_eq!((pack(flat), unpack([0, 0])), ([0, 0], flat));
+    }
+}

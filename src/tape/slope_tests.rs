@@ -1,0 +1,240 @@
+//! Bounds of gradients hold the gradients, and what a value changes from point to point.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::graph::random::{Step, build, frame, steps};
+use crate::graph::{Point, Sloped};
+
+fn config(cases: u32) -> ProptestConfig {
+    let cases = ProptestConfig::default().cases.max(cases);
+    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
+}
+
+/// Operators without jumps.
+const CONTINUOUS: [Op; 22] = [
+    Op::Neg,
+    Op::Abs,
+    Op::Square,
+    Op::Square,
+    Op::Sqrt,
+    Op::Sqrt,
+    Op::Exp,
+    Op::Exp2,
+    Op::Log,
+    Op::Sin,
+    Op::Cos,
+    Op::Asin,
+    Op::Acos,
+    Op::Atan,
+    Op::Tanh,
+    Op::Add,
+    Op::Add,
+    Op::Sub,
+    Op::Mul,
+    Op::Min,
+    Op::Max,
+    Op::Spectrum,
+];
+
+fn continuous_steps(size: usize) -> impl Strategy<Value = Vec<Step>> {
+    let number = |op: Op| Op::ALL.iter().position(|other| *other == op).unwrap_or(0) as u8;
+    let step = prop_oneof![
+        2 => (-3.0f32..3.0).prop_map(Step::Constant),
+        4 => any::<u8>().prop_map(Step::Input),
+        12 => (proptest::sample::select(&CONTINUOUS[..]), 0u16..6, 0u16..6)
+            .prop_map(move |(op, a, b)| Step::Operator(number(op), a, b)),
+    ];
+    proptest::collection::vec(step, 1..size)
+}
+
+/// A box as its lower corner and size, and places in it.
+type Places = ([(f32, f32); 3], Vec<[f32; 3]>);
+
+fn places() -> impl Strategy<Value = Places> {
+    let side = || (-3.0f32..3.0, prop_oneof![Just(0.0f32), 0.0f32..0.1, 0.0f32..4.0]);
+    let whole = || (-3i8..3, 0i8..3).prop_map(|(low, size)| (f32::from(low), f32::from(size)));
+    let sides = proptest::array::uniform3(prop_oneof![4 => side(), 1 => whole()]);
+    (sides, proptest::collection::vec(proptest::array::uniform3(0.0f32..=1.0), 8))
+}
+
+impl Sloped {
+    /// Bounds of the change along a way.
+    fn change(&self, way: [f64; 3]) -> (f64, f64) {
+        let mut change = (0.0, 0.0);
+        for (slope, way) in self.gradient.iter().zip(way) {
+            let (a, b) = (f64::from(slope.lo) * way, f64::from(slope.hi) * way);
+            if way != 0.0 {
+                change = (change.0 + a.min(b), change.1 + a.max(b));
+            }
+        }
+        change
+    }
+}
+
+fn bounds_over(tape: &Tape, frame: &FrameInputs, sides: [(f32, f32); 3]) -> Sloped {
+    let box_of = sides.map(|(low, size)| Interval::new(low, low + size));
+    GradientIntervals::new(tape, frame).over(box_of, [Interval::point(0.25); 3])[0]
+}
+
+fn tape_of(steps: &[Step]) -> Tape {
+    let mut graph = Graph::new();
+    let root = *build(&mut graph, steps, true).last().unwrap();
+    Tape::build(&graph, &[root], &TapeOptions { slots: 8, ..TapeOptions::default() }).unwrap()
+}
+
+/// The value of a tape, all of it computed with 64 bits.
+fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
+    let mut table = Vec::new();
+    tape.table_values(frame, &mut table);
+    let (mut slots, mut memory) = (vec![0.0f64; tape.slots()], vec![0.0f64; tape.memory()]);
+    let mut page = 0;
+    for instruction in tape.instructions() {
+        let operand = |slots: &[f64], operand: Operand| match operand {
+            Operand::Slot(slot) => slots[usize::from(slot)],
+            Operand::Immediate(entry) => f64::from(table[page + usize::from(entry)]),
+        };
+        match instruction {
+            Instruction::Page(number) => page = usize::from(number) * 256,
+            Instruction::Load { output, entry } => {
+                slots[usize::from(output)] = f64::from(table[page + usize::from(entry)]);
+            }
+            Instruction::Store { slot, memory: to } => memory[usize::from(to)] = slots[usize::from(slot)],
+            Instruction::Reload { output, memory: from } => {
+                slots[usize::from(output)] = memory[usize::from(from)]
+            }
+            Instruction::Input { output, place } => {
+                slots[usize::from(output)] = at.get(usize::from(place)).copied().unwrap_or(0.25);
+            }
+            Instruction::Unary { op, output, a } => {
+                let a = slots[usize::from(a)];
+                slots[usize::from(output)] = match op {
+                    Op::Neg => -a,
+                    Op::Abs => a.abs(),
+                    Op::Square => a * a,
+                    Op::Sqrt => a.max(0.0).sqrt(),
+                    Op::Exp => a.exp(),
+                    Op::Exp2 => a.exp2(),
+                    Op::Log => a.max(f64::from(f32::MIN_POSITIVE)).ln(),
+                    Op::Sin => a.sin(),
+                    Op::Cos => a.cos(),
+                    Op::Asin => a.clamp(-1.0, 1.0).asin(),
+                    Op::Acos => a.clamp(-1.0, 1.0).acos(),
+                    Op::Atan => a.atan(),
+                    Op::Tanh => a.tanh(),
+                    other => f64::from(other.value(a as f32, 0.0, frame)),
+                };
+            }
+            Instruction::Binary { op, output, a, b } => {
+                let (a, b) = (operand(&slots, a), operand(&slots, b));
+                slots[usize::from(output)] = match op {
+                    Op::Add => a + b,
+                    Op::Sub => a - b,
+                    Op::Mul => a * b,
+                    Op::Min => a.min(b),
+                    Op::Max => a.max(b),
+                    other => f64::from(other.value(a as f32, b as f32, frame)),
+                };
+            }
+            _ => {}
+        }
+    }
+    slots[usize::from(tape.outputs()[0])]
+}
+
+proptest! {
+    #![proptest_config(config(2_000))]
+
+    #[test]
+    fn bounds_hold_the_gradient(steps in steps(30), (sides, along) in places()) {
+        let (tape, frame) = (tape_of(&steps), frame());
+        let bounds = bounds_over(&tape, &frame, sides);
+        let mut gradients = GradientEvaluator::new(&tape, &frame);
+        for along in along {
+            let at = [0, 1, 2].map(|axis| (sides[axis].0 + along[axis] * sides[axis].1).min(sides[axis].0 + sides[axis].1));
+            let found = gradients.at(&Point { position: at, normal: [0.25; 3] })[0];
+            prop_assert!(bounds.value.contains(found.value));
+            for (bounds, slope) in bounds.gradient.iter().zip(found.gradient) {
+                prop_assert!(bounds.contains(slope), "{slope:?} not in {bounds:?} at {at:?} of {sides:?}\n{tape}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_value_without_jumps_changes_no_more_than_its_bounds_allow(
+        steps in continuous_steps(25), (sides, along) in places(),
+    ) {
+        let (tape, frame) = (tape_of(&steps), frame());
+        let bounds = bounds_over(&tape, &frame, sides);
+        let at = |along: [f32; 3]| [0, 1, 2].map(|axis| f64::from(sides[axis].0) + f64::from(along[axis]) * f64::from(sides[axis].1));
+        for two in along.windows(2) {
+            let (from, to) = (at(two[0]), at(two[1]));
+            let (before, after) = (precise(&tape, &frame, from), precise(&tape, &frame, to));
+            let (least, most) = bounds.change([0, 1, 2].map(|axis| to[axis] - from[axis]));
+            // Of the table alone 32 bits are known.
+            let slack = 1e-5 * (1.0 + before.abs() + after.abs());
+            let change = after - before;
+            prop_assert!(
+                !change.is_finite() || least.is_nan() || most.is_nan() || (least - slack <= change && change <= most + slack),
+                "{before} {after} is not within {least} {most}: {bounds:?} from {from:?} to {to:?} of {sides:?}\n{tape}"
+            );
+        }
+    }
+}
+
+fn shape(make: impl Fn(&mut Graph, [NodeId; 3]) -> NodeId) -> Tape {
+    let mut graph = Graph::new();
+    let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
+    let root = make(&mut graph, p);
+    Tape::build(&graph, &[root], &TapeOptions::default()).unwrap()
+}
+
+fn assert_within(tape: &Tape, sides: [(f32, f32); 3], low: [f32; 3], high: [f32; 3]) {
+    let bounds = bounds_over(tape, &FrameInputs::default(), sides);
+    for axis in 0..3 {
+        let found = bounds.gradient[axis];
+        assert!(found.lo >= low[axis] && found.hi <= high[axis], "{:?}", bounds.gradient);
+    }
+}
+
+/// No square root of a sum of squares is vertical anywhere: not a ball's at its centre, nor a box's at its corner.
+#[test]
+fn lengths_have_bounds_through_their_centre() {
+    let ball = shape(|g, p| g.length(&p));
+    let one = 1.001;
+    assert_within(&ball, [(-1.0, 2.0); 3], [-one; 3], [one; 3]);
+    assert_within(&ball, [(0.0, 0.0); 3], [-one; 3], [one; 3]);
+    // Away from the centre the direction is known.
+    assert_within(&ball, [(10.0, 0.1), (0.0, 0.1), (0.0, 0.1)], [0.98, -0.02, -0.02], [1.02, 0.02, 0.02]);
+    let rounded = shape(|g, p| {
+        let (half, zero, small) = (g.constant(0.5), g.constant(0.0), g.constant(0.01));
+        let corner = p.map(|v| {
+            let (size, outside) = (g.unary(Op::Abs, v), g.constant(0.0));
+            let beyond = g.sub(size, half);
+            g.max(beyond, outside)
+        });
+        let sum = g.dot(&corner, &corner);
+        let (twice, sum) = (g.add(sum, small), g.max(sum, zero));
+        let sum = g.min(sum, twice);
+        g.unary(Op::Sqrt, sum)
+    });
+    assert_within(&rounded, [(-2.0, 4.0); 3], [-one; 3], [one; 3]);
+    // Half of one axis' length, by a factor below the root.
+    let squeezed = shape(|g, p| {
+        let (factor, square) = (g.constant(0.25), g.unary(Op::Square, p[0]));
+        let product = g.mul(factor, square);
+        g.unary(Op::Sqrt, product)
+    });
+    assert_within(&squeezed, [(-1.0, 2.0); 3], [-0.501, 0.0, 0.0], [0.501, 0.0, 0.0]);
+}
+
+/// Of a minimum that is decided the gradient is that of the operand; else of either, not of both at once.
+#[test]
+fn a_minimum_has_the_slopes_of_one_operand() {
+    let two = shape(|g, [x, y, _]| {
+        let (a, b) = (g.add(x, y), g.sub(x, y));
+        g.min(a, b)
+    });
+    assert_within(&two, [(0.0, 1.0), (1.0, 1.0), (0.0, 1.0)], [1.0, -1.0, 0.0], [1.0, -1.0, 0.0]);
+    assert_within(&two, [(0.0, 1.0), (-1.0, 2.0), (0.0, 1.0)], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0]);
+}
