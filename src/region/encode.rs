@@ -13,7 +13,7 @@ use crate::tape::interpreter::is_rare;
 use crate::tape::{Instruction, Operand, opcode};
 
 /// Most slots of a region's tape.
-pub(super) const SLOTS_MAX: usize = 64;
+pub(super) const SLOTS_MAX: usize = 256;
 
 /// Four words.
 pub(super) type Texel = [u32; 4];
@@ -50,10 +50,10 @@ impl Encoder {
         self.slot.clear();
         self.slot.extend(0..INPUTS as u8);
         self.slot.resize(program.values(), 0);
-        let mut free = u64::MAX;
+        let mut free = [u64::MAX; SLOTS_MAX / 64];
         for input in 0..INPUTS {
             if self.last_use[input] != 0 {
-                free &= !(1 << input);
+                free[0] &= !(1 << input);
             }
         }
         let mut highest = INPUTS;
@@ -71,7 +71,8 @@ impl Encoder {
                 if let Arg::Value(value) = arg
                     && self.last_use[value as usize] == at as u32
                 {
-                    free |= 1 << self.slot[value as usize];
+                    let slot = self.slot[value as usize];
+                    free[usize::from(slot >> 6)] |= 1 << (slot & 63);
                 }
             }
             let output = take(&mut free)?;
@@ -148,11 +149,13 @@ impl Encoder {
 }
 
 /// The lowest free slot.
-fn take(free: &mut u64) -> Result<u8, TooManySlots> {
-    if *free == 0 {
-        return Err(TooManySlots);
+fn take(free: &mut [u64; SLOTS_MAX / 64]) -> Result<u8, TooManySlots> {
+    for (part, bits) in free.iter_mut().enumerate() {
+        if *bits != 0 {
+            let slot = 64 * part as u32 + bits.trailing_zeros();
+            *bits &= *bits - 1;
+            return Ok(slot as u8);
+        }
     }
-    let slot = free.trailing_zeros();
-    *free &= *free - 1;
-    Ok(slot as u8)
+    Err(TooManySlots)
 }

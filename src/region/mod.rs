@@ -37,7 +37,7 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
 
-use crate::graph::{FrameInputs, Input, Node, Op, Order, TableData};
+use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData};
 use crate::world::World;
 use encode::{Encoder, SLOTS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
@@ -56,7 +56,7 @@ pub const OBJECT_UNKNOWN: u32 = 255;
 pub struct RegionVariant {
     /// The operators that occur.
     pub operators: BTreeSet<Op>,
-    /// Slots: a power of two, 4 to 64.
+    /// Slots: a power of two, 4 to 256.
     pub slots: usize,
     /// Whether rays need the cells' bounds of the gradient.
     pub steep: bool,
@@ -84,6 +84,7 @@ pub struct RegionPlan {
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
     steep: bool,
+    runs: bool,
 }
 
 impl RegionPlan {
@@ -91,20 +92,32 @@ impl RegionPlan {
     pub fn new(world: &World) -> Self {
         let [bound, estimate] = world.roots.distance;
         let roots = [bound, estimate, world.roots.object];
+        let bounds = world.bounds.map(|bounds| (bounds.low, bounds.high));
+        Self::of(&world.graph, roots, bounds, world.has_rest, world.steep)
+    }
+
+    /// The plan of bound, estimate and object.
+    fn of(
+        graph: &Graph,
+        roots: [NodeId; 3],
+        bounds: Option<([f32; 3], [f32; 3])>,
+        has_rest: bool,
+        steep: bool,
+    ) -> Self {
         // A world's graph has been checked.
-        let order = world.graph.order(&roots).unwrap_or_else(|_| Order::default());
-        let nodes: Vec<_> = order.nodes.iter().map(|id| (id.index(), world.graph.node(*id))).collect();
-        let used = world.graph.inputs_used(&roots).unwrap_or_default();
+        let order = graph.order(&roots).unwrap_or_default();
+        let used = graph.inputs_used(&roots).unwrap_or_default();
         let mut plan = Self {
-            nodes,
+            nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
             roots: roots.map(|root| root.index()),
-            graph_nodes: world.graph.len(),
+            graph_nodes: graph.len(),
             inputs: used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect(),
             tables: used.tables,
             variant: RegionVariant::default(),
-            bounds: world.bounds.map(|bounds| (bounds.low, bounds.high)),
-            has_rest: world.has_rest,
-            steep: world.steep,
+            bounds,
+            has_rest,
+            steep,
+            runs: true,
         };
         // Any numbers do: which slots are needed does not depend on them, but for fewer.
         let program = plan.folded(|_| f32::NAN, &FrameInputs::default());
@@ -112,6 +125,7 @@ impl RegionPlan {
         let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
             .iter()
             .all(|roots| encoder.encode(&program, *roots).is_ok());
+        plan.runs = fits;
         let slots = if fits { encoder.slots } else { SLOTS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
         plan.variant = RegionVariant { operators, slots: slots.next_power_of_two(), steep: plan.steep };
@@ -121,6 +135,11 @@ impl RegionPlan {
     /// What an interpreter needs for all trees of this plan.
     pub fn variant(&self) -> &RegionVariant {
         &self.variant
+    }
+
+    /// Whether there are slots enough for the whole tape. If not, there are no tapes and no cells.
+    pub fn runs(&self) -> bool {
+        self.runs
     }
 
     /// What the tree of a frame depends on.
@@ -142,7 +161,7 @@ impl RegionPlan {
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
         let program = self.folded(|input| inputs.value(input), inputs);
-        tree::build(program, self.bounds, self.has_rest, self.steep, inputs, options)
+        tree::build(program, self.bounds, self.has_rest && self.runs, self.steep, inputs, options)
     }
 
     /// The program with a frame's numbers folded in.

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::graph::Point;
+use crate::graph::{Point, random};
 use crate::tape::{PointEvaluator, Tape, TapeOptions};
 use crate::world::testing::{SPEAKERS, world_of};
 
@@ -73,36 +73,114 @@ fn the_speakers_are_the_same_in_every_cell() {
     }
 }
 
+/// Boxes, and balls that flow together, as two objects.
+const MANY: &str = "
+fn place(i) = vec3(5 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 5 * sin(37.719 * i))
+object boxes { shape = union(for i in 0..60: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25))) }
+object balls { shape = smooth_union(for i in 0..20: sphere(p - place(i + 1000), 0.4 + 0.2 * band(0)), 0.3) }
+";
+
 #[test]
-#[ignore = "prints figures"]
-fn figures() {
-    let world = world_of(SPEAKERS);
-    let inputs = inputs_of(&world, 31.0, 0.6);
+fn many_shapes_are_the_same_in_every_cell() {
+    let world = world_of(MANY);
+    let mean = assert_regions_are_right(&world, &inputs_of(&world, 3.0, 0.7), 40_000);
+    assert!(mean < 60.0, "{mean} texels for a tape");
+}
+
+#[test]
+fn a_tree_without_room_is_right_and_says_so() {
+    let world = world_of(MANY);
+    let inputs = inputs_of(&world, 3.0, 0.7);
     let plan = RegionPlan::new(&world);
-    let regions = plan.build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() });
-    println!("{:?} {:?} {:?}", regions.low, regions.size, regions.stats);
-    println!("mean texels {}", assert_regions_are_right(&world, &inputs, 60_000));
-    let start = std::time::Instant::now();
-    for _ in 0..100 {
-        std::hint::black_box(
-            plan.build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() }),
-        );
+    let room = plan.build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() });
+    let narrow = RegionOptions { texels_max: 17_000, ..Default::default() };
+    let tree = plan.build(&inputs, &narrow);
+    assert!(tree.texels.len() <= narrow.texels_max && tree.stats.overflowed > 0, "{:?}", tree.stats);
+    assert_eq!(room.stats.overflowed, 0);
+    for number in 0..5_000 {
+        let at = point(&tree, number);
+        assert_eq!(tree.distance(at, 0.1, &inputs), room.distance(at, 0.1, &inputs), "{at:?}");
+        assert_eq!(tree.object(at, &inputs), room.object(at, &inputs), "{at:?}");
     }
-    println!("{:?}", start.elapsed() / 100);
-    let cpu = || {
-        std::fs::read_to_string("/proc/thread-self/schedstat")
-            .unwrap()
-            .split(' ')
-            .next()
-            .unwrap()
-            .parse::<f64>()
-            .unwrap()
+}
+
+#[test]
+fn without_cells_there_is_the_whole_tape() {
+    let world = world_of(MANY);
+    let inputs = inputs_of(&world, 3.0, 0.7);
+    let plan = RegionPlan::new(&world);
+    let whole = plan.build(&inputs, &RegionOptions { cells: false, ..Default::default() });
+    let cells = plan.build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() });
+    assert_eq!((whole.cell_at([0.0; 3]), whole.size, whole.stats.cells), (None, [0.0; 3], 0));
+    for number in 0..2_000 {
+        let at = point(&cells, number);
+        assert_eq!(whole.distance(at, 0.5, &inputs), cells.distance(at, 0.5, &inputs), "{at:?}");
+    }
+}
+
+#[test]
+fn surfaces_lie_within_the_bounds_of_the_frame() {
+    let world = world_of("object ball { shape = sphere(p - vec3(4 * sin(t), 0, 0), 0.5 + band(3)) }");
+    let plan = RegionPlan::new(&world);
+    for (time, loud) in [(0.3, 0.0), (1.6, 0.9), (4.5, 0.4)] {
+        let inputs = inputs_of(&world, time, loud);
+        let tree = plan.build(&inputs, &RegionOptions::default());
+        let (low, high) = tree.bounds.expect("bounds");
+        let (middle, radius) = (4.0 * time.sin(), 0.5 + inputs.bands[3]);
+        assert!(low[0] <= middle - radius && high[0] >= middle + radius, "{low:?} {high:?}");
+        assert!(high[0] - low[0] < 3.0 * radius + 1.0, "{low:?} {high:?}: the ball moves through 8 units");
+    }
+}
+
+#[test]
+fn equal_keys_are_for_what_the_distance_reads_alone() {
+    let world = world_of(
+        "object ball { shape = sphere(p, 1 + band(3)) material = m }\nmaterial m { color = vec3(band(4)) }",
+    );
+    let plan = RegionPlan::new(&world);
+    let key = |band: usize| {
+        let mut inputs = inputs_of(&world, 0.0, 0.0);
+        inputs.bands[band] = 0.25;
+        inputs.hoisted = world.hoisted.values(&inputs);
+        plan.key(&inputs)
     };
-    let start = cpu();
-    for _ in 0..100 {
-        std::hint::black_box(
-            plan.build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() }),
-        );
+    assert_eq!(key(4), key(5));
+    assert_ne!(key(3), key(4));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+    #[test]
+    fn random_expressions_are_the_same_in_every_cell(
+        steps in random::steps(60),
+        corner in [-8.0f32..8.0, -8.0..8.0, -8.0..8.0],
+        side in 0.01f32..12.0,
+    ) {
+        let mut graph = Graph::new();
+        let built = random::build(&mut graph, &steps, true);
+        let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
+        let object = graph.binary(Op::Less, from_end(1), from_end(2));
+        let roots = [from_end(0), from_end(3), object];
+        let bounds = (corner, corner.map(|low| low + side));
+        let plan = RegionPlan::of(&graph, roots, Some(bounds), true, false);
+        let frame = FrameInputs { textures: None, ..random::frame() };
+        let tree = plan.build(&frame, &RegionOptions { texels_max: 1 << 20, ..Default::default() });
+        for number in 0..600 {
+            let at = point(&tree, number);
+            let penumbra = if number % 2 == 0 { 0.0 } else { 0.1 * number as f32 };
+            let asked = Point { position: at, normal: [penumbra, 0.0, 0.0] };
+            let wanted = graph.evaluate(&roots, &asked, &frame).unwrap();
+            let got = tree.distance(at, penumbra, &frame);
+            prop_assert!(random::same(got[0], wanted[0]), "{at:?} bound {} {}", got[0], wanted[0]);
+            prop_assert!(random::same(got[1], wanted[1]), "{at:?} estimate {} {}", got[1], wanted[1]);
+            if let Some(cell) = tree.cell_at(at) {
+                let holds = cell.bound <= 0.0 || cell.bound <= wanted[0];
+                prop_assert!(holds, "{at:?}: {cell:?}, but {}", wanted[0]);
+                // The object is asked for near surfaces; it depends on no penumbra.
+                if wanted[0] < 0.2 && penumbra == 0.0 {
+                    prop_assert_eq!(tree.object(at, &frame), wanted[2] as u32);
+                }
+            }
+        }
     }
-    println!("cpu ms {}", (cpu() - start) / 1e8);
 }

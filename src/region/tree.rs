@@ -6,7 +6,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
 use super::lanes::{CELLS, Lanes, bound};
-use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
+use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::Decisions;
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
 use crate::graph::{FrameInputs, Interval};
@@ -56,6 +56,8 @@ pub struct Regions {
     pub low: [f32; 3],
     /// Extent of the box; 0 where there are no cells.
     pub size: [f32; 3],
+    /// Lower and upper corner of what holds all surfaces of the frame, planes apart, where that is known.
+    pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the whole tape.
     pub whole_tape: u32,
     /// What it consists of.
@@ -64,6 +66,10 @@ pub struct Regions {
 
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 12;
+/// Trees of programs above this length are no larger than they must be: finer cells pay for themselves.
+const LONG: usize = 400;
+/// How often the bounds of a frame are made smaller at most: a pass each.
+const TIGHTENINGS_MAX: usize = 3;
 /// Of a scene that needs gradients, cells near the middle are divided once more: down to this share of the way there.
 const FINE_SHARE: f32 = 0.1;
 /// Half the side of the tree of a scene without bounds.
@@ -128,7 +134,9 @@ pub(super) fn build(
     frame: &FrameInputs,
     options: &RegionOptions,
 ) -> Regions {
-    let (low, size) = extent(bounds, options.center);
+    let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
+    let larger = if program.steps.len() > LONG { 1.0 } else { LARGER };
+    let (low, size) = extent(bounds, options.center, larger);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
     // Where the distance is none, rays cannot do without cells.
     let cells = (options.cells || steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
@@ -157,21 +165,51 @@ pub(super) fn build(
     Regions {
         low,
         size: if cells { size } else { [0.0; 3] },
+        bounds,
         whole_tape: builder.whole_tape,
         texels: builder.texels,
         stats: builder.stats,
     }
 }
 
+/// Bounds of all surfaces of a frame within those of all frames.
+fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInputs) -> ([f32; 3], [f32; 3]) {
+    let (mut low, mut high) = bounds;
+    let mut rows = Vec::new();
+    for _ in 0..TIGHTENINGS_MAX {
+        let block =
+            Block { low, cell: std::array::from_fn(|axis| (high[axis] - low[axis]) / BRICK_SIDE as f32) };
+        let farthest = low.iter().chain(&high).fold(0.0f32, |most, side| most.max(side.abs()));
+        bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
+        let held = |cell: usize| match program.roots[BOUND] {
+            // What may be a NaN may be a surface.
+            Arg::Value(value) => !(rows[value as usize].lo[cell] > farthest * ROUNDING),
+            Arg::Number(number) => !(number > 0.0),
+        };
+        let (mut first, mut last) = ([BRICK_SIDE; 3], [0; 3]);
+        for cell in (0..CELLS).filter(|cell| held(*cell)) {
+            let place = place_in(cell);
+            first = std::array::from_fn(|axis| first[axis].min(place[axis]));
+            last = std::array::from_fn(|axis| last[axis].max(place[axis] + 1));
+        }
+        if first == [0; 3] && last == [BRICK_SIDE; 3] || first == [BRICK_SIDE; 3] {
+            break;
+        }
+        high = std::array::from_fn(|axis| low[axis] + last[axis] as f32 * block.cell[axis]);
+        low = std::array::from_fn(|axis| low[axis] + first[axis] as f32 * block.cell[axis]);
+    }
+    (low, high)
+}
+
 /// The box of the tree: its lower corner and its extent.
-fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], [f32; 3]) {
+fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3], larger: f32) -> ([f32; 3], [f32; 3]) {
     let (low, high) = bounds.unwrap_or((
         center.map(|middle| middle - UNBOUNDED_REACH),
         center.map(|middle| middle + UNBOUNDED_REACH),
     ));
     let sides: [f32; 3] = std::array::from_fn(|axis| high[axis] - low[axis] + 2.0 * AROUND);
     let longest = sides.into_iter().fold(0.0, f32::max);
-    let size = [longest * LARGER; 3];
+    let size = [longest * larger; 3];
     let low = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * size[axis]);
     (low, size)
 }
@@ -195,7 +233,8 @@ impl Builder<'_> {
     /// The 64 blocks of the root.
     fn divide_block(&mut self, program: &Program, structure: &Structure, block: Block) {
         let mut level = std::mem::take(&mut self.levels[0]);
-        self.bound_cells(program, block, &mut level.rows);
+        self.stats.passes += 1;
+        bound_cells(program, block, self.overlap, &mut level.rows, self.frame);
         level.decisions.decide(program, structure, &level.rows, u64::MAX, u64::MAX);
         level.decisions.groups(program, &level.rows, &[u64::MAX], &mut level.groups);
         for index in 0..level.groups.len() {
@@ -219,26 +258,6 @@ impl Builder<'_> {
         self.levels[0] = level;
     }
 
-    /// Bounds of all values of a program in the cells of a block.
-    fn bound_cells(&mut self, program: &Program, block: Block, rows: &mut Vec<Lanes>) {
-        self.stats.passes += 1;
-        let zero = Lanes::splat(Interval::point(0.0));
-        if rows.len() < 4 {
-            rows.resize(4, zero);
-        }
-        for (axis, row) in rows.iter_mut().take(3).enumerate() {
-            for cell in 0..CELLS {
-                let along = place_in(cell)[axis] as f32;
-                row.lo[cell] = block.low[axis] + along * block.cell[axis] - self.overlap;
-                row.hi[cell] = block.low[axis] + (along + 1.0) * block.cell[axis] + self.overlap;
-            }
-        }
-        if let Some(row) = rows.get_mut(3) {
-            *row = Lanes::splat(Interval { lo: 0.0, hi: PENUMBRA_MAX });
-        }
-        bound(program, rows, self.frame);
-    }
-
     /// Writes the 64 cells of a block to the texels that `texel_of` names, and divides those of the root that may hold
     /// a surface.
     fn write_cells(
@@ -250,7 +269,8 @@ impl Builder<'_> {
         texel_of: &dyn Fn(usize) -> usize,
     ) {
         let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return };
-        self.bound_cells(program, block, &mut level.rows);
+        self.stats.passes += 1;
+        bound_cells(program, block, self.overlap, &mut level.rows, self.frame);
         let bounds = match program.roots[BOUND] {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
@@ -379,6 +399,22 @@ impl Builder<'_> {
         self.stats.clauses += self.encoder.clauses;
         Some(tape | object << 24)
     }
+}
+
+/// Bounds of all values of a program in the cells of a block, each larger by `overlap` on all sides.
+fn bound_cells(program: &Program, block: Block, overlap: f32, rows: &mut Vec<Lanes>, frame: &FrameInputs) {
+    rows.resize(rows.len().max(INPUTS), Lanes::splat(Interval::point(0.0)));
+    for (axis, row) in rows.iter_mut().take(3).enumerate() {
+        for cell in 0..CELLS {
+            let along = place_in(cell)[axis] as f32;
+            row.lo[cell] = block.low[axis] + along * block.cell[axis] - overlap;
+            row.hi[cell] = block.low[axis] + (along + 1.0) * block.cell[axis] + overlap;
+        }
+    }
+    if let Some(row) = rows.get_mut(3) {
+        *row = Lanes::splat(Interval { lo: 0.0, hi: PENUMBRA_MAX });
+    }
+    bound(program, rows, frame);
 }
 
 /// Appends a tape, after the texel that names the tape of its object; none where there is no room.
