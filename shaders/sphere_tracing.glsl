@@ -1,10 +1,11 @@
 // Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. Planes are solved exactly.
 
 const int STEPS_MAX = 128;
-// Share of a pixel's cone that counts as the surface, and its growth per step: a ray that creeps along a surface
-// ends there.
-const float HIT_SHARE = 0.7;
-const float HIT_SHARE_GROWTH = 0.015;
+// Share of a pixel's cone that counts as the surface, and its growth per step once there were many: a ray that creeps
+// along a surface ends there.
+const float HIT_SHARE = 0.35;
+const float HIT_SHARE_GROWTH = 0.03;
+const int STEPS_MANY = 32;
 // The same for a ray whose steps are used up.
 const float CAPPED_SHARE = 8.0;
 // As far as rays go where a scene has no bounds.
@@ -56,7 +57,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     Walk walk = walk_of(origin, direction);
     float d = 0.0;
     for (int i = 0; i < STEPS_MAX; i++) {
-        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(i);
+        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
         // Over cells that hold no surface, to where the distance must be asked.
         Cell cell;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
@@ -80,5 +81,6 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     }
     // A ray that used up its steps far from any surface has met none.
     if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
-    return Hit(t, NOTHING, true);
+    // The last step, too: where the ray ends then hardly depends on the steps before.
+    return Hit(t + max(d, 0.0), NOTHING, true);
 }
