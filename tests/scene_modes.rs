@@ -164,7 +164,7 @@ fn the_compiled_speakers_are_those_written_by_hand() {
 #[test]
 fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
     let scene = ready(&speakers());
-    let needed = scene.buffers.words.len().max(scene.buffers.table.len()) / 4;
+    let needed = scene.buffers.texels_max();
     assert!(needed > 100, "the speakers take only {needed} texels");
     let with = |texels: usize| GlInfo { texture_buffer_texels_max: texels as u32, ..driver(false) };
 
