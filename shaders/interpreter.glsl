@@ -3,7 +3,9 @@
 //
 // A texel holds two clauses, each followed by its immediate. The last texel's second clause is END, with the slots of two
 // results in its bytes 2 and 3. At the start the slots hold x, y, z and the normal; a region's tape finds in the place of
-// the normal's x the distance from which on a surface casts no shadow. Rare operators stand only in the second place.
+// the normal's x the distance from which on a surface casts no shadow. Rare operators
+// stand only in the second place, and are computed between runs of texels: what never skips a branch would compute them
+// with every clause.
 
 #include "operators.glsl"
 
@@ -77,13 +79,12 @@ uint written_slot(uint word, const bool last) {
 
 float region_file[REGION_SLOTS];
 
-// Runs a clause. Rare operators are computed where `last` is true: a constant.
-void region_clause(uint word, uint immediate, const bool last) {
+// Runs a clause but for rare operators, which run_region computes from its operands a and b.
+void region_clause(uint word, uint immediate, const bool last, out float a, out float b) {
     int number = operator_number(word);
-    float a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
-    float b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
+    a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
+    b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
     float r = region_common(number, a, b);
-    if (last) r = region_rare(number, r, a, b);
     uint at = written_slot(word, last);
     REGION_WRITE(at, r);
 }
@@ -95,16 +96,20 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     region_file[2] = p.z;
     region_file[3] = penumbra;
     uvec4 words = uvec4(0u);
-    for (int texel = 0; texel < TEXELS_MAX; ++texel) {
-        words = texelFetch(regions, first + texel);
-        COUNT_TEXEL(clauses);
-#ifdef EVERY_CASE
-        region_clause(words.x, words.y, false);
-#else
-        region_clause(words.x, words.y, true);
-#endif
-        region_clause(words.z, words.w, true);
+    int texel = first;
+    float a;
+    float b;
+    for (int round = 0; round < TEXELS_MAX; ++round) {
+        for (int i = 0; i < TEXELS_MAX; ++i) {
+            words = texelFetch(regions, texel++);
+            COUNT_TEXEL(clauses);
+            region_clause(words.x, words.y, false, a, b);
+            region_clause(words.z, words.w, true, a, b);
+            if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
+        }
         if ((words.z & 255u) == 0u) break;
+        float r = region_rare(operator_number(words.z), a, b);
+        REGION_WRITE(BYTE(words.z, 1), r);
     }
     return vec2(REGION_READ(words.z, 2), REGION_READ(words.z, 3));
 }
@@ -120,12 +125,12 @@ float tape_memory[MEMORY];
 float sampled[4 * SAMPLES];
 #endif
 
-void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n) {
+// As above.
+void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n, out float a, out float b) {
     int number = operator_number(word);
-    float a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
-    float b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 3);
+    a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
+    b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 3);
     float r = tape_common(number, a, b);
-    if (last) r = tape_rare(number, r, a, b);
 #ifdef INPUT_CLAUSES
     r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
     r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
@@ -156,16 +161,20 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     tape_file[4] = n.y;
     tape_file[5] = n.z;
     uvec4 words = uvec4(0u);
-    for (int texel = 0; texel < TEXELS_MAX; ++texel) {
-        words = texelFetch(tape, first + texel);
-        COUNT_TEXEL(surface_clauses);
-#ifdef EVERY_CASE
-        tape_clause(words.x, words.y, false, p, n);
-#else
-        tape_clause(words.x, words.y, true, p, n);
-#endif
-        tape_clause(words.z, words.w, true, p, n);
+    int texel = first;
+    float a;
+    float b;
+    for (int round = 0; round < TEXELS_MAX; ++round) {
+        for (int i = 0; i < TEXELS_MAX; ++i) {
+            words = texelFetch(tape, texel++);
+            COUNT_TEXEL(surface_clauses);
+            tape_clause(words.x, words.y, false, p, n, a, b);
+            tape_clause(words.z, words.w, true, p, n, a, b);
+            if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
+        }
         if ((words.z & 255u) == 0u) break;
+        float r = tape_rare(operator_number(words.z), a, b);
+        WRITE(BYTE(words.z, 1), r);
     }
     return vec2(READ(words.z, 2), READ(words.z, 3));
 }

@@ -5,8 +5,8 @@
 //! and LOAD means slot := immediate. A TEXTURE has the number of its texture times four and its channel for an immediate
 //! and reads what was sampled before. Inputs of the point that would be read into the slots where the interpreter has
 //! them at the start are left out. A first clause that is 0 does nothing. The last texel's second clause is END, with
-//! the slots of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) stand in the second place: a
-//! renderer that never skips a branch then computes them once in two clauses.
+//! the slots of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) stand in the second place, and
+//! the shader computes them between runs of texels.
 //!
 //! **Variants.** The text holds the operators that stand in a [`Variant`] and no others. `EVERY_CASE` is for
 //! renderers that never skip a branch (llvmpipe): all cases are computed and the result is selected. Without it
@@ -23,7 +23,7 @@ use crate::limits::LIMITS;
 /// Entries of a table's page.
 const PAGE: usize = 256;
 
-/// Whether an operator costs several times an addition: those run in the last place of a texel only.
+/// Whether an operator costs several times an addition: those stand second in a texel.
 pub fn is_rare(op: Op) -> bool {
     let power = matches!(op, Op::Exp | Op::Exp2 | Op::Log | Op::Log2 | Op::Pow);
     let circular = matches!(op, Op::Sin | Op::Cos | Op::Tan | Op::Asin | Op::Acos | Op::Atan | Op::Atan2);
@@ -181,13 +181,14 @@ impl Variant {
         // A texel may hold a single clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
         for (whose, operators) in [("region", region_operators), ("tape", &self.operators)] {
-            let (rare, common): (Vec<Op>, Vec<Op>) =
-                operators.iter().partition(|op| self.every_case && is_rare(**op));
+            let (rare, common): (Vec<Op>, Vec<Op>) = operators.iter().partition(|op| is_rare(**op));
             let _ = writeln!(text, "float {whose}_common(int number, float a, float b) {{\n    float r = a;");
             self.write_cases(text, &common);
-            let _ = writeln!(text, "}}\nfloat {whose}_rare(int number, float r, float a, float b) {{");
+            let _ = writeln!(text, "}}\nfloat {whose}_rare(int number, float a, float b) {{\n    float r = a;");
             self.write_cases(text, &rare);
-            let _ = writeln!(text, "}}");
+            let numbers: Vec<String> = rare.iter().map(|op| format!("number == {}", op.number())).collect();
+            let test = if numbers.is_empty() { "false".to_owned() } else { numbers.join(" || ") };
+            let _ = writeln!(text, "}}\nbool {whose}_is_rare(int number) {{\n    return {test};\n}}");
         }
     }
 
