@@ -72,8 +72,7 @@ impl Programs {
 
     /// The interpreter's text with these functions around it.
     fn text(&self, main: &str) -> String {
-        let interpreter = include_str!("../shaders/interpreter.glsl")
-            .replace(
+        let interpreter = include_str!("../shaders/interpreter.glsl").replace(
             "#include \"operators.glsl\"",
             &self.variant.text(&self.variant.operators, self.variant.slots.min(REGION_SLOTS)),
         );

@@ -103,7 +103,10 @@ fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
             assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
         }
         let (fewer, all) = (short.1, interpreted.1);
-        assert!(fewer.total() <= all.total() && fewer.clauses < all.clauses, "{name}: {fewer:?}, but {all:?}");
+        assert!(
+            fewer.total() <= all.total() && fewer.clauses < all.clauses,
+            "{name}: {fewer:?}, but {all:?}"
+        );
         assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, TIGHT);
         let (a, b) = (interpreted.1, compiled.1);
         assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
@@ -189,7 +192,8 @@ fn a_painter_draws_as_it_was_asked() {
         (SdfChoice::Auto, Mode::Compiled),
     ] {
         let source = SceneSource::Formula(PLANES.into());
-        let choice = SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), regions: true, verbose: false };
+        let choice =
+            SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), regions: true, verbose: false };
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
         painter.draw(0.0, silence(), (16, 9)).unwrap();

@@ -142,7 +142,18 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
             let first_draw_ms = milliseconds(start.elapsed());
             let program = program.clone();
             let (wall, cpu, gpu) = Default::default();
-            runs.push(Run { mode, regions, built, build_ms, program, shader_ms, first_draw_ms, wall, cpu, gpu });
+            runs.push(Run {
+                mode,
+                regions,
+                built,
+                build_ms,
+                program,
+                shader_ms,
+                first_draw_ms,
+                wall,
+                cpu,
+                gpu,
+            });
         }
     }
 

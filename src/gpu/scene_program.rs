@@ -93,7 +93,9 @@ impl Interpreter {
         let mut variant = common(self.tapes.textures, counting);
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
-        variant.generated.push(("operators.glsl".into(), self.tapes.text(&self.regions.operators, self.regions.slots)));
+        variant
+            .generated
+            .push(("operators.glsl".into(), self.tapes.text(&self.regions.operators, self.regions.slots)));
         variant
     }
 }

@@ -161,10 +161,13 @@ impl SceneResources {
     pub fn region_request(&self, frame: &Frame) -> RegionRequest {
         // The tree of a scene without bounds follows the eye, not with every step.
         let eye = frame.camera.position.as_vec3();
-        let center = if self.world.bounds.is_some() { glam::Vec3::ZERO } else { CENTER_STEP * (eye / CENTER_STEP).round() };
+        let center = if self.world.bounds.is_some() {
+            glam::Vec3::ZERO
+        } else {
+            CENTER_STEP * (eye / CENTER_STEP).round()
+        };
         let center = center.to_array();
-        let options =
-            RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
+        let options = RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
         RegionRequest::of(&self.plan, frame, options)
     }
 

@@ -171,10 +171,7 @@ impl Variant {
             let _ = writeln!(text, "#define {name} {number}");
         }
         let _ = writeln!(text, "#ifndef TEXTURES\n#define TEXTURES {}\n#endif", self.textures);
-        let flags = [
-            ("INPUT_CLAUSES", self.inputs),
-            ("EVERY_CASE", self.every_case),
-        ];
+        let flags = [("INPUT_CLAUSES", self.inputs), ("EVERY_CASE", self.every_case)];
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");
         }
@@ -184,7 +181,8 @@ impl Variant {
             let (rare, common): (Vec<Op>, Vec<Op>) = operators.iter().partition(|op| is_rare(**op));
             let _ = writeln!(text, "float {whose}_common(int number, float a, float b) {{\n    float r = a;");
             self.write_cases(text, &common);
-            let _ = writeln!(text, "}}\nfloat {whose}_rare(int number, float a, float b) {{\n    float r = a;");
+            let _ =
+                writeln!(text, "}}\nfloat {whose}_rare(int number, float a, float b) {{\n    float r = a;");
             self.write_cases(text, &rare);
             let numbers: Vec<String> = rare.iter().map(|op| format!("number == {}", op.number())).collect();
             let test = if numbers.is_empty() { "false".to_owned() } else { numbers.join(" || ") };

@@ -79,7 +79,8 @@ impl Program {
         for (byte, slot) in outputs.iter_mut().zip(self.tape.outputs()) {
             *byte = *slot;
         }
-        let four = |place: usize| outputs[place..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+        let four =
+            |place: usize| outputs[place..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
         texels.push([four(0), four(4), four(8), self.textures.len() as u32]);
         let heads = texels.len();
         texels.resize(heads + self.textures.len(), [0; 4]);
@@ -148,7 +149,8 @@ impl TapeBuffers {
             })
             .collect();
         let start = |program: usize| starts.get(program).copied().unwrap_or(0);
-        let directory = [start(0), start(1), 0, 0].into_iter().chain(self.of_objects.iter().map(|&p| start(p)));
+        let directory =
+            [start(0), start(1), 0, 0].into_iter().chain(self.of_objects.iter().map(|&p| start(p)));
         for (to, from) in texels.as_flattened_mut().iter_mut().zip(directory) {
             *to = from;
         }
@@ -157,9 +159,10 @@ impl TapeBuffers {
 
     /// The most texels that a frame needs.
     pub fn texels_max(&self) -> usize {
-        let of_programs = self.programs.iter().map(|program| {
-            1 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>()
-        });
+        let of_programs = self
+            .programs
+            .iter()
+            .map(|program| 1 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>());
         1 + self.of_objects.len().div_ceil(4) + of_programs.sum::<usize>()
     }
 }
@@ -172,15 +175,15 @@ impl World {
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
         let program = |roots: &[NodeId]| Program::build(&self.graph, roots).map_err(failed);
-        let tape = |roots: &[NodeId]| {
-            Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed)
-        };
+        let tape =
+            |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
         let mut programs = vec![program(&self.roots.sky)?, program(&self.roots.ambient)?];
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
             programs.push(program(roots)?);
         }
-        let of_objects = self.scene.objects.iter().map(|object| PROGRAMS_OF_LIGHT + object.material).collect();
+        let of_objects =
+            self.scene.objects.iter().map(|object| PROGRAMS_OF_LIGHT + object.material).collect();
         let clauses = |programs: &[Program]| programs.iter().map(Program::clauses).sum::<usize>();
         let (of_light, of_materials) = programs.split_at(PROGRAMS_OF_LIGHT);
         let distance = tape(&self.roots.distance)?.clauses().len();
