@@ -32,10 +32,12 @@ fn tape(text: &str) -> Tape {
     Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).expect("it has a tape")
 }
 
-/// The words that the interpreter shader runs for a text's distance.
-fn words(text: &str) -> Vec<u32> {
+/// The texels that the interpreter shader runs for a text's distance.
+fn words(text: &str) -> Vec<[u32; 4]> {
     let mut words = Vec::new();
-    tape(text).append_program(0, &mut words);
+    let (tape, mut numbers) = (tape(text), Vec::new());
+    tape.table_values(&FrameInputs::default(), &mut numbers);
+    tape.append_texels(&numbers, &mut words);
     words
 }
 

@@ -59,7 +59,9 @@ fn tape(c: &mut Criterion) {
             b.iter(|| {
                 Tape::build(&graph, &[root], &options).map(|tape| {
                     let mut words = Vec::new();
-                    tape.append_program(0, &mut words);
+                    let mut numbers = Vec::new();
+                    tape.table_values(&FrameInputs::default(), &mut numbers);
+                    tape.append_texels(&numbers, &mut words);
                     words
                 })
             })

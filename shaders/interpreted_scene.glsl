@@ -7,8 +7,58 @@ const int SKY_PROGRAM = 0;
 const int AMBIENT_PROGRAM = 1;
 const int MATERIAL_PROGRAMS = 4;
 
+// --- Materials and light ---
+
 int program_at(int place) {
     return int(texelFetch(tape, place >> 2)[place & 3]);
+}
+
+// A point and its normal, or a direction.
+struct Place {
+    vec3 p;
+    vec3 n;
+};
+
+// Runs a program (src/world/interpreted.rs): first its textures, whose coordinates are asked for the pixel to the right,
+// the one above, and here; then its tape. The results stay in their slots, which the header tells.
+uvec4 run_program(int program, Place here, Place right, Place above) {
+    uvec4 head = texelFetch(tape, program);
+#if SAMPLES > 0
+    int samples = int(head.w);
+    int sample_number = 0;
+    int neighbour = 0;
+    vec2 dx = vec2(0.0);
+    vec2 dy = vec2(0.0);
+    for (int round = 0; round <= SAMPLES; round++) {
+        vec2 uv;
+        uvec4 texture_head;
+        // One call in a loop, as each is compiled anew: three runs for a texture, one for the program's own tape.
+        for (;;) {
+            bool is_own = sample_number >= samples;
+            texture_head = texelFetch(tape, program + 1 + sample_number);
+            int first = is_own ? program + 1 + samples : int(texture_head.y);
+            bool is_here = is_own || neighbour == 2;
+            vec3 p = is_here ? here.p : neighbour == 0 ? right.p : above.p;
+            vec3 n = is_here ? here.n : neighbour == 0 ? right.n : above.n;
+            uv = run_tape(first, p, n);
+            if (is_here) break;
+            if (neighbour == 0) { dx = uv; } else { dy = uv; }
+            neighbour++;
+        }
+        if (sample_number >= samples) break;
+        vec4 texel = sample_texture(int(texture_head.x), uv, dx - uv, dy - uv);
+        int at = 4 * sample_number;
+        sampled[at] = texel.x;
+        sampled[at + 1] = texel.y;
+        sampled[at + 2] = texel.z;
+        sampled[at + 3] = texel.w;
+        neighbour = 0;
+        sample_number++;
+    }
+#else
+    run_tape(program + 1, here.p, here.n);
+#endif
+    return head;
 }
 
 vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
@@ -81,29 +131,23 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     vec4 occluders;
     probe_surface(p, plane != NOTHING, cone, s, occluders);
     s.open = openness(p, s.normal, occluders);
-    vec3 right = along_surface(dx, s.normal, direction);
-    vec3 up = along_surface(dy, s.normal, direction);
-    // The material, then the ambient light: again one call in a loop.
+    Place here = Place(p, s.normal);
+    Place right = Place(p + along_surface(dx, s.normal, direction), s.normal);
+    Place above = Place(p + along_surface(dy, s.normal, direction), s.normal);
+    // The ambient light, then the material: again one call in a loop.
+    uvec4 head = uvec4(0u);
     for (int i = 0; i < 2; i++) {
-        int program = i == 0 ? MATERIAL_PROGRAMS + s.object : AMBIENT_PROGRAM;
-        vec4 r[12];
-        run_lanes(program_at(program), p.x + vec4(0.0, right.x, up.x, 0.0), p.y + vec4(0.0, right.y, up.y, 0.0),
-                  p.z + vec4(0.0, right.z, up.z, 0.0), vec4(s.normal.x), vec4(s.normal.y), vec4(s.normal.z), r);
-        if (i == 0) {
-            s.material = Material(vec3(r[0].x, r[1].x, r[2].x), r[3].x, r[4].x, vec3(r[5].x, r[6].x, r[7].x), r[8].x,
-                                  r[9].x, r[10].x);
-        } else {
-            s.ambient = vec3(r[0].x, r[1].x, r[2].x);
-        }
+        head = run_program(program_at(i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + s.object), here, right, above);
+        if (i == 0) s.ambient = vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
     }
+    s.material = Material(vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2)), READ(head.x, 3), READ(head.y, 0),
+                          vec3(READ(head.y, 1), READ(head.y, 2), READ(head.y, 3)), READ(head.z, 0), READ(head.z, 1),
+                          READ(head.z, 2));
     return s;
 }
 
 vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
-    vec4 r[12];
-    run_lanes(program_at(SKY_PROGRAM), vec4(0.0), vec4(0.0), vec4(0.0),
-              vec4(direction.x, direction.x + dx.x, direction.x + dy.x, direction.x),
-              vec4(direction.y, direction.y + dx.y, direction.y + dy.y, direction.y),
-              vec4(direction.z, direction.z + dx.z, direction.z + dy.z, direction.z), r);
-    return vec3(r[0].x, r[1].x, r[2].x);
+    uvec4 head = run_program(program_at(SKY_PROGRAM), Place(vec3(0.0), direction), Place(vec3(0.0), direction + dx),
+                             Place(vec3(0.0), direction + dy));
+    return vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
 }

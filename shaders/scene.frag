@@ -18,6 +18,7 @@ layout(location = 0) out vec4 sample_color;         // alpha: a whole number bel
 #ifdef COUNT_EVALUATIONS
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
 layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, lookups of cells
+layout(location = 3) out vec4 more_clauses;         // of materials and light, 0, 0, 0
 #endif
 
 // Light from the surface at p towards the eye, without what it mirrors.
@@ -121,8 +122,10 @@ void main() {
 #ifdef COUNT_EVALUATIONS
 #ifndef CLAUSES_RUN
 #define CLAUSES_RUN 0.0
+#define SURFACE_CLAUSES_RUN 0.0
 #endif
     evaluations = vec4(count_primary, count_reflection, count_normal, count_shadow);
     more_evaluations = vec4(count_occlusion, count_capped, CLAUSES_RUN, count_lookups);
+    more_clauses = vec4(SURFACE_CLAUSES_RUN, 0.0, 0.0, 0.0);
 #endif
 }

@@ -1,11 +1,14 @@
 // Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. Planes are solved exactly.
 
 const int STEPS_MAX = 128;
-// Share of a pixel's cone that counts as the surface, and its growth per step: a ray that creeps along a surface
-// ends there.
-const float HIT_SHARE = 0.7;
-const float HIT_SHARE_GROWTH = 0.015;
-// The same for a ray whose steps are used up.
+// Share of a pixel's cone that counts as the surface, and its growth per step once there were many: a ray that creeps
+// along a surface ends there.
+const float HIT_SHARE = 0.25;
+const float HIT_SHARE_GROWTH = 0.03;
+const int STEPS_MANY = 32;
+// The last step is longer than the distance by this at most.
+const float SLANT_MAX = 4.0;
+// The same share for a ray whose steps are used up.
 const float CAPPED_SHARE = 8.0;
 // As far as rays go where a scene has no bounds.
 const float FAR = 1000.0;
@@ -58,8 +61,9 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     if (t >= end) return behind;
     Walk walk = walk_of(origin, direction);
     float d = 0.0;
+    float before = 0.0;     // the distance one step before; 0 if cells were skipped since
     for (int i = 0; i < STEPS_MAX; i++) {
-        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(i);
+        float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
         // Over cells that hold no surface, to where the distance must be asked.
         Cell cell;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
@@ -67,6 +71,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             cell = cell_at(q);
             COUNT(lookups);
             if (!(cell.bound > reach * (cone + spread * t))) break;
+            before = 0.0;
             t = max(t + cell.bound, past(exit_of(cell, walk, q)));
             if (t >= end) break;
         }
@@ -79,10 +84,14 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         // Not d >= reach: what is no number ends the ray, too.
         if (!(d >= reach * (cone + spread * t))) break;
         t += d;
+        before = d;
         if (t >= end) return behind;
     }
     // A ray that used up its steps far from any surface has met none.
     if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
-    return Hit(t, NOTHING, true);
+    // On to the surface, so that the end hardly depends on the steps before: as far as it is, or where the last two
+    // distances say that it is met at an angle.
+    float slant = before > d ? min(before / (before - d), SLANT_MAX) : 1.0;
+    return Hit(t + max(d, 0.0) * slant, NOTHING, true);
 }
 #endif

@@ -1,4 +1,4 @@
-//! The CPU's evaluator, the interpreter's shader and the compiled shader give the same numbers.
+//! The CPU's evaluator, the interpreter's shader, in both of its forms, and the compiled shader give the same numbers.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -11,7 +11,7 @@ use mariana::gpu::probe::Probe;
 use mariana::gpu::texture_buffer::BufferTexel;
 use mariana::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
 use mariana::tape::interpreter::Variant;
-use mariana::tape::{PointEvaluator, Tape, TapeOptions, glsl};
+use mariana::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
 use support::expression::{Random, TABLES_GLSL, frame, random_expression, spread};
 use support::glsl::{Stage, check_with_glslang};
 
@@ -20,7 +20,11 @@ layout(location = 0) out vec4 color;
 uniform samplerBuffer points;
 uniform samplerBuffer normals;
 uniform samplerBuffer programs;
+uniform usamplerBuffer regions;
 ";
+
+/// Most slots of a region's tape.
+const REGION_SLOTS: usize = 128;
 
 /// Texts, points and what is asked of them.
 struct Studio {
@@ -35,35 +39,43 @@ fn floats(values: &[f32]) -> Vec<u8> {
     bytes(values, f32::to_le_bytes)
 }
 
-/// Tapes in the buffers that the interpreter reads.
+/// Tapes in the buffer that the interpreter reads.
 #[derive(Clone)]
 struct Programs {
-    words: Vec<u32>,
-    table: Vec<f32>,
-    /// Where each program begins, in texels. Exact in a float below 2^24.
+    texels: Vec<[u32; 4]>,
+    /// Where each tape begins. Exact in a float below 2^24.
     starts: Vec<f32>,
+    /// Whether each can be a region's tape.
+    regional: Vec<bool>,
     variant: Variant,
 }
 
 impl Programs {
     fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
         let variant = Variant::of(tapes, every_case);
-        let (mut words, mut table, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut texels, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for tape in tapes {
-            starts.push((words.len() / 4) as f32);
-            tape.append_program((table.len() / 4) as u32, &mut words);
+            starts.push(texels.len() as f32);
             tape.table_values(frame, &mut values);
-            table.extend(&values);
-            table.resize(table.len().next_multiple_of(4), 0.0);
+            tape.append_texels(&values, &mut texels);
         }
-        table.resize(table.len() + 256, 0.0);
-        Self { words, table, starts, variant }
+        let regional = tapes.iter().map(|tape| {
+            // A region knows x, y, z and one number more, at the start alone.
+            let reads = |instruction| match instruction {
+                Instruction::Input { output, place } => place >= 4 || output != place,
+                _ => false,
+            };
+            tape.memory() == 0 && tape.slots() <= REGION_SLOTS && !tape.instructions().any(reads)
+        });
+        Self { texels, starts, regional: regional.collect(), variant }
     }
 
     /// The interpreter's text with these functions around it.
     fn text(&self, main: &str) -> String {
-        let interpreter = include_str!("../shaders/interpreter.glsl")
-            .replace("#include \"operators.glsl\"", &self.variant.text());
+        let interpreter = include_str!("../shaders/interpreter.glsl").replace(
+            "#include \"operators.glsl\"",
+            &self.variant.text(&self.variant.operators, self.variant.slots.min(REGION_SLOTS)),
+        );
         format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
     }
 }
@@ -85,9 +97,9 @@ impl Studio {
             probe.add_buffer(name, BufferTexel::Rgba32F, &floats(&padded)).unwrap();
         }
         if let Some(programs) = programs {
-            let words = bytes(&programs.words, u32::to_le_bytes);
+            let words = bytes(programs.texels.as_flattened(), u32::to_le_bytes);
             probe.add_buffer("tape", BufferTexel::Rgba32U, &words).unwrap();
-            probe.add_buffer("tape_table", BufferTexel::Rgba32F, &floats(&programs.table)).unwrap();
+            probe.add_buffer("regions", BufferTexel::Rgba32U, &words).unwrap();
             probe.add_buffer("programs", BufferTexel::R32F, &floats(&programs.starts)).unwrap();
         }
         probe.draw();
@@ -168,29 +180,14 @@ fn tolerance(op: Op) -> (f32, f32) {
     ROWS.iter().find(|row| row.op == op).map_or((0.0, 0.0), |row| (row.relative, row.absolute))
 }
 
-const RUN_POINT: &str = "
+/// As what runs materials and light, and as what runs the tapes of regions.
+const RUN: &str = "
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     int program = int(texelFetch(programs, pixel.y).x);
-    color = vec4(run_point(program, texelFetch(points, pixel.x).xyz, texelFetch(normals, pixel.y).xyz), 0.0, 0.0);
-}
-";
-
-/// The four lanes are the pixel's point and the three that follow it.
-const RUN_LANES: &str = "
-void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy);
-    int program = int(texelFetch(programs, pixel.y).x);
-    int count = textureSize(points);
-    vec3 a = texelFetch(points, pixel.x).xyz;
-    vec3 b = texelFetch(points, (pixel.x + 1) % count).xyz;
-    vec3 c = texelFetch(points, (pixel.x + 2) % count).xyz;
-    vec3 d = texelFetch(points, (pixel.x + 3) % count).xyz;
+    vec3 p = texelFetch(points, pixel.x).xyz;
     vec3 n = texelFetch(normals, pixel.y).xyz;
-    vec4 results[12];
-    run_lanes(program, vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), vec4(a.z, b.z, c.z, d.z),
-        vec4(n.x), vec4(n.y), vec4(n.z), results);
-    color = results[0];
+    color = vec4(run_tape(program, p, n), run_region(program, p, n.x));
 }
 ";
 
@@ -206,8 +203,22 @@ fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
     text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
 }
 
-/// The texts of both kinds of interpreter and of the compiled shader for expressions that share a graph, at every
-/// point: a row for each expression.
+/// What the interpreter gave for expressions that share a graph: a row for each, a column for each point.
+struct Interpreted {
+    values: Vec<[f32; 4]>,
+    regional: Vec<bool>,
+    columns: usize,
+}
+
+impl Interpreted {
+    /// What each way of computing gave for one row and column, by its name.
+    fn at(&self, row: usize, column: usize) -> impl Iterator<Item = (&'static str, f32)> {
+        let [tape, _, region, _] = self.values[row * self.columns + column];
+        let region = self.regional[row].then_some(("run_region", region));
+        [("run_tape", tape)].into_iter().chain(region)
+    }
+}
+
 fn run(
     studio: &Studio,
     graph: &Graph,
@@ -216,24 +227,11 @@ fn run(
     every_case: bool,
     points: &[[f32; 3]],
     normals: &[[f32; 3]],
-) -> (Vec<[f32; 4]>, Vec<[f32; 4]>) {
+) -> Interpreted {
     let tapes: Vec<Tape> = roots.iter().map(|root| Tape::build(graph, &[*root], options).unwrap()).collect();
     let programs = Programs::new(&tapes, &frame(), every_case);
-    let point = studio.draw(&programs.text(RUN_POINT), points, normals, Some(&programs));
-    let lanes = studio.draw(&programs.text(RUN_LANES), points, normals, Some(&programs));
-    (point, lanes)
-}
-
-/// What each way of computing gave for one row and column, by its name. `lanes` is read by every point's four users.
-fn values_at<'a>(
-    (point, lanes): &'a (Vec<[f32; 4]>, Vec<[f32; 4]>),
-    row: usize,
-    column: usize,
-    columns: usize,
-) -> impl Iterator<Item = (&'static str, f32)> + 'a {
-    let names = ["lane 0", "lane 1", "lane 2", "lane 3"];
-    let lane = move |i: usize| (names[i], lanes[row * columns + (column + columns - i) % columns][i]);
-    std::iter::once(("run_point", point[row * columns + column][0])).chain((0..4).map(lane))
+    let values = studio.draw(&programs.text(RUN), points, normals, Some(&programs));
+    Interpreted { values, regional: programs.regional, columns: points.len() }
 }
 
 /// `value` as a driver has it that knows no numbers below the normal ones; one zero.
@@ -293,7 +291,7 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
                 }
             };
             for (values, how) in [(&selected, "selected"), (&switched, "switched")] {
-                values_at(values, row, column, points.len()).for_each(|(name, got)| check(name, how, got));
+                values.at(row, column).for_each(|(name, got)| check(name, how, got));
             }
             check("compiled", "", compiled[row * points.len() + column][0]);
         }
@@ -368,7 +366,7 @@ fn random_expressions_agree() {
                     wrong.push(format!("expression {row}, {point:?}: {right:e}; {name}: {got:e}"));
                 }
             };
-            values_at(&interpreted, row, column, POINTS).for_each(|(name, got)| check(name, got));
+            interpreted.at(row, column).for_each(|(name, got)| check(name, got));
             check("compiled", compiled[row * POINTS + column][0]);
         }
     }
@@ -414,7 +412,7 @@ fn spills_and_pages_change_nothing() {
             let values = run(&studio, &graph, &[root], &options, every_case, &points, &normals);
             for (column, &position) in points.iter().enumerate() {
                 let right = evaluator.at(&Point { position, normal: normals[0] })[0];
-                for (name, got) in values_at(&values, 0, column, points.len()) {
+                for (name, got) in values.at(0, column) {
                     assert!(
                         close(got, right, 1e-6, 0.0),
                         "{terms} terms, {slots} slots, every case {every_case}, {name}: {got} for {right}"
@@ -426,65 +424,51 @@ fn spills_and_pages_change_nothing() {
 }
 
 #[test]
-fn textures_are_read_with_the_gradients_of_the_lanes_and_all_outputs_are_given() {
+fn textures_give_what_was_sampled_and_all_outputs_are_in_their_slots() {
     let studio = Studio { context: Headless::new(false).unwrap() };
     let mut graph = Graph::new();
-    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
-    let half = graph.constant(0.5);
-    let u = graph.mul(x, half);
+    let x = graph.input(Input::X);
+    let zero = graph.constant(0.0);
     let mut roots: Vec<NodeId> =
-        (0..4).map(|channel| graph.texture(channel + 3, channel as u8, u, y)).collect();
+        (0..4).map(|channel| graph.texture(channel + 3, channel as u8, zero, zero)).collect();
     roots.extend((0..8).map(|i| {
         let number = graph.constant(i as f32);
         graph.add(x, number)
     }));
     let tape = Tape::build(&graph, &roots, &TapeOptions::default()).unwrap();
-    let stub = "vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
-    return vec4(float(index) + uv.x * 10.0, float(index) + dx.x + 10.0 * dx.y, float(index) + dy.x + 10.0 * dy.y, uv.y);
-}
-";
-    let main = "void main() {
-    vec4 results[12];
-    run_lanes(0, vec4(1.0, 1.5, 1.25, 9.0), vec4(2.0, 2.125, 4.0, 9.0), vec4(0.0), vec4(0.0), vec4(0.0),
-        vec4(0.0), results);
-    int column = int(gl_FragCoord.x);
-    color = column == 12 ? vec4(run_point(0, vec3(1.0, 2.0, 0.0), vec3(0.0)), 0.0, 0.0) : results[column];
-}
-";
+    let slots: Vec<String> = tape.outputs().iter().map(|slot| slot.to_string()).collect();
+    let main = format!(
+        "void main() {{
+    for (int i = 0; i < 4 * SAMPLES; i++) sampled[i] = float(i);
+    run_tape(0, vec3(1.0, 2.0, 0.0), vec3(0.0));
+    int slots[12] = int[12]({});
+    color = vec4(tape_file[slots[int(gl_FragCoord.x)]]);
+}}
+",
+        slots.join(", ")
+    );
     for every_case in [true, false] {
         let programs = Programs::new(std::slice::from_ref(&tape), &frame(), every_case);
-        assert_eq!(programs.variant.textures, 7);
-        let text = programs.text(&format!("{stub}{main}"));
-        let values = studio.draw(&text, &[[0.0; 3]; 13], &[[0.0; 3]], Some(&programs));
-        let mut expected = vec![[8.0; 4], [4.0 + 0.25 + 1.25; 4], [5.0 + 0.125 + 20.0; 4], [2.0; 4]];
-        expected.extend((0..8).map(|i| [1.0, 1.5, 1.25, 9.0].map(|x| x + i as f32)));
-        expected.push([0.0; 4]);
-        assert_eq!(values, expected, "every case {every_case}");
+        assert_eq!(programs.variant.samples, 7);
+        let values = studio.draw(&programs.text(&main), &[[0.0; 3]; 12], &[[0.0; 3]], Some(&programs));
+        let mut expected: Vec<f32> = (0..4).map(|channel| (4 * (channel + 3) + channel) as f32).collect();
+        expected.extend((0..8).map(|i| 1.0 + i as f32));
+        assert_eq!(values, expected.iter().map(|value| [*value; 4]).collect::<Vec<_>>());
     }
 }
 
 #[test]
 fn glslang_takes_every_kind_of_interpreter() {
-    let stub = "vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) { return vec4(0.0); }";
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
     let tape = Tape::build(&graph, &[x], &TapeOptions::default()).unwrap();
     let programs = Programs::new(&[tape], &frame(), true);
     for every_case in [true, false] {
-        for (slots, table, memory, textures) in [
-            (4, 4, 0, 0),
-            (8, 8, 0, 2),
-            (8, 16, 8, 0),
-            (8, 32, 0, 0),
-            (16, 16, 0, 12),
-            (256, 256, 64, 1),
-            (8, 0, 0, 0),
-        ] {
+        for (slots, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
             let operators = Op::ALL.iter().copied().collect();
-            let variant =
-                Variant { operators, slots, table, memory, textures, inputs: memory > 0, every_case };
-            let text =
-                Programs { variant: variant.clone(), ..programs.clone() }.text(&format!("{stub}{RUN_LANES}"));
+            let inputs = memory > 0;
+            let variant = Variant { operators, slots, memory, samples, textures: 0, inputs, every_case };
+            let text = Programs { variant: variant.clone(), ..programs.clone() }.text(RUN);
             if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
                 panic!("{variant:?}: {complaint}");
             }

@@ -13,12 +13,12 @@ use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::{DoesNotFit, Interpreter, Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
-use mariana::scenes::SceneSource;
+use mariana::scenes::{SceneSource, shipped_names};
 use support::compare::{TIGHT, assert_alike, difference};
 use support::oracle::BY_HAND;
 use support::studio::{Studio, driver, loud_music, ready, silence, soft_music, speakers};
 
-const SIZE: (u32, u32) = (96, 54);
+const SIZE: (u32, u32) = (240, 135);
 
 /// Two planes, one of them turned by the time, and a ball between them.
 const PLANES: &str = "min(min(y, 0.6*x + 0.8*(9 + sin(t) - z)), sqrt(x*x + (y-1)*(y-1) + (z-4)*(z-4)) - 1)";
@@ -84,14 +84,29 @@ fn kinds(all: &Evaluations) -> [f64; 5] {
     [all.primary, all.reflection, all.normal, all.shadow, all.occlusion]
 }
 
-/// Fails unless both modes show the same and evaluate about as much, in loud music at each of the `times`.
+/// Fails unless both modes show the same, with regions and without, and evaluate about as much without, in loud music at
+/// each of the `times`. No ray of a shipped scene may reach its cap.
 fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
     let mut studio = Studio::of(scene, Mode::Compiled, Counting::On);
     let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
     let mut first: Option<RgbaImage> = None;
     for &time in times {
+        studio.resources.set_cells(true);
+        let [skipping, short] =
+            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_music(), SIZE));
+        studio.resources.set_cells(false);
         let [compiled, interpreted] =
             [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_music(), SIZE));
+        assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, TIGHT);
+        assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, TIGHT);
+        if matches!(scene, SceneSource::Shipped(_)) {
+            assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
+        }
+        let (fewer, all) = (short.1, interpreted.1);
+        assert!(
+            fewer.total() <= all.total() && fewer.clauses < all.clauses,
+            "{name}: {fewer:?}, but {all:?}"
+        );
         assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, TIGHT);
         let (a, b) = (interpreted.1, compiled.1);
         assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
@@ -109,8 +124,10 @@ fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
 }
 
 #[test]
-fn both_modes_show_the_same_speakers() {
-    assert_modes_agree("speakers", &speakers(), &[12.0, 40.0]);
+fn both_modes_show_the_same_shipped_scenes() {
+    for name in shipped_names() {
+        assert_modes_agree(&name, &SceneSource::Shipped(name.clone()), &[12.0, 40.0]);
+    }
 }
 
 #[test]
@@ -150,7 +167,7 @@ fn the_compiled_speakers_are_those_written_by_hand() {
 #[test]
 fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
     let scene = ready(&speakers());
-    let needed = scene.buffers.words.len().max(scene.buffers.table.len()) / 4;
+    let needed = scene.buffers.texels_max();
     assert!(needed > 100, "the speakers take only {needed} texels");
     let with = |texels: usize| GlInfo { texture_buffer_texels_max: texels as u32, ..driver(false) };
 

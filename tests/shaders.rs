@@ -1,7 +1,7 @@
 //! Every shader variant before three judges: naga, glslang and the driver. And each judge before broken shaders.
 //!
-//! naga's GLSL front end knows no texture buffers (`usamplerBuffer`, `samplerBuffer`), so that the variants of the
-//! interpreter come before glslang and the driver alone.
+//! naga's GLSL front end knows no texture buffers (`usamplerBuffer`, `samplerBuffer`): what reads the regions gets a function
+//! in their place, and the variants of the interpreter come before glslang and the driver alone.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -28,7 +28,7 @@ struct Case {
     /// The file that it begins with.
     file: &'static str,
     variant: Variant,
-    /// Whether it reads texture buffers.
+    /// Whether it reads more texture buffers than the regions.
     interpreted: bool,
 }
 
@@ -72,7 +72,7 @@ fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case)
 }
 
 #[test]
-fn naga_takes_every_variant_without_texture_buffers() {
+fn naga_takes_every_variant_without_tapes() {
     judge_cases(check_with_naga, |case| !case.interpreted);
 }
 

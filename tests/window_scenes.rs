@@ -13,7 +13,7 @@ use std::time::Duration;
 
 use image::RgbaImage;
 use support::compare::{TIGHT, assert_alike, pixel_difference};
-use support::desktop::{App, Desktop, PROGRAM};
+use support::desktop::{App, Desktop, PROGRAM, command_in};
 use support::process::wait_until;
 use support::wave::write_wav;
 
@@ -70,6 +70,17 @@ impl Place {
     /// The same in a window for scenes that take long to draw.
     fn open_tiny(&self, name: &str, options: &[&str]) -> App<'_> {
         self.open_scene(self.path(name).to_str().unwrap(), TINY, options)
+    }
+
+    /// The picture of a scene of the folder at the song's start, without a window.
+    fn still(&self, name: &str, size: (u32, u32)) -> RgbaImage {
+        let output = self.path("still.png");
+        let mut command = command_in(PROGRAM, self.desktop.folder(), None);
+        command.arg("still").arg(&self.song).arg("--scene").arg(self.path(name)).arg("-o").arg(&output);
+        command.args(["--size", &format!("{}x{}", size.0, size.1)]);
+        let run = command.output().unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        image::open(&output).unwrap().to_rgba8()
     }
 
     fn open_scene(&self, scene: &str, size: &str, options: &[&str]) -> App<'_> {
@@ -234,6 +245,14 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     quit(app);
 }
 
+/// Balls that move.
+const VARIED_BY_TIME: &str = "
+object floor { shape = p.y + 1 }
+object balls { shape = smooth_union(for i in 0..3: sphere(p - vec3(i - 1, 0.5 * sin(t + i), 4), 0.6), 0.3) }
+light lamp { position = vec3(-3, 5, 0) color = 60 }
+camera { position = vec3(0, 0.5, 0) target = vec3(0, 0, 4) }
+";
+
 /// Balls, lights and a picture, enough for two ways of computing it to differ.
 const VARIED: &str = "
 material wood { color = triplanar(\"wood.png\", p * 0.5, n) roughness = 0.4 }
@@ -280,6 +299,57 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
         wait_until("the picture of before", || app.picture() == before);
         quit(app);
     }
+}
+
+#[test]
+fn r_changes_whether_regions_are_used_but_not_the_picture() {
+    let place = Place::new();
+    place.save("own.scene", VARIED);
+    for (mode, first) in [("interpreted", "on"), ("compiled", "off")] {
+        let mut app = place.open("own.scene", &["--sdf", mode, "--regions", first]);
+        wait_for_mode(&mut app, mode);
+        pause(&mut app);
+        app.press(&["Left"]);
+        let settled = |app: &App| {
+            let mut last = app.picture();
+            wait_until("a picture that stands still", || {
+                std::thread::sleep(Duration::from_millis(700));
+                std::mem::replace(&mut last, app.picture()) == last
+            });
+            last
+        };
+        let before = settled(&app);
+        app.press(&["r"]);
+        wait_until("the notice", || app.picture() != before);
+        // It stands for a while.
+        std::thread::sleep(Duration::from_secs(3));
+        let after = settled(&app);
+        assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
+        app.press(&["r"]);
+        wait_until("the picture of before", || app.picture() == before);
+        quit(app);
+    }
+}
+
+#[test]
+fn what_is_shown_in_the_end_is_what_is_asked_for_however_fast_that_changes() {
+    let place = Place::new();
+    place.save("own.scene", VARIED_BY_TIME);
+    let mut app = place.open("own.scene", &["--sdf", "interpreted"]);
+    pause(&mut app);
+    for key in ["Right", "Right", "Left", "r", "Right", "r", "Left", "Left", "Left"] {
+        app.press(&[key]);
+    }
+    app.xdotool(&["windowsize", app.window(), "200", "100"]);
+    app.wait_for_size((200, 100));
+    // The song's start.
+    let wanted = place.still("own.scene", (200, 100));
+    wait_until("the picture of the start", || {
+        let seen = app.picture();
+        seen.dimensions() == (200, 100)
+            && support::compare::difference(&seen, &wanted, TIGHT.visible).share <= TIGHT.share_max
+    });
+    quit(app);
 }
 
 /// A scene that takes a driver a second or more to compile: its colour is `emission`.

@@ -6,6 +6,7 @@ pub mod keys;
 pub mod overlay;
 pub mod pacing;
 mod region_builder;
+mod scene_regions;
 mod scene_stage;
 mod show;
 mod window;

@@ -81,6 +81,12 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         self.shared.lock().done.take()
     }
 
+    /// Drops what was asked for and not begun, and what was not taken.
+    pub fn forget(&self) {
+        let mut state = self.shared.lock();
+        (state.next, state.done) = (None, None);
+    }
+
     /// Whether [`RegionBuilder::poll`] has something.
     pub fn has_built(&self) -> bool {
         self.shared.lock().done.is_some()

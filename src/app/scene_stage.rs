@@ -13,7 +13,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use super::overlay::{Notice, OverlayContent, Problem, Slider};
-use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
+use super::scene_regions::{SceneRegions, Shown};
 use crate::audio::Moment;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
@@ -34,20 +34,6 @@ pub type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 /// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is in the
 /// making: there a frame of a longer one takes many times as long as compiling it.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
-
-/// Trees that take no longer than this are waited for, in whatever time a frame is drawn.
-const FRAME_TIME_LEAST: Duration = Duration::from_millis(17);
-
-/// What a picture shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shown {
-    /// The moment of the song.
-    pub moment: Moment,
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    /// [`SceneStage::revision`].
-    pub revision: u64,
-}
 
 /// A scene with what can draw it.
 struct Cast {
@@ -90,17 +76,7 @@ pub struct SceneStage {
     revision: u64,
     /// The scene on the stage and its mode when they were last told.
     announced: Option<(u64, Mode)>,
-    /// Whether cells of regions are wanted.
-    regions: bool,
-    builder: RegionBuilder<(u64, Shown)>,
-    /// The scene and the picture for which regions were asked last.
-    asked: Option<(u64, Shown)>,
-    /// Whether the compiled scene is drawn sooner than its tree is built, so that it is drawn without.
-    trees_are_late: bool,
-    /// The scene and mode for which that was tried.
-    tried_without: Option<(u64, Mode)>,
-    /// How long the last tree took.
-    tree_time: Duration,
+    regions: SceneRegions,
     // Last: its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
 }
@@ -120,7 +96,7 @@ impl SceneStage {
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Result<Self, GpuError> {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
-        let builder = RegionBuilder::start(wake.clone()).map_err(no_worker)?;
+        let regions = SceneRegions::start(regions, wake.clone()).map_err(no_worker)?;
         let compiler = BackgroundCompiler::start(gl, contexts, library, wake).map_err(no_worker)?;
         let mut stage = Self {
             gl: gl.clone(),
@@ -139,11 +115,6 @@ impl SceneStage {
             revision: 0,
             announced: None,
             regions,
-            builder,
-            asked: None,
-            trees_are_late: false,
-            tried_without: None,
-            tree_time: Duration::ZERO,
             compiler,
         };
         stage.prepare(source, first)?;
@@ -416,7 +387,6 @@ impl SceneStage {
             return;
         }
         self.announced = now;
-        self.trees_are_late = false;
         self.revision += 1;
         let Some((name, (id, mode))) = self.name().zip(now) else { return };
         tracing::info!("{name} is shown, {mode}");
@@ -509,70 +479,31 @@ impl SceneStage {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
         let wanted = Shown { moment, size, revision: self.revision };
-        let cells = self.regions && !self.trees_are_late;
-        cast.resources.set_cells(cells);
         let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
-        let world = cast.resources.world();
-        let frame = Frame::with_params(world, moment.song_time, moment.features, size, &params);
-        let request = cast.resources.region_request(&frame);
-        // Inputs that did not change cost nothing, and a tape without cells next to nothing.
-        if !cells || cast.resources.regions().is_some_and(|built| built.request == request) {
-            self.asked = None;
-            renderer.draw(&frame, &cast.resources, program)?;
-            return Ok(Some(wanted));
-        }
-        let tag = (cast.id, wanted);
-        if self.asked != Some(tag) {
-            let plan = cast.resources.plan().clone();
-            self.builder.request(TreeJob { tag, frame, plan, request });
-            self.asked = Some(tag);
-        }
-        let fits =
-            |built: &BuiltTree<(u64, Shown)>| built.tag.0 == cast.id && built.regions.request.options.cells;
-        let Some(BuiltTree { tag: (_, mut shown), mut frame, regions }) = self.builder.poll().filter(fits)
-        else {
-            return Ok(None);
-        };
-        if shown.size != size {
-            let Moment { song_time, features, .. } = shown.moment;
-            frame = Frame::with_params(world, song_time, features, size, &frame.inputs.params);
-            shown.size = size;
-        }
-        cast.resources.take_regions(regions);
+        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, &params);
+        let Some((frame, shown)) = drawable else { return Ok(None) };
         renderer.draw(&frame, &cast.resources, program)?;
         Ok(Some(shown))
     }
 
     /// Whether the regions of a picture that was asked for have come.
     pub fn has_regions(&self) -> bool {
-        self.builder.has_built()
+        self.regions.have_come()
     }
 
-    /// Takes note of how long a frame took. Where the compiled program draws sooner than a tree is built, it draws
-    /// without; an interpreter would take much longer that way, so that it gets its inputs later.
+    /// Takes note of how long a frame took.
     pub fn note_frame_time(&mut self, time: Duration) {
-        let Some(now) = self.announced.filter(|(_, mode)| *mode == Mode::Compiled) else { return };
-        let built = self.on_stage.as_ref().and_then(|cast| cast.resources.regions());
-        let Some(built) = built.filter(|built| built.request.options.cells) else {
-            // Drawn without: was that a good choice?
-            if self.trees_are_late && time > self.tree_time {
-                self.trees_are_late = false;
-                self.revision += 1;
-            }
-            return;
-        };
-        self.tree_time = built.time;
-        if built.time > time.max(FRAME_TIME_LEAST) && self.tried_without != Some(now) {
-            self.tried_without = Some(now);
-            self.trees_are_late = true;
+        let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
+        let built = cast.resources.regions();
+        if built.is_some_and(|built| self.regions.note_frame_time((cast.id, mode), &built, time)) {
             self.revision += 1;
         }
     }
 
     /// Uses the cells of regions from now on, or the whole tape everywhere.
     pub fn toggle_regions(&mut self) {
-        self.regions = !self.regions;
-        self.tell(if self.regions { "regions" } else { "no regions" }.to_owned());
+        let now = self.regions.toggle();
+        self.tell(now.to_owned());
         self.revision += 1;
     }
 
@@ -608,18 +539,7 @@ impl SceneStage {
     pub fn corner(&self) -> Option<String> {
         let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
         let cost = cast.resources.buffers().cost;
-        let regions = match cast.resources.regions() {
-            _ if !self.regions => "no regions".to_owned(),
-            _ if self.trees_are_late => {
-                format!("no regions: a tree takes {:.0} ms", self.tree_time.as_secs_f64() * 1e3)
-            }
-            Some(built) => {
-                let stats = built.regions.stats;
-                let ms = built.time.as_secs_f64() * 1e3;
-                format!("regions in {ms:.1} ms, {} cells, {} tapes", stats.cells, stats.tapes)
-            }
-            None => "regions in the making".to_owned(),
-        };
+        let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
         Some(format!("{} · {mode} · {} clauses · {regions}", cast.source.title(), cost.distance))
     }
 

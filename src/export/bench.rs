@@ -281,7 +281,7 @@ impl std::fmt::Display for BenchReport {
             writeln!(f, "{note}")?;
         }
         writeln!(f)?;
-        let rows: [Row; 21] = [
+        let rows: [Row; 22] = [
             ("", &|row| row.mode.to_string()),
             ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
             ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
@@ -299,6 +299,7 @@ impl std::fmt::Display for BenchReport {
             }),
             ("lookups of cells per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),
             ("clauses per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
+            ("  of materials and light", &|row| format!("{:.1}", row.evaluations_per_pixel.surface_clauses)),
             ("evaluations per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel_total)),
             ("  primary", &|row| format!("{:.2}", row.evaluations_per_pixel.primary)),
             ("  reflection", &|row| format!("{:.2}", row.evaluations_per_pixel.reflection)),

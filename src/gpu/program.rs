@@ -15,8 +15,8 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 2] = [("FrameBlock", 0), ("PassBlock", 1
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). Two share a unit: textures of different kinds, never in one program.
-pub const TEXTURE_UNITS: [(&str, u32); 5] =
-    [("picture", 12), ("extra_samples", 13), ("regions", 13), ("tape", 14), ("tape_table", 15)];
+pub const TEXTURE_UNITS: [(&str, u32); 4] =
+    [("picture", 12), ("extra_samples", 13), ("regions", 13), ("tape", 14)];
 
 const _: () = assert!(LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
 

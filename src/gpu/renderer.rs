@@ -46,8 +46,10 @@ pub struct Evaluations {
     pub occlusion: f64,
     /// Rays that ended at their step cap.
     pub capped_rays: f64,
-    /// Clauses that the interpreter ran; 0 for compiled scenes.
+    /// Clauses of distances and objects that the interpreter ran; 0 for compiled scenes.
     pub clauses: f64,
+    /// The same of materials and light.
+    pub surface_clauses: f64,
     /// Searches for the cell of a point.
     pub lookups: f64,
     /// Pixels that got the samples of an edge.
@@ -70,6 +72,7 @@ impl Evaluations {
             occlusion: self.occlusion / pixels,
             capped_rays: self.capped_rays / pixels,
             clauses: self.clauses / pixels,
+            surface_clauses: self.surface_clauses / pixels,
             lookups: self.lookups / pixels,
             edge_pixels: self.edge_pixels / pixels,
         }
@@ -132,7 +135,7 @@ impl Renderer {
     /// # Errors
     /// A size beyond the driver's, or an error that the driver reports.
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
-        scene.upload_table(&frame.inputs);
+        scene.upload_programs(&frame.inputs);
         let tree = scene.tree_of(frame);
         self.draw_block(frame.size, &frame.block(scene.world(), &tree), &scene.names(), program)
     }
@@ -237,6 +240,9 @@ impl Renderer {
                 sum.clauses += f64::from(texel[2]);
                 sum.lookups += f64::from(texel[3]);
             }
+            for texel in target.read_rgba32f(3).as_chunks::<4>().0 {
+                sum.surface_clauses += f64::from(texel[0]);
+            }
         }
         let extra = targets.extra.read_rgba32f(0);
         sum.edge_pixels = extra.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
@@ -295,7 +301,7 @@ impl Renderer {
 
 impl Targets {
     fn new(gl: &Gl, size: (u32, u32), counting: Counting) -> Result<Self, GpuError> {
-        let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F];
+        let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F];
         let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
         Target::check_size(gl, size)?;
         let stencil = Rc::new(Stencil::new(gl, size)?);

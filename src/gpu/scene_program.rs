@@ -48,7 +48,7 @@ impl std::fmt::Display for Mode {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interpreter {
     /// What runs materials and light.
-    lanes: interpreter::Variant,
+    tapes: interpreter::Variant,
     /// What runs the regions' tapes.
     regions: RegionVariant,
 }
@@ -68,14 +68,14 @@ pub struct DoesNotFit {
 impl Interpreter {
     /// The narrowest variant for a scene on this driver.
     pub fn for_scene(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
-        let lanes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
-        Self { lanes, regions: plan.variant().clone() }
+        let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
+        Self { tapes, regions: plan.variant().clone() }
     }
 
     /// Whether what this variant was made for includes what `other` was.
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);
-        self.lanes.covers(&other.lanes)
+        self.tapes.covers(&other.tapes)
             && regions.steep == others.steep
             && regions.slots >= others.slots
             && regions.operators.is_superset(&others.operators)
@@ -86,14 +86,14 @@ impl Interpreter {
     /// # Errors
     /// [`DoesNotFit`], with both numbers.
     pub fn fits(buffers: &TapeBuffers, info: &GlInfo) -> Result<(), DoesNotFit> {
-        let needed = buffers.words.len().max(buffers.table.len()) / 4;
+        let needed = buffers.texels_max();
         let available = info.texture_buffer_texels_max as usize;
         if needed <= available { Ok(()) } else { Err(DoesNotFit { needed, available }) }
     }
 
     /// The shader's text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
-        let mut variant = common(self.lanes.textures, counting);
+        let mut variant = common(self.tapes.textures, counting);
         if self.regions.steep {
             variant.defines.push(STEEP_DEFINE.to_owned());
         }
@@ -101,7 +101,7 @@ impl Interpreter {
         variant.generated.push(("scene_functions.glsl".into(), functions));
         variant
             .generated
-            .push(("operators.glsl".into(), self.lanes.text(&self.regions.operators, self.regions.slots)));
+            .push(("operators.glsl".into(), self.tapes.text(&self.regions.operators, self.regions.slots)));
         variant
     }
 }

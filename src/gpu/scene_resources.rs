@@ -1,4 +1,4 @@
-//! What a scene keeps on the GPU besides its program: its pictures, its tape and the tape's table.
+//! What a scene keeps on the GPU besides its program: its pictures, its tapes and its regions.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -30,7 +30,8 @@ pub struct SceneResources {
     /// Those of the world; scenes that were loaded one after the other share what they both read.
     pictures: Vec<Rc<Texture>>,
     tape: TextureBuffer,
-    table: TextureBuffer,
+    /// Whether the driver has room for the tape.
+    is_interpretable: bool,
     plan: Arc<RegionPlan>,
     regions: TextureBuffer,
     texels_max: usize,
@@ -115,22 +116,15 @@ impl SceneResources {
             }
         });
         let pictures = pictures.collect::<Result<_, _>>()?;
-        let fits = Interpreter::fits(&buffers, gl.info()).is_ok();
-        let words: Vec<u8> = if fits {
-            buffers.words.iter().flat_map(|word| word.to_ne_bytes()).collect()
-        } else {
-            vec![0; 16]
-        };
-        let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &words)?;
-        let table = TextureBuffer::new(gl, BufferTexel::Rgba32F, &[0; 16])?;
+        let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         gl.check("uploading a scene")?;
         Ok(Self {
+            is_interpretable: Interpreter::fits(&buffers, gl.info()).is_ok(),
             world,
             buffers,
             pictures,
             tape,
-            table,
             plan,
             regions,
             with_cells: Cell::new(true),
@@ -187,9 +181,7 @@ impl SceneResources {
         if self.regions().is_some_and(|last| Arc::ptr_eq(&last, &built)) {
             return;
         }
-        let bytes: Vec<u8> =
-            built.regions.texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect();
-        self.regions.replace(&bytes);
+        self.regions.replace(&bytes_of(&built.regions.texels));
         *self.uploaded.borrow_mut() = Some(built);
     }
 
@@ -206,11 +198,11 @@ impl SceneResources {
         RegionTree { low, size, whole_tape }
     }
 
-    /// Uploads the table of a frame.
-    pub(super) fn upload_table(&self, inputs: &FrameInputs) {
-        let bytes: Vec<u8> =
-            self.buffers.table_values(inputs).into_iter().flat_map(f32::to_ne_bytes).collect();
-        self.table.replace(&bytes);
+    /// Uploads the programs of a frame.
+    pub(super) fn upload_programs(&self, inputs: &FrameInputs) {
+        if self.is_interpretable {
+            self.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
+        }
     }
 
     /// The driver's names of everything, for any context that shares its objects.
@@ -218,7 +210,6 @@ impl SceneResources {
         SceneNames {
             pictures: self.pictures.iter().map(|picture| picture.native()).collect(),
             tape: self.tape.texture(),
-            table: self.table.texture(),
             regions: self.regions.texture(),
         }
     }
@@ -230,7 +221,6 @@ impl SceneResources {
 pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
     tape: glow::NativeTexture,
-    table: glow::NativeTexture,
     regions: glow::NativeTexture,
 }
 
@@ -243,11 +233,15 @@ impl SceneNames {
                 gl.active_texture(unit);
                 gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
             }
-            for (name, buffer) in [("tape", self.tape), ("tape_table", self.table), ("regions", self.regions)]
-            {
+            for (name, buffer) in [("tape", self.tape), ("regions", self.regions)] {
                 gl.active_texture(glow::TEXTURE0 + unit_of(name));
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer));
             }
         }
     }
+}
+
+/// Texels as a texture buffer takes them.
+fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
+    texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
 }

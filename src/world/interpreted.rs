@@ -1,40 +1,49 @@
-//! A world as the interpreter's buffers: programs of clauses, and the table of their constants and inputs.
+//! A world as the interpreter's texels: the programs of its materials and of its light.
 //!
-//! | texel (four words) | holds |
+//! | texel | holds |
 //! |---|---|
 //! | 0 | where the programs of the sky and the ambient light begin |
 //! | 1.. | where the material of each object begins, four objects a texel |
-//! | a program | a header, then its clauses |
+//! | a program | a header: the slots of up to 12 outputs, a byte each; how many textures it samples |
+//! | | a texel for each of those: the number of the picture, the first texel of the tape of its coordinates |
+//! | | its tape |
+//! | | the tapes of the coordinates |
 //!
-//! The words of a program are those of [`crate::tape::interpreter`]. Distances and objects come from regions.
+//! The tapes are those of [`crate::tape::interpreter`], with a frame's numbers in them. Distances and objects come from
+//! regions.
+//!
+//! **Textures** are sampled before a program's own tape runs, so that only their coordinates, a few clauses, are
+//! computed for the neighbouring pixels, too. A texture whose coordinates depend on another one comes after it.
 
 use super::{MATERIAL_OUTPUTS, World, WorldError};
-use crate::graph::{FrameInputs, NodeId};
+use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId};
 use crate::tape::interpreter::Variant;
-use crate::tape::{TableEntry, Tape, TapeOptions};
-
-/// Words of a texel, and entries of one of the table.
-const TEXEL: usize = 4;
+use crate::tape::{Tape, TapeError, TapeOptions};
 
 /// Programs before those of the materials: sky and ambient light.
 const PROGRAMS_OF_LIGHT: usize = 2;
 
-/// Entries of a table's page.
-const PAGE: usize = 256;
-
-/// What the interpreter shader reads.
+/// What the interpreter shader runs on a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
-    /// Texels of four words.
-    pub words: Vec<u32>,
-    /// The tables of all programs, each filled up to texels of four entries.
-    pub table: Vec<TableEntry>,
+    /// Sky, ambient light, and the materials.
+    programs: Vec<Program>,
+    /// The program of each object's material.
+    of_objects: Vec<usize>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
     /// The same for a renderer that never skips a branch.
     pub software_variant: Variant,
     /// What it costs.
     pub cost: Cost,
+}
+
+/// Expressions with the textures that they sample.
+#[derive(Debug, Clone, PartialEq)]
+struct Program {
+    tape: Tape,
+    /// The number of the picture and the tape of its coordinates u and v.
+    textures: Vec<(u16, Tape)>,
 }
 
 /// Clauses of the programs.
@@ -48,79 +57,148 @@ pub struct Cost {
     pub total: usize,
 }
 
-impl TapeBuffers {
-    /// The table's numbers in a frame.
-    pub fn table_values(&self, inputs: &FrameInputs) -> Vec<f32> {
-        let value = |entry: &TableEntry| match *entry {
-            TableEntry::Constant(value) => value,
-            TableEntry::Input(input) => inputs.value(input),
-        };
-        self.table.iter().map(value).collect()
+impl Program {
+    fn build(graph: &Graph, roots: &[NodeId]) -> Result<Self, TapeError> {
+        let (graph, roots, textures) = without_coordinates(graph, roots)?;
+        let tape = |roots: &[NodeId]| Tape::build(&graph, roots, &TapeOptions::default());
+        let textures = textures.iter().map(|(picture, place)| Ok((*picture, tape(place)?)));
+        Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(&roots)? })
+    }
+
+    fn tapes(&self) -> impl Iterator<Item = &Tape> {
+        std::iter::once(&self.tape).chain(self.textures.iter().map(|(_, tape)| tape))
+    }
+
+    fn clauses(&self) -> usize {
+        self.tapes().map(|tape| tape.clauses().len()).sum()
+    }
+
+    /// Appends the program of a frame.
+    fn append(&self, inputs: &FrameInputs, texels: &mut Vec<[u32; 4]>) {
+        let mut outputs = [0; 12];
+        for (byte, slot) in outputs.iter_mut().zip(self.tape.outputs()) {
+            *byte = *slot;
+        }
+        let four =
+            |place: usize| outputs[place..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+        texels.push([four(0), four(4), four(8), self.textures.len() as u32]);
+        let heads = texels.len();
+        texels.resize(heads + self.textures.len(), [0; 4]);
+        let mut numbers = Vec::new();
+        self.tape.table_values(inputs, &mut numbers);
+        self.tape.append_texels(&numbers, texels);
+        for (index, (picture, tape)) in self.textures.iter().enumerate() {
+            let start = texels.len() as u32;
+            if let Some(head) = texels.get_mut(heads + index) {
+                *head = [u32::from(*picture), start, 0, 0];
+            }
+            tape.table_values(inputs, &mut numbers);
+            tape.append_texels(&numbers, texels);
+        }
     }
 }
 
-/// Programs while they are put together.
-#[derive(Default)]
-struct Programs {
-    words: Vec<u32>,
-    table: Vec<TableEntry>,
-    tapes: Vec<Tape>,
+/// A picture, and its coordinates.
+type Sampled = (u16, [NodeId; 2]);
+
+/// The expressions with their textures numbered in the order in which they can be sampled and without coordinates, and
+/// what those are.
+fn without_coordinates(
+    graph: &Graph,
+    roots: &[NodeId],
+) -> Result<(Graph, Vec<NodeId>, Vec<Sampled>), GraphError> {
+    let mut own = Graph::new();
+    let mut textures: Vec<Sampled> = Vec::new();
+    let mut moved = vec![NodeId::default(); graph.len()];
+    for id in graph.order(roots)?.nodes {
+        let at = |id: NodeId| moved[id.index()];
+        let copy = match graph.node(id) {
+            Node::Constant(value) => own.constant(value),
+            Node::Input(input) => own.input(input),
+            Node::Unary(op, a) => own.raw(Node::Unary(op, at(a))),
+            Node::Binary(op, a, b) => own.raw(Node::Binary(op, at(a), at(b))),
+            Node::Texture { texture, channel, u, v } => {
+                let sampled = (texture, [at(u), at(v)]);
+                let known = textures.iter().position(|known| *known == sampled);
+                let number = known.unwrap_or(textures.len());
+                if known.is_none() {
+                    textures.push(sampled);
+                }
+                let nowhere = own.constant(0.0);
+                own.texture(number as u16, channel, nowhere, nowhere)
+            }
+        };
+        moved[id.index()] = copy;
+    }
+    let roots = roots.iter().map(|root| moved[root.index()]).collect();
+    Ok((own, roots, textures))
 }
 
-impl Programs {
-    /// Appends a program and returns its first texel.
-    fn add(&mut self, tape: Tape) -> u32 {
-        let texel = self.words.len() / TEXEL;
-        tape.append_program((self.table.len() / TEXEL) as u32, &mut self.words);
-        self.table.extend(tape.table());
-        let texels = self.table.len().div_ceil(TEXEL) * TEXEL;
-        self.table.resize(texels, TableEntry::Constant(0.0));
-        self.tapes.push(tape);
-        texel as u32
+impl TapeBuffers {
+    /// What the interpreter reads in a frame.
+    pub fn texels(&self, inputs: &FrameInputs) -> Vec<[u32; 4]> {
+        let heads = 1 + self.of_objects.len().div_ceil(4);
+        let mut texels = vec![[0; 4]; heads];
+        let starts: Vec<u32> = self
+            .programs
+            .iter()
+            .map(|program| {
+                let start = texels.len() as u32;
+                program.append(inputs, &mut texels);
+                start
+            })
+            .collect();
+        let start = |program: usize| starts.get(program).copied().unwrap_or(0);
+        let directory =
+            [start(0), start(1), 0, 0].into_iter().chain(self.of_objects.iter().map(|&p| start(p)));
+        for (to, from) in texels.as_flattened_mut().iter_mut().zip(directory) {
+            *to = from;
+        }
+        texels
+    }
+
+    /// The most texels that a frame needs.
+    pub fn texels_max(&self) -> usize {
+        let of_programs = self
+            .programs
+            .iter()
+            .map(|program| 1 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>());
+        1 + self.of_objects.len().div_ceil(4) + of_programs.sum::<usize>()
     }
 }
 
 impl World {
-    /// The programs of everything that the shader evaluates.
+    /// The programs of materials and light.
     ///
     /// # Errors
     /// A tape that takes more than the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
-        let tape = |roots: &[NodeId]| {
-            Tape::build(&self.graph, roots, &TapeOptions::default())
-                .map_err(|source| WorldError::Tape { scene: self.name.clone(), source })
-        };
-        let mut programs = Programs::default();
-        let objects = self.scene.objects.len();
-        programs.words.resize(TEXEL + objects.div_ceil(TEXEL) * TEXEL, 0);
-        let directory =
-            [programs.add(tape(&self.roots.sky)?), programs.add(tape(&self.roots.ambient)?), 0, 0];
-        let mut materials = Vec::with_capacity(self.roots.materials.len());
+        let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
+        let program = |roots: &[NodeId]| Program::build(&self.graph, roots).map_err(failed);
+        let tape =
+            |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
+        let mut programs = vec![program(&self.roots.sky)?, program(&self.roots.ambient)?];
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
-            materials.push(programs.add(tape(roots)?));
+            programs.push(program(roots)?);
         }
         let of_objects =
-            self.scene.objects.iter().map(|object| materials.get(object.material).copied().unwrap_or(0));
-        for (to, from) in programs.words.iter_mut().zip(directory.into_iter().chain(of_objects)) {
-            *to = from;
-        }
-        // Interpreters that keep a table beside their slots read whole pages of it.
-        let end = programs.table.len() + PAGE;
-        programs.table.resize(end, TableEntry::Constant(0.0));
-        let clauses = |tapes: &[Tape]| tapes.iter().map(|tape| tape.clauses().len()).sum();
-        let (_, of_materials) = programs.tapes.split_at(PROGRAMS_OF_LIGHT);
-        let traced = [tape(&self.roots.distance)?, tape(&[self.roots.object])?];
-        let cost = Cost {
-            distance: clauses(&traced[..1]),
-            materials: clauses(of_materials),
-            total: clauses(&programs.tapes) + clauses(&traced),
+            self.scene.objects.iter().map(|object| PROGRAMS_OF_LIGHT + object.material).collect();
+        let clauses = |programs: &[Program]| programs.iter().map(Program::clauses).sum::<usize>();
+        let (of_light, of_materials) = programs.split_at(PROGRAMS_OF_LIGHT);
+        let distance = tape(&self.roots.distance)?.clauses().len();
+        let object = tape(&[self.roots.object])?.clauses().len();
+        let materials = clauses(of_materials);
+        let cost = Cost { distance, materials, total: distance + object + materials + clauses(of_light) };
+        let variant = |every_case| {
+            let tapes = programs.iter().flat_map(Program::tapes);
+            Variant { textures: self.pictures.len(), ..Variant::of(tapes, every_case) }
         };
         Ok(TapeBuffers {
-            variant: Variant::of(&programs.tapes, false),
-            software_variant: Variant::of(&programs.tapes, true),
-            words: programs.words,
-            table: programs.table,
+            variant: variant(false),
+            software_variant: variant(true),
+            programs,
+            of_objects,
             cost,
         })
     }
@@ -129,7 +207,7 @@ impl World {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::{compile, no_includes};
+    use crate::world::testing::world_of;
 
     #[test]
     fn every_program_begins_where_the_directory_says() {
@@ -137,26 +215,43 @@ mod tests {
                     object first { shape = sphere(p, 1) material = a }\n\
                     object second { shape = box(p, 1) material = b }\n\
                     object third { shape = sphere(p, 2) material = a }";
-        let scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let world = World::new("test", scene, Vec::new()).unwrap();
-        let buffers = world.tape_buffers().unwrap();
-        let words = &buffers.words;
-        assert_eq!(words.len() % 4, 0);
-        assert_eq!(words[4], words[6], "the first and the third object are of one material");
-        assert_ne!(words[4], words[5]);
+        let world = world_of(text);
+        let inputs = FrameInputs::default();
+        let texels = world.tape_buffers().unwrap().texels(&inputs);
+        let directory = [texels[0], texels[1]];
+        assert_eq!(directory[1][0], directory[1][2], "the first and the third object are of one material");
         for (program, roots) in [
-            (words[0], &world.roots.sky[..]),
-            (words[1], &world.roots.ambient),
-            (words[4], &world.roots.materials[0]),
-            (words[5], &world.roots.materials[1]),
+            (directory[0][0], &world.roots.sky[..]),
+            (directory[0][1], &world.roots.ambient),
+            (directory[1][0], &world.roots.materials[0]),
+            (directory[1][1], &world.roots.materials[1]),
         ] {
-            let tape = Tape::build(&world.graph, roots, &TapeOptions::default()).unwrap();
-            let header = program as usize * 4;
-            let table = (words[header] & 0xFF_FFFF) as usize * 4;
-            assert_eq!(buffers.table[table..][..tape.table().len()], *tape.table());
             let mut alone = Vec::new();
-            tape.append_program(table as u32 / 4, &mut alone);
-            assert_eq!(words[header..][..alone.len()], alone);
+            Program::build(&world.graph, roots).unwrap().append(&inputs, &mut alone);
+            assert_eq!(texels[program as usize..][..alone.len()], alone);
         }
+        assert!(texels.len() <= world.tape_buffers().unwrap().texels_max());
+    }
+
+    #[test]
+    fn a_texture_is_sampled_once_for_its_channels_and_after_those_it_depends_on() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(crate::graph::Input::X), graph.input(crate::graph::Input::Y));
+        let first = [0, 1].map(|channel| graph.texture(3, channel, x, y));
+        let nested = graph.texture(1, 2, first[0], x);
+        let sum = graph.add(first[1], nested);
+        let program = Program::build(&graph, &[sum]).unwrap();
+        let pictures: Vec<u16> = program.textures.iter().map(|(picture, _)| *picture).collect();
+        assert_eq!(pictures, [3, 1]);
+        let mut texels = Vec::new();
+        program.append(&FrameInputs::default(), &mut texels);
+        assert_eq!(texels[0][3], 2);
+        // The channels that the sum reads: of the first texture green, of the second blue.
+        let read: Vec<u32> = texels[3..texels[1][1] as usize]
+            .iter()
+            .filter(|texel| texel[2] & 255 == u32::from(crate::tape::opcode::TEXTURE))
+            .map(|texel| texel[3])
+            .collect();
+        assert_eq!(read, [1, 4 + 2]);
     }
 }

@@ -10,6 +10,8 @@
 //! | `uniform sampler2D name;` | `uniform texture2D name_texture;` and `uniform sampler name_sampler;` in set 1 |
 //! | `name` as an argument | `sampler2D(name_texture, name_sampler)` |
 //! | `gl_VertexID` | `gl_VertexIndex` |
+//! | `uniform usamplerBuffer regions;`, which naga does not know | `uvec4 fetch_regions(int texel)` |
+//! | `texelFetch(regions, texel)` | `fetch_regions(texel)` |
 //!
 //! Macros are expanded by glslang before, as naga's preprocessor has no `##`.
 
@@ -108,7 +110,11 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
     let samplers: Vec<&str> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
     for line in text.lines() {
-        if line.starts_with("#version") {
+        let fetching = line.replace("texelFetch(regions, ", "fetch_regions(");
+        let line = fetching.as_str();
+        if line.starts_with("uniform usamplerBuffer regions;") {
+            vulkan.push_str("uvec4 fetch_regions(int texel) { return uvec4(uint(texel)); }");
+        } else if line.starts_with("#version") {
             vulkan.push_str("#version 450");
         } else if let Some(name) = declared_sampler(line) {
             let unit = unit_of(name)?;

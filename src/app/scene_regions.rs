@@ -1,0 +1,160 @@
+//! The regions of the scene on the stage: asked for beside the frames, and what is drawn until they come.
+//!
+//! A picture is drawn with the inputs that its tree was built for. A tree that comes after the frame was due is drawn when
+//! it comes: the picture then follows the sound with fewer frames. Where the compiled program draws sooner than a tree
+//! is built, it draws without; an interpreter would take much longer that way.
+
+use std::time::Duration;
+
+use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
+use crate::audio::Moment;
+use crate::frame::Frame;
+use crate::gpu::scene_program::Mode;
+use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+
+/// Trees that take no longer than this are waited for, in however short a time a frame is drawn.
+const WAITED_FOR: Duration = Duration::from_millis(17);
+
+/// What a picture shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shown {
+    /// The moment of the song.
+    pub moment: Moment,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// The stage's revision.
+    pub revision: u64,
+}
+
+/// What is asked of the builder, and whether it is.
+pub struct SceneRegions {
+    wanted: bool,
+    builder: RegionBuilder<(u64, Shown)>,
+    /// The scene and the picture for which a tree was asked last.
+    asked: Option<(u64, Shown)>,
+    /// The compiled scene that is drawn sooner than its tree is built, so that it is drawn without.
+    late_for: Option<(u64, Mode)>,
+    /// The one that was no sooner without.
+    waited_for: Option<(u64, Mode)>,
+    /// Whether the last picture waited for its tree.
+    waited: bool,
+    /// How long the last tree took.
+    tree_time: Duration,
+}
+
+impl SceneRegions {
+    /// Starts the builder, which calls `wake` after each tree.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub fn start(wanted: bool, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+        Ok(Self {
+            wanted,
+            builder: RegionBuilder::start(wake)?,
+            asked: None,
+            late_for: None,
+            waited_for: None,
+            waited: false,
+            tree_time: Duration::ZERO,
+        })
+    }
+
+    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, or an earlier picture whose tree has
+    /// come by now. None if there is nothing to draw but what was drawn before.
+    pub fn drawable(
+        &mut self,
+        (id, mode): (u64, Mode),
+        scene: &SceneResources,
+        wanted: Shown,
+        params: &[f32],
+    ) -> Option<(Frame, Shown)> {
+        let cells = self.wanted && self.late_for != Some((id, mode));
+        scene.set_cells(cells);
+        let frame_of = |shown: &Shown, params: &[f32]| {
+            let Moment { song_time, features, .. } = shown.moment;
+            Frame::with_params(scene.world(), song_time, features, shown.size, params)
+        };
+        let frame = frame_of(&wanted, params);
+        let request = scene.region_request(&frame);
+        // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture waits
+        // for its tree: what was shown is of another scene.
+        if !cells || scene.regions().is_none_or(|built| built.request == request) {
+            self.waited = false;
+            if self.asked.take().is_some() {
+                self.builder.forget();
+            }
+            return Some((frame, wanted));
+        }
+        let tag = (id, wanted);
+        if self.asked != Some(tag) {
+            self.builder.request(TreeJob { tag, frame, plan: scene.plan().clone(), request });
+            self.asked = Some(tag);
+        }
+        let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
+        let (of, mut shown) = tag;
+        if of != id || !regions.request.options.cells {
+            return None;
+        }
+        if shown.size != wanted.size {
+            shown.size = wanted.size;
+            frame = frame_of(&shown, &frame.inputs.params);
+        }
+        scene.take_regions(regions);
+        self.waited = true;
+        Some((frame, shown))
+    }
+
+    /// Whether a tree that was asked for has come.
+    pub fn have_come(&self) -> bool {
+        self.builder.has_built()
+    }
+
+    /// Takes note of how long a frame of a scene and mode took that was drawn with `built`. Tells whether it should be
+    /// drawn in another way from now on.
+    pub fn note_frame_time(&mut self, drawn: (u64, Mode), built: &BuiltRegions, time: Duration) -> bool {
+        if drawn.1 != Mode::Compiled || !self.wanted {
+            return false;
+        }
+        let now = Some(drawn);
+        if built.request.options.cells {
+            self.tree_time = built.time;
+            let late = self.waited && built.time > time.max(WAITED_FOR) && self.waited_for != now;
+            if late {
+                self.late_for = now;
+            }
+            return late;
+        }
+        // Drawn without: was that a good choice?
+        let no_sooner = self.late_for == now && time > self.tree_time;
+        if no_sooner {
+            (self.late_for, self.waited_for) = (None, now);
+        }
+        no_sooner
+    }
+
+    /// Uses cells from now on, or not, and says which.
+    pub fn toggle(&mut self) -> &'static str {
+        self.wanted = !self.wanted;
+        if self.wanted { "regions" } else { "no regions" }
+    }
+
+    /// What the line about the scene says of them.
+    pub fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>) -> String {
+        match last {
+            _ if !self.wanted => "no regions".to_owned(),
+            _ if self.late_for == Some(drawn) => {
+                format!("no regions: a tree takes {:.0} ms", milliseconds(self.tree_time))
+            }
+            Some(built) => {
+                let stats = &built.regions.stats;
+                let time = milliseconds(built.time);
+                format!("regions in {time:.1} ms, {} cells, {} tapes", stats.cells, stats.tapes)
+            }
+            None => "regions in the making".to_owned(),
+        }
+    }
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1000.0
+}
