@@ -313,7 +313,10 @@ fn ray_of(
 ) -> Option<(Ray, Span)> {
     let values = world.frame_tape.values(inputs);
     // From the eye towards anywhere in the tree's middle, as pixels and mirrors would.
-    let aim = [0, 1, 2].map(|axis| regions.low[axis] + regions.size[axis] * random.between(0.25, 0.75));
+    let box_of = world.bounds.map_or((regions.low, regions.size), |bounds| {
+        (bounds.low, [0, 1, 2].map(|axis| bounds.high[axis] - bounds.low[axis]))
+    });
+    let aim = [0, 1, 2].map(|axis| box_of.0[axis] + box_of.1[axis] * random.between(0.2, 0.8));
     let way = [0, 1, 2].map(|axis| aim[axis] - values.position[axis]);
     let length = way.iter().map(|v| v * v).sum::<f32>().sqrt();
     let ray = Ray { origin: values.position, direction: way.map(|v| v / length) };
