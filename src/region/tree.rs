@@ -64,7 +64,7 @@ pub struct Regions {
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 8;
 /// Of a scene that needs gradients, cells near the middle are divided once more: down to this share of the way there.
-const FINE_SHARE: f32 = 0.1;
+const FINE_SHARE: f32 = 0.2;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
 /// So far around the bounds of a scene, shadow and occlusion rays still ask for distances.
