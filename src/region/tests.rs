@@ -184,3 +184,40 @@ proptest! {
         }
     }
 }
+
+/// Of a distance that is none each cell with a surface tells how steep it may be.
+#[test]
+fn cells_hold_the_slopes_in_them() {
+    for text in [
+        "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)",
+        "x^2+y^2-z^2-1-volume.x",
+        "max(x^4+y^4+z^4-band(2), length(p)-2)",
+        "y-2*noise_2d(0.2*p.xz+t)",
+    ] {
+        let world = world_of(text);
+        assert!(world.steep, "{text}");
+        let inputs = inputs_of(&world, 3.5, 0.8);
+        let options = RegionOptions { cells: false, texels_max: 1 << 22, center: [0.3; 3] };
+        let regions = RegionPlan::new(&world).build(&inputs, &options);
+        let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
+        let mut gradients = crate::tape::GradientEvaluator::new(&tape, &inputs);
+        let (mut seen, mut slack) = (0, 0.0);
+        for number in 0..20_000 {
+            let at = point(&regions, number);
+            let Some(cell) = regions.cell_at(at).filter(|cell| cell.bound <= 0.0) else { continue };
+            let found = gradients.at(&Point::at(at[0], at[1], at[2]))[0];
+            // Solid all through: no surface, no slope.
+            if cell.slopes == [crate::graph::Interval::point(0.0); 3] && found.value < 0.0 {
+                continue;
+            }
+            seen += 1;
+            for (bounds, slope) in cell.slopes.iter().zip(found.gradient) {
+                assert!(bounds.contains(slope), "{text} at {at:?}: {slope} is not in {bounds:?}");
+                slack += bounds.hi - bounds.lo;
+            }
+        }
+        assert!(seen > 100, "{text}: {seen} points near surfaces");
+        let slack = slack / (3 * seen) as f32;
+        assert!(slack < 6.0, "{text}: bounds are {slack} wide");
+    }
+}

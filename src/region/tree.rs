@@ -71,7 +71,7 @@ const LONG: usize = 400;
 /// How often the bounds of a frame are made smaller at most: a pass each.
 const TIGHTENINGS_MAX: usize = 3;
 /// Of a scene that needs gradients, cells near the middle are divided once more: down to this share of the way there.
-const FINE_SHARE: f32 = 0.1;
+const FINE_SHARE: f32 = 0.2;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
 /// So far from surfaces penumbras and occlusion still ask for distances: a little more than the highest probe.
