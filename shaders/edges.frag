@@ -1,9 +1,11 @@
 // Keeps the pixels whose neighbourhood differs visibly: those get more samples. The others are discarded, so
-// that the stencil marks the edges.
+// that the stencil, or what is written, marks the edges.
 
 #include "encode.glsl"
 
 uniform sampler2D picture;
+
+layout(location = 0) out float mark;
 
 // Smallest difference between neighbours, in encoded steps of 0..1, that gets more samples: between different
 // surfaces, and on one surface (textures are filtered by their mip levels already).
@@ -29,4 +31,5 @@ void main() {
     vec4 range = high - low;
     float contrast = max(range.r, max(range.g, range.b));
     if (contrast < (range.a > 0.5 ? EDGE_CONTRAST : INNER_CONTRAST)) discard;
+    mark = 1.0;
 }

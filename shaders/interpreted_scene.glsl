@@ -12,6 +12,8 @@ int program_at(int place) {
     return int(texelFetch(tape, place >> 2)[place & 3]);
 }
 
+void scene_load() {}
+
 void scene_begin() {
     load_program(program_at(DISTANCE_PROGRAM));
 }
@@ -34,7 +36,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     s.normal = vec3(0.0, 1.0, 0.0);
     s.object = 0;
     if (plane != NOTHING) {
-        s.normal = planes[plane].xyz;
+        s.normal = plane_of(plane).xyz;
         s.object = int(plane_objects[plane] + 0.5);
     }
     vec4 d = PROBES;

@@ -8,9 +8,13 @@ float tap_distance(float cone) {
     return max(0.6 * cone, 4e-4);
 }
 
-// The normal from the distances at the taps.
-vec3 normal_of_taps(vec4 d) {
-    vec3 sum = vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
+// The normal from the sum of the taps, each times the distance there.
+vec3 normal_of(vec3 sum) {
     float size = length(sum);
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
+}
+
+// The same from the distances at the taps.
+vec3 normal_of_taps(vec4 d) {
+    return normal_of(vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d)));
 }

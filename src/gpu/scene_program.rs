@@ -113,7 +113,9 @@ fn common(textures: usize, counting: Counting) -> Variant {
 /// # Errors
 /// Generated GLSL that is refused.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
-    Ok(compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting))
+    let mut variant = compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting);
+    variant.defines.push(format!("PLANES {}", world.planes.len()));
+    Ok(variant)
 }
 
 /// The variant of a world in a mode.

@@ -24,7 +24,7 @@ pub fn literal(value: f32) -> String {
 /// What is computed once a frame is in `frame_hoisted`, vec4 too.
 ///
 /// `frame_time`, `frame_tempo`, `frame_phase` are floats, `frame_volume` a vec2, `frame_sound` a vec4 (bass,
-/// mid, treble, beat), `frame_bands` eight vec4, `frame_params` vec4 as many as there are parameters, divided
+/// mid, treble, beat), `frame_bands` 32 vec4 with a band in x, `frame_params` vec4 as many as there are parameters, divided
 /// by four.
 pub fn input_name(input: Input) -> String {
     let packed =
@@ -45,7 +45,7 @@ pub fn input_name(input: Input) -> String {
         Input::Beat => "frame_sound.w".into(),
         Input::Tempo => "frame_tempo".into(),
         Input::Phase => "frame_phase".into(),
-        Input::Band(index) => packed("frame_bands", usize::from(index)),
+        Input::Band(index) => format!("frame_bands[{index}].x"),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),
     }
