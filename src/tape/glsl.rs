@@ -5,9 +5,10 @@
 //! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)` and `vec4
 //! read_texture(int, float, float)`.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
-use crate::graph::{Graph, GraphError, Input, Node, NodeId};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
 /// A literal that is the same f32 when it is read back. Negative ones stand in parentheses.
 pub fn literal(value: f32) -> String {
@@ -74,6 +75,12 @@ pub enum Sampling {
     AlongNormal,
 }
 
+/// One over a constant, where both are normal. Drivers may divide that way by themselves: OpenGL allows 2.5 ulp.
+fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
+    let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
+    reciprocal.is_normal().then_some(reciprocal)
+}
+
 /// A function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p,
 /// vec3 n, out float r0, out float r1, ..)`. One temporary per node, in the order of evaluation. With
 /// [`Sampling::AlongPosition`] and its like, functions `name_uv0` .. for texture coordinates stand before it.
@@ -133,10 +140,21 @@ pub fn function(
         _ => format!("v{}", id.index()),
     };
     let mut sampled: Vec<(u16, NodeId, NodeId)> = Vec::new();
+    // Sums of squares so far: their roots need no guard.
+    let mut squares: HashSet<NodeId> = HashSet::new();
     for id in order {
+        if let Node::Binary(op, a, b) = graph.node(id)
+            && (op == Op::Mul && a == b || op == Op::Add && squares.contains(&a) && squares.contains(&b))
+        {
+            squares.insert(id);
+        }
         let (template, a, b) = match graph.node(id) {
             Node::Constant(_) | Node::Input(_) => continue,
+            Node::Unary(Op::Sqrt, a) if squares.contains(&a) => ("sqrt($a)", operand(a), String::new()),
             Node::Unary(op, a) => (op.glsl(), operand(a), String::new()),
+            Node::Binary(Op::Div, a, b) if reciprocal(graph, b).is_some() => {
+                ("($a * $b)", operand(a), reciprocal(graph, b).map_or_else(String::new, literal))
+            }
             Node::Binary(op, a, b) => {
                 let never_zero = graph.as_constant(b).is_some_and(f32::is_normal);
                 (if never_zero { op.glsl_by_constant() } else { op.glsl() }, operand(a), operand(b))
