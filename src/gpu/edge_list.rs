@@ -107,6 +107,8 @@ impl EdgeList {
         unsafe {
             let (rows, rest) = ((listed.len() / row) as i32, (listed.len() % row) as i32);
             let gl = &*self.gl;
+            // Counts that the last picture left are none of this one's.
+            gl.clear(glow::COLOR_BUFFER_BIT);
             gl.enable(glow::SCISSOR_TEST);
             for (y, width, height) in [(0, 2 * row as i32, 2 * rows), (2 * rows, 2 * rest, 2)] {
                 if width > 0 && height > 0 {
