@@ -143,9 +143,12 @@ pub fn function(
     // Sums of squares so far: their roots need no guard.
     let mut squares: HashSet<NodeId> = HashSet::new();
     for id in order {
-        if let Node::Binary(op, a, b) = graph.node(id)
-            && (op == Op::Mul && a == b || op == Op::Add && squares.contains(&a) && squares.contains(&b))
-        {
+        let is_sum = match graph.node(id) {
+            Node::Unary(op, _) => op == Op::Square,
+            Node::Binary(op, a, b) => op == Op::Add && squares.contains(&a) && squares.contains(&b),
+            _ => false,
+        };
+        if is_sum {
             squares.insert(id);
         }
         let (template, a, b) = match graph.node(id) {
