@@ -410,7 +410,7 @@ fn glsl_is_written_from_the_operators() {
     float v2 = (p.x * p.x);
     float v3 = (p.y * p.y);
     float v4 = (v2 + v3);
-    float v5 = sqrt(max(v4, 0.0));
+    float v5 = sqrt(v4);
     float v8 = (v5 - 1.0);
     float v9 = (0.5 - v5);
     float v10 = max(v8, v9);
