@@ -1,9 +1,11 @@
 // Keeps the pixels whose neighbourhood differs visibly: those get more samples. The others are discarded, so
-// that the stencil marks the edges.
+// that the stencil, or what is written, marks the edges.
 
 #include "encode.glsl"
 
 uniform sampler2D picture;
+
+layout(location = 0) out float mark;
 
 // Smallest difference between neighbours, in encoded steps of 0..1, that gets more samples: between different
 // surfaces, and on one surface (textures are filtered by their mip levels already).
@@ -11,8 +13,7 @@ const float EDGE_CONTRAST = 0.03;
 const float INNER_CONTRAST = 0.30;
 
 vec4 seen(ivec2 texel, ivec2 limit) {
-    vec4 first = texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
-    return vec4(srgb_from_linear(first.rgb), first.a);
+    return texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
 }
 
 void main() {
@@ -26,7 +27,9 @@ void main() {
         low = min(low, other);
         high = max(high, other);
     }
-    vec4 range = high - low;
+    // Encoding keeps the order: that of the extremes is enough.
+    vec3 range = srgb_from_linear(high.rgb) - srgb_from_linear(low.rgb);
     float contrast = max(range.r, max(range.g, range.b));
-    if (contrast < (range.a > 0.5 ? EDGE_CONTRAST : INNER_CONTRAST)) discard;
+    if (contrast < (high.a - low.a > 0.5 ? EDGE_CONTRAST : INNER_CONTRAST)) discard;
+    mark = 1.0;
 }

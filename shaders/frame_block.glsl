@@ -9,20 +9,21 @@ layout(std140) uniform FrameBlock {
     vec4 frame_clock;       // time in seconds, tempo, phase
     vec4 frame_levels;      // x left volume, y right volume: mean |sample|, 0..1 (thesis section 5, eq. 1); z lights
     vec4 frame_sound;       // bass, mid, treble, beat
-    vec4 bounds_low;        // xyz lower corner of what is traced; w 1 if there is anything but planes
-    vec4 bounds_high;       // xyz upper corner; w 1 if the corners are known
+    vec4 block_bounds_low;        // xyz lower corner of what is traced; w 1 if there is anything but planes
+    vec4 block_bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
-    vec4 region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
-    vec4 region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
-    vec4 planes[PLANES_MAX];            // unit normal, and the origin's distance; normal 0 for none
+    vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
+    vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
+    vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
     vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius
-    vec4 frame_bands[BAND_QUADS];       // 32 logarithmic bands, 0..1, four to a vector
+    vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not four and a choice
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame
 };
 
 layout(std140) uniform PassBlock {
-    vec4 sample_offset;     // xy from the pixel's centre, in pixels; z 1 for the further samples of an edge
+    vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy which; 2 for those of
+                            // the pixels in edge_pixels, side by side
 };
 
 // The names of the scene language's inputs in generated code.
@@ -30,3 +31,29 @@ layout(std140) uniform PassBlock {
 #define frame_tempo frame_clock.y
 #define frame_phase frame_clock.z
 #define frame_volume frame_levels
+
+// What rays read again and again is copied once for each sample: llvmpipe fetches every number of a block for each pixel
+// by itself, thirty instructions where a copy takes none. `scene_load` does the same for a compiled scene's inputs.
+#ifndef PLANES
+#define PLANES PLANES_MAX   // compiled scenes know how many they have
+#endif
+vec4 bounds_low;
+vec4 bounds_high;
+vec4 region_low;
+vec4 region_scale;
+vec4 planes[PLANES_MAX];
+
+void load_frame() {
+    bounds_low = block_bounds_low;
+    bounds_high = block_bounds_high;
+    region_low = block_region_low;
+    region_scale = block_region_scale;
+    for (int i = 0; i < PLANES; i++) planes[i] = block_planes[i];
+}
+
+// The plane of that number. (An index that varies would keep the copies in memory.)
+vec4 plane_of(int number) {
+    vec4 plane = planes[0];
+    for (int i = 1; i < PLANES; i++) plane = number == i ? planes[i] : plane;
+    return plane;
+}

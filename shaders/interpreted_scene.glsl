@@ -9,6 +9,8 @@ const int MATERIAL_PROGRAMS = 4;
 
 // --- Materials and light ---
 
+void scene_load() {}
+
 int program_at(int place) {
     return int(texelFetch(tape, place >> 2)[place & 3]);
 }
@@ -83,8 +85,9 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
         for (; probe < end; probe++) {
             int i = probe & 3;
             if (probe == OBJECT_PROBE) {
-                s.normal = normal_of_taps(taps);
-                NOTE_SLOPE(taps, h);
+                vec3 sum = sum_of_taps(taps);
+                s.normal = normal_of(sum);
+                NOTE_SLOPE(sum, h);
                 at = p;
             } else if (probe < OBJECT_PROBE) {
                 at = p + h * vec3(TAPS_X[i], TAPS_Y[i], TAPS_Z[i]);
@@ -124,7 +127,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     s.normal = vec3(0.0, 1.0, 0.0);
     s.object = 0;
     if (plane != NOTHING) {
-        s.normal = planes[plane].xyz;
+        s.normal = plane_of(plane).xyz;
         NOTE_PLANE;
         s.object = int(plane_objects[plane] + 0.5);
     }

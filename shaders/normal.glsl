@@ -8,22 +8,26 @@ float tap_distance(float cone) {
     return max(0.6 * cone, 4e-4);
 }
 
-// The normal from the distances at the taps.
-vec3 normal_of_taps(vec4 d) {
-    vec3 sum = vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
+// The normal from the sum of the taps, each times the distance there.
+vec3 normal_of(vec3 sum) {
     float size = length(sum);
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
+}
+
+// That sum, from the distances at the taps.
+vec3 sum_of_taps(vec4 d) {
+    return vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
 }
 
 // What a value says of the distance at the surface that is shaded. Where formulas are no distances, the slope there
 // tells; on a plane, whose neighbourhood nobody asked for, only the sign counts.
 #ifdef STEEP
 float slope_here = 1e-9;
-#define NOTE_SLOPE(taps, h) slope_here = max(length(vec3(dot(TAPS_X, taps), dot(TAPS_Y, taps), dot(TAPS_Z, taps))) / (4.0 * (h)), 1e-9)
+#define NOTE_SLOPE(sum, h) slope_here = max(length(sum) / (4.0 * (h)), 1e-9)
 #define NOTE_PLANE slope_here = 1e-9
 #define AS_DISTANCE(value) ((value) / slope_here)
 #else
-#define NOTE_SLOPE(taps, h)
+#define NOTE_SLOPE(sum, h)
 #define NOTE_PLANE
 #define AS_DISTANCE(value) (value)
 #endif

@@ -14,7 +14,7 @@ bool occluder_near(vec3 p) {
 
 // 1 is open, from the scene's distances at the probes.
 float openness(vec3 p, vec3 normal, vec4 d) {
-    for (int i = 0; i < PLANES_MAX; i++) {
+    for (int i = 0; i < PLANES; i++) {
         float height = dot(planes[i].xyz, p) + planes[i].w;
         vec4 above = height + PROBES * dot(planes[i].xyz, normal);
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));

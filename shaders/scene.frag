@@ -2,6 +2,7 @@
 // Writes colour tone-mapped to 0..1, still linear, and in alpha a key of the surfaces seen.
 
 #include "frame_block.glsl"
+#include "sample_place.glsl"
 #include "counters.glsl"
 #include "material.glsl"
 #include "scene_inputs.glsl"
@@ -86,7 +87,8 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
             // Brought onto the plane exactly: no ray from there meets it again.
-            if (hit.plane != NOTHING) p -= planes[hit.plane].xyz * (dot(planes[hit.plane].xyz, p) + planes[hit.plane].w);
+            vec4 plane = plane_of(hit.plane);
+            if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
             Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
             Material m = s.material;
@@ -113,12 +115,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 }
 
 void main() {
-    vec2 pixel = gl_FragCoord.xy + sample_offset.xy;
-    float pass_kind = sample_offset.z;
-    vec2 place = 2.0 * pixel * viewport.zw - 1.0;
+    load_frame();
+    scene_load();
+    vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
-    sample_color = vec4(tone_map(color), pass_kind > 0.5 ? 1.0 : surface_key);
+    sample_color = vec4(tone_map(color), pass_sample.z > 0.5 ? 1.0 : surface_key);
 #ifdef COUNT_EVALUATIONS
 #ifndef CLAUSES_RUN
 #define CLAUSES_RUN 0.0

@@ -1,8 +1,7 @@
 // What a scene's expressions read beside the point: tables of the sound and pictures.
 
 float table_band(float index) {
-    int i = int(clamp(index, 0.0, 31.0));
-    return frame_bands[i >> 2][i & 3];
+    return frame_bands[int(clamp(index, 0.0, float(BAND_COUNT - 1)))].x;
 }
 
 // The sound's side does not compute these yet.

@@ -40,7 +40,7 @@ vec2 traced_span(vec3 origin, vec3 direction, float margin) {
 // The first plane that the ray meets from its upper side.
 Hit trace_planes(vec3 origin, vec3 direction, float start) {
     Hit hit = Hit(1e9, NOTHING, false);
-    for (int i = 0; i < PLANES_MAX; i++) {
+    for (int i = 0; i < PLANES; i++) {
         float approach = -dot(planes[i].xyz, direction);
         float height = dot(planes[i].xyz, origin) + planes[i].w;
         float t = height / max(approach, 1e-9);

@@ -5,30 +5,50 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
+// What is asked at points around it, in this order: the object at the point, the normal's taps, the occlusion's probes.
+const int FIRST_TAP = 1;
+const int FIRST_PROBE = 5;
+const int LAST_PROBE = 8;
+
 // `p` lies on the plane with the number `plane`, or on anything else if that is NOTHING. `dx` and `dy` are how far the
 // pixel's neighbours see at this distance.
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
     Surface s;
+    s.normal = vec3(0.0);
+    float object = 0.0;
     if (plane != NOTHING) {
-        s.normal = planes[plane].xyz;
+        s.normal = plane_of(plane).xyz;
         NOTE_PLANE;
-        s.object = int(plane_objects[plane] + 0.5);
-    } else {
-        float h = tap_distance(cone);
-        vec4 taps = scene_estimates(p.x + h * TAPS_X, p.y + h * TAPS_Y, p.z + h * TAPS_Z);
-        s.normal = normal_of_taps(taps);
-        NOTE_SLOPE(taps, h);
-        COUNT_N(normal, 4);
-        s.object = scene_object(p);
+        object = plane_objects[plane];
     }
+    vec4 d = PROBES;
+    float h = tap_distance(cone);
+    int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
+    // One loop, so that a driver compiles the scene once for all of this; it ends early where nothing is asked.
+    for (int i = plane != NOTHING ? FIRST_PROBE : 0; i <= last; i++) {
+        int at = i < FIRST_PROBE ? i - FIRST_TAP : i - FIRST_PROBE;
+        vec4 place = vec4(equal(ivec4(0, 1, 2, 3), ivec4(at)));
+        vec3 tap = vec3(dot(TAPS_X, place), dot(TAPS_Y, place), dot(TAPS_Z, place));
+        if (i == FIRST_PROBE && plane == NOTHING) {
+            NOTE_SLOPE(s.normal, h);
+            s.normal = normal_of(s.normal);
+        }
+        float nearest;
+        float estimate = scene_estimate(p + (i < FIRST_PROBE ? h * tap : dot(PROBES, place) * s.normal), nearest);
+        if (i == 0) {
+            object = nearest;
+        } else if (i < FIRST_PROBE) {
+            s.normal += estimate * tap;
+            COUNT(normal);
+        } else {
+            d = mix(d, vec4(AS_DISTANCE(estimate)), place);
+            COUNT(occlusion);
+        }
+    }
+    if (plane == NOTHING && last < FIRST_PROBE) s.normal = normal_of(s.normal);
+    s.object = int(object + 0.5);
     s.material = scene_material(s.object, p, s.normal, along_surface(dx, s.normal, direction),
                                 along_surface(dy, s.normal, direction));
-    vec4 d = PROBES;
-    if (occluder_near(p)) {
-        d = scene_estimates(p.x + s.normal.x * PROBES, p.y + s.normal.y * PROBES, p.z + s.normal.z * PROBES);
-        d = AS_DISTANCE(d);
-        COUNT_N(occlusion, 4);
-    }
     s.open = openness(p, s.normal, d);
     s.ambient = sky_ambient(s.normal, vec3(0.0), vec3(0.0));
     return s;

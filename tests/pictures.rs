@@ -37,8 +37,8 @@ fn a_frame_has_the_same_bytes_every_time() {
 /// Gives the studio a program that shows `body`, statements that set `vec3 color`, before which stands `head`.
 fn show(studio: &mut Studio, head: &str, body: &str) {
     let scene = format!(
-        "#include \"frame_block.glsl\"\n{head}\nlayout(location = 0) out vec4 sample_color;\n\
-         void main() {{\n    vec3 color;\n    {body}\n    sample_color = vec4(color, sample_offset.z);\n}}\n"
+        "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n{head}\nlayout(location = 0) out vec4 sample_color;\n\
+         void main() {{\n    vec3 color;\n    {body}\n    sample_color = vec4(color, min(pass_sample.z, 1.0));\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
     studio.program = studio.link(&library, &compiled_variant("", 0, Counting::Off));
@@ -108,7 +108,7 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
     // One light for each column, read from an array so that no driver folds it away.
     let body = format!(
         "vec3 lights[{count}] = vec3[{count}]({lights});\n    \
-         color = tone_map(lights[int(gl_FragCoord.x) % {count}]);",
+         color = tone_map(lights[int(sample_place().x) % {count}]);",
         count = all.len(),
         lights = all.join(", ")
     );

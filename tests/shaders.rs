@@ -43,9 +43,12 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
 
 /// All shaders of the program, the vertex shader first.
 fn cases() -> Vec<Case> {
-    let own = [VERTEX_SHADER].into_iter().chain(OWN_SHADERS);
+    let own = [(VERTEX_SHADER, &[][..])].into_iter().chain(OWN_SHADERS);
     let mut cases: Vec<Case> = own
-        .map(|file| Case { name: file.to_owned(), file, variant: Variant::default(), interpreted: false })
+        .map(|(file, defines)| {
+            let name = format!("{file} {defines:?}");
+            Case { name, file, variant: Variant::of(defines), interpreted: false }
+        })
         .collect();
     for counting in [Counting::Off, Counting::On] {
         for scene in [speakers(), SceneSource::Formula(FORMULA.into())] {

@@ -11,13 +11,12 @@ const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector
 /// Vectors before the arrays of the block.
 const HEAD: usize = 13;
 const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
-const BAND_QUADS: usize = BAND_COUNT.div_ceil(4);
 const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
 const HOISTED_QUADS: usize = LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
 pub const FRAME_BLOCK_VECTORS: usize =
-    HEAD + PLANES_MAX + 2 * LIGHTS_MAX + BAND_QUADS + PARAM_QUADS + HOISTED_QUADS;
+    HEAD + PLANES_MAX + 2 * LIGHTS_MAX + BAND_COUNT + PARAM_QUADS + HOISTED_QUADS;
 
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
@@ -27,7 +26,7 @@ pub fn block_defines() -> [String; 5] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
-        format!("BAND_QUADS {BAND_QUADS}"),
+        format!("BAND_COUNT {BAND_COUNT}"),
         format!("PARAM_QUADS {PARAM_QUADS}"),
         format!("HOISTED_QUADS {HOISTED_QUADS}"),
     ]
@@ -91,7 +90,7 @@ impl Frame {
             [[x, y, z, if light.towards { 2.0 } else { 1.0 }], [r, g, b, light.radius.max(0.0)]]
         });
         put(&mut rest, 2 * LIGHTS_MAX, lamps);
-        put(&mut rest, BAND_QUADS, quads(&inputs.bands));
+        put(&mut rest, BAND_COUNT, inputs.bands.map(|band| [band, 0.0, 0.0, 0.0]));
         put(&mut rest, PARAM_QUADS, quads(&inputs.params));
         put(&mut rest, HOISTED_QUADS, quads(&inputs.hoisted));
         for value in block.as_flattened_mut() {
@@ -157,8 +156,8 @@ mod tests {
         assert_eq!(block[lights + 1][1], 2.0);
         assert_eq!(block[lights + 2][3], 0.0, "there is no second light");
         let bands = lights + 2 * LIGHTS_MAX;
-        assert_eq!(block[bands], [0.0, 1.0 / 32.0, 2.0 / 32.0, 3.0 / 32.0]);
-        assert_eq!(block[bands + 1][3], 0.0);
-        assert_eq!(block[bands + BAND_QUADS], [0.5, 4.0, 0.0, 0.0]);
+        assert_eq!(block[bands + 3], [3.0 / 32.0, 0.0, 0.0, 0.0]);
+        assert_eq!(block[bands + 7][0], 0.0);
+        assert_eq!(block[bands + BAND_COUNT], [0.5, 4.0, 0.0, 0.0]);
     }
 }

@@ -1,6 +1,7 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
 pub mod background;
+mod edge_list;
 pub mod error;
 pub mod gl;
 mod guest;

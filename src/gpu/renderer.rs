@@ -2,7 +2,7 @@
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
-//! 3. `scene.frag` again, four times, only there, each time elsewhere in the pixel; the samples are summed.
+//! 3. `scene.frag` again, four samples, only there, each elsewhere in the pixel.
 //! 4. `present.frag` averages, encodes as sRGB and dithers.
 //!
 //! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
@@ -14,6 +14,7 @@ use std::rc::Rc;
 
 use glow::HasContext;
 
+use super::edge_list::EdgeList;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
@@ -24,12 +25,18 @@ use super::target::{Stencil, Target, Texel};
 use crate::frame::Frame;
 use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
 
-/// Offsets of the samples at an edge from the pixel's centre, in pixels: a rotated grid, so that no two share
-/// a row or a column. The first sample, at the centre, is drawn for every pixel.
-const EDGE_SAMPLES: [[f32; 2]; 4] = [[-0.125, -0.375], [0.375, -0.125], [0.125, 0.375], [-0.375, 0.125]];
+/// The further samples of a pixel at an edge, as `sample_place.glsl` counts them.
+const EDGE_SAMPLES: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
-/// The renderer's own fragment shaders; tests compile them all. Those of scenes are in [`super::scene_program`].
-pub const OWN_SHADERS: [&str; 2] = ["edges.frag", "present.frag"];
+/// Which sample a pass draws, as in `frame_block.glsl`.
+const FIRST_SAMPLE: f32 = 0.0;
+const FURTHER_SAMPLE: f32 = 1.0;
+const LISTED_SAMPLES: f32 = 2.0;
+
+/// The renderer's own fragment shaders and their defines; tests compile them all. Those of scenes are in
+/// [`super::scene_program`].
+pub const OWN_SHADERS: [(&str, &[&str]); 3] =
+    [("edges.frag", &[]), ("present.frag", &[]), ("present.frag", &["EDGE_LIST"])];
 
 /// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
@@ -103,8 +110,25 @@ pub struct Renderer {
 /// What depends on the picture's size.
 struct Targets {
     first: Target,
-    extra: Target,
+    edges: Edges,
     finished: Target,
+}
+
+/// How pixels at edges get more samples.
+enum Edges {
+    /// Where the stencil is set, all over the picture, summed in a target: on a GPU.
+    Stencil(Target),
+    /// Side by side: on a software renderer.
+    List(EdgeList),
+}
+
+impl Edges {
+    fn samples(&self) -> &Target {
+        match self {
+            Edges::Stencil(sum) => sum,
+            Edges::List(list) => list.samples(),
+        }
+    }
 }
 
 impl Renderer {
@@ -114,7 +138,9 @@ impl Renderer {
     /// # Errors
     /// What the driver refuses, with its log.
     pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
-        let [edges, present] = OWN_SHADERS.map(|name| Program::link(gl, library, name, &Variant::default()));
+        let [edges, of_stencil, of_list] = OWN_SHADERS;
+        let link = |(name, defines): (&str, &[&str])| Program::link(gl, library, name, &Variant::of(defines));
+        let (edges, present) = (link(edges), link(if gl.info().software { of_list } else { of_stencil }));
         let renderer = Self {
             gl: gl.clone(),
             edges: edges?,
@@ -155,9 +181,17 @@ impl Renderer {
             // A size that is refused leaves the last picture.
             self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
         }
-        let Some(targets) = &self.targets else { return Ok(()) };
         self.bind_inputs(block);
         scene.bind(&self.gl);
+        // Taken out, so that lists can grow while the rest is used.
+        let Some(mut targets) = self.targets.take() else { return Ok(()) };
+        let drawn = self.draw_passes(&mut targets, program);
+        self.targets = Some(targets);
+        drawn?;
+        self.gl.check("drawing a frame")
+    }
+
+    fn draw_passes(&self, targets: &mut Targets, program: &Program) -> Result<(), GpuError> {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -166,41 +200,79 @@ impl Renderer {
             gl.disable(glow::SCISSOR_TEST);
             gl.disable(glow::FRAMEBUFFER_SRGB);
 
-            targets.first.bind();
             gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            gl.disable(glow::STENCIL_TEST);
+            gl.disable(glow::BLEND);
+        }
+        match &mut targets.edges {
+            Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
+            Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
+        }
+        // SAFETY: as above.
+        unsafe {
+            targets.finished.bind();
+            targets.first.bind_color(0, unit_of("picture"));
+            match &targets.edges {
+                Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
+                Edges::List(list) => list.bind_samples(),
+            }
+            self.present.bind();
+            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        }
+        Ok(())
+    }
+
+    /// All samples of the picture, those of edges summed in `sum`.
+    fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program) {
+        // SAFETY: plain state and draws on objects of ours, in the current context.
+        unsafe {
+            let gl = &*self.gl;
+            first.bind();
             gl.clear_stencil(1);
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
             gl.enable(glow::STENCIL_TEST);
             self.prepare_samples(program);
-            self.draw_sample([0.0, 0.0], 0.0);
+            self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
 
             gl.disable(glow::BLEND);
-            targets.extra.bind();
-            gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            sum.bind();
             gl.clear_stencil(0);
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
             gl.stencil_func(glow::ALWAYS, 1, 0xff);
             gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
             gl.color_mask(false, false, false, false);
-            targets.first.bind_color(0, unit_of("picture"));
+            first.bind_color(0, unit_of("picture"));
             self.edges.bind();
             gl.draw_arrays(glow::TRIANGLES, 0, 3);
             gl.color_mask(true, true, true, true);
 
             self.prepare_samples(program);
-            for offset in EDGE_SAMPLES {
-                self.draw_sample(offset, 1.0);
+            for number in EDGE_SAMPLES {
+                self.draw_sample(number, FURTHER_SAMPLE);
             }
             gl.disable(glow::BLEND);
             gl.disable(glow::STENCIL_TEST);
-
-            targets.finished.bind();
-            targets.first.bind_color(0, unit_of("picture"));
-            targets.extra.bind_color(0, unit_of("extra_samples"));
-            self.present.bind();
-            gl.draw_arrays(glow::TRIANGLES, 0, 3);
         }
-        self.gl.check("drawing a frame")
+    }
+
+    /// All samples of the picture, those of edges side by side in the target of `list`.
+    fn draw_by_list(&self, first: &Target, list: &mut EdgeList, program: &Program) -> Result<(), GpuError> {
+        first.bind();
+        list.bind_pixels();
+        program.bind();
+        self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+        list.marks().bind();
+        // SAFETY: plain draws on objects of ours, in the current context.
+        unsafe {
+            self.gl.clear(glow::COLOR_BUFFER_BIT);
+            first.bind_color(0, unit_of("picture"));
+            self.edges.bind();
+            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        }
+        list.draw(|| {
+            program.bind();
+            self.draw_sample([0.0, 0.0], LISTED_SAMPLES);
+        })
     }
 
     /// Copies the finished picture to the window's framebuffer of `window` pixels.
@@ -225,7 +297,7 @@ impl Renderer {
         let Some(targets) = self.targets.as_ref().filter(|_| self.counting == Counting::On) else {
             return sum;
         };
-        for target in [&targets.first, &targets.extra] {
+        for target in [&targets.first, targets.edges.samples()] {
             let (kinds, more) = (target.read_rgba32f(1), target.read_rgba32f(2));
             for texel in kinds.as_chunks::<4>().0 {
                 let [primary, reflection, normal, shadow] = texel.map(f64::from);
@@ -244,8 +316,12 @@ impl Renderer {
                 sum.surface_clauses += f64::from(texel[0]);
             }
         }
-        let extra = targets.extra.read_rgba32f(0);
-        sum.edge_pixels = extra.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
+        let samples = targets.edges.samples().read_rgba32f(0);
+        let texels = samples.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
+        sum.edge_pixels = match &targets.edges {
+            Edges::Stencil(_) => texels,
+            Edges::List(_) => texels / EDGE_SAMPLES.len() as f64,
+        };
         sum
     }
 
@@ -286,9 +362,9 @@ impl Renderer {
         program.bind();
     }
 
-    /// Draws one sample for every pixel that the stencil lets through; `further` is 1 for the samples of an edge.
-    fn draw_sample(&self, offset: [f32; 2], further: f32) {
-        let block = [offset[0], offset[1], further, 0.0];
+    /// Draws a sample everywhere: which of the further ones, and of which kind.
+    fn draw_sample(&self, number: [f32; 2], kind: f32) {
+        let block = [number[0], number[1], kind, 0.0];
         let bytes: Vec<u8> = block.iter().flat_map(|value| value.to_ne_bytes()).collect();
         // SAFETY: the buffer is ours and the draw reads nothing else than what `bind_inputs` bound.
         unsafe {
@@ -304,10 +380,15 @@ impl Targets {
         let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F];
         let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
         Target::check_size(gl, size)?;
-        let stencil = Rc::new(Stencil::new(gl, size)?);
+        let (stencil, edges) = if gl.info().software {
+            (None, Edges::List(EdgeList::new(gl, size, texels)?))
+        } else {
+            let stencil = Rc::new(Stencil::new(gl, size)?);
+            (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, texels, Some(stencil))?))
+        };
         Ok(Self {
-            first: Target::new(gl, size, texels, Some(stencil.clone()))?,
-            extra: Target::new(gl, size, texels, Some(stencil))?,
+            first: Target::new(gl, size, texels, stencil)?,
+            edges,
             finished: Target::new(gl, size, &[Texel::Rgba8], None)?,
         })
     }

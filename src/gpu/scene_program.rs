@@ -135,6 +135,7 @@ pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant,
     if world.steep {
         variant.defines.push(STEEP_DEFINE.to_owned());
     }
+    variant.defines.push(format!("PLANES {}", world.planes.len()));
     Ok(variant)
 }
 

@@ -23,6 +23,8 @@ pub struct Target {
 /// The texel format of a colour attachment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Texel {
+    /// One byte, stored as it is written.
+    R8,
     /// Four bytes, stored as they are written.
     Rgba8,
     /// Four 16-bit floats.
@@ -34,6 +36,7 @@ pub enum Texel {
 impl Texel {
     fn internal_format(self) -> u32 {
         match self {
+            Texel::R8 => glow::R8,
             Texel::Rgba8 => glow::RGBA8,
             Texel::Rgba16F => glow::RGBA16F,
             Texel::Rgba32F => glow::RGBA32F,
@@ -196,8 +199,15 @@ impl Target {
     pub fn read_rgba8(&self, index: u32) -> Vec<u8> {
         let row = self.size.0 as usize * 4;
         let mut bytes = vec![0; row * self.size.1 as usize];
-        self.read(index, glow::UNSIGNED_BYTE, &mut bytes);
+        self.read(index, glow::RGBA, glow::UNSIGNED_BYTE, &mut bytes);
         flip_rows(&mut bytes, row);
+        bytes
+    }
+
+    /// Reads the red of colour attachment 0 as bytes, the lowest row first.
+    pub fn read_red(&self) -> Vec<u8> {
+        let mut bytes = vec![0; self.size.0 as usize * self.size.1 as usize];
+        self.read(0, glow::RED, glow::UNSIGNED_BYTE, &mut bytes);
         bytes
     }
 
@@ -205,14 +215,14 @@ impl Target {
     pub fn read_rgba32f(&self, index: u32) -> Vec<f32> {
         let row = self.size.0 as usize * 4;
         let mut bytes = vec![0; row * 4 * self.size.1 as usize];
-        self.read(index, glow::FLOAT, &mut bytes);
+        self.read(index, glow::RGBA, glow::FLOAT, &mut bytes);
         let (words, _) = bytes.as_chunks::<4>();
         let mut floats: Vec<f32> = words.iter().map(|word| f32::from_ne_bytes(*word)).collect();
         flip_rows(&mut floats, row);
         floats
     }
 
-    fn read(&self, index: u32, kind: u32, bytes: &mut [u8]) {
+    fn read(&self, index: u32, format: u32, kind: u32, bytes: &mut [u8]) {
         // SAFETY: the slice holds exactly the texels of this size in this format.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
@@ -223,7 +233,7 @@ impl Target {
                 0,
                 self.size.0.cast_signed(),
                 self.size.1.cast_signed(),
-                glow::RGBA,
+                format,
                 kind,
                 glow::PixelPackData::Slice(Some(bytes)),
             );

@@ -5,9 +5,10 @@
 //! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)` and `vec4
 //! read_texture(int, float, float)`.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
-use crate::graph::{Graph, GraphError, Input, Node, NodeId};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
 /// A literal that is the same f32 when it is read back. Negative ones stand in parentheses.
 pub fn literal(value: f32) -> String {
@@ -24,7 +25,7 @@ pub fn literal(value: f32) -> String {
 /// What is computed once a frame is in `frame_hoisted`, vec4 too.
 ///
 /// `frame_time`, `frame_tempo`, `frame_phase` are floats, `frame_volume` a vec2, `frame_sound` a vec4 (bass,
-/// mid, treble, beat), `frame_bands` eight vec4, `frame_params` vec4 as many as there are parameters, divided
+/// mid, treble, beat), `frame_bands` 32 vec4 with a band in x, `frame_params` vec4 as many as there are parameters, divided
 /// by four.
 pub fn input_name(input: Input) -> String {
     let packed =
@@ -45,7 +46,7 @@ pub fn input_name(input: Input) -> String {
         Input::Beat => "frame_sound.w".into(),
         Input::Tempo => "frame_tempo".into(),
         Input::Phase => "frame_phase".into(),
-        Input::Band(index) => packed("frame_bands", usize::from(index)),
+        Input::Band(index) => format!("frame_bands[{index}].x"),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),
     }
@@ -72,6 +73,12 @@ pub enum Sampling {
     AlongPosition,
     /// The same for the normal (in the sky: the direction).
     AlongNormal,
+}
+
+/// One over a constant, where both are normal. Drivers may divide that way by themselves: OpenGL allows 2.5 ulp.
+fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
+    let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
+    reciprocal.is_normal().then_some(reciprocal)
 }
 
 /// A function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p,
@@ -133,10 +140,24 @@ pub fn function(
         _ => format!("v{}", id.index()),
     };
     let mut sampled: Vec<(u16, NodeId, NodeId)> = Vec::new();
+    // Sums of squares so far: their roots need no guard.
+    let mut squares: HashSet<NodeId> = HashSet::new();
     for id in order {
+        let is_sum = match graph.node(id) {
+            Node::Unary(op, _) => op == Op::Square,
+            Node::Binary(op, a, b) => op == Op::Add && squares.contains(&a) && squares.contains(&b),
+            _ => false,
+        };
+        if is_sum {
+            squares.insert(id);
+        }
         let (template, a, b) = match graph.node(id) {
             Node::Constant(_) | Node::Input(_) => continue,
+            Node::Unary(Op::Sqrt, a) if squares.contains(&a) => ("sqrt($a)", operand(a), String::new()),
             Node::Unary(op, a) => (op.glsl(), operand(a), String::new()),
+            Node::Binary(Op::Div, a, b) if reciprocal(graph, b).is_some() => {
+                ("($a * $b)", operand(a), reciprocal(graph, b).map_or_else(String::new, literal))
+            }
             Node::Binary(op, a, b) => {
                 let never_zero = graph.as_constant(b).is_some_and(f32::is_normal);
                 (if never_zero { op.glsl_by_constant() } else { op.glsl() }, operand(a), operand(b))

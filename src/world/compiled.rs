@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::validate::validate;
 use super::{MATERIAL_OUTPUTS, World, WorldError};
+use crate::graph::{Input, Node, NodeId};
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
@@ -24,7 +25,7 @@ impl World {
         let materials = roots.materials.iter().enumerate();
         let functions = [
             glsl::function(graph, &roots.distance, "rest_distance", Sampling::None),
-            glsl::function(graph, &[roots.object], "rest_object", Sampling::None),
+            glsl::function(graph, &[roots.distance[1], roots.object], "rest_surface", Sampling::None),
             glsl::function(graph, &roots.sky, "sky", Sampling::AlongNormal),
             glsl::function(graph, &roots.ambient, "ambient", Sampling::AlongNormal),
         ]
@@ -33,9 +34,16 @@ impl World {
             glsl::function(graph, material, &format!("material_{index}"), Sampling::AlongPosition)
         }));
         let functions: Result<Vec<String>, _> = functions.collect();
-        functions
-            .map(|functions| functions.concat())
-            .map_err(|source| WorldError::Graph { scene: self.name.clone(), source })
+        let error = |source| WorldError::Graph { scene: self.name.clone(), source };
+        let functions = functions.map_err(error)?.concat();
+        let all: Vec<NodeId> = roots.all().collect();
+        let nodes = graph.order(&all).map_err(error)?.nodes;
+        let inputs = nodes.into_iter().filter_map(|id| match graph.node(id) {
+            Node::Input(Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ) => None,
+            Node::Input(input) => Some(input),
+            _ => None,
+        });
+        Ok(with_copies(functions, inputs))
     }
 
     /// What the renderer's shaders call.
@@ -43,10 +51,8 @@ impl World {
         let mut text = String::from(
             "vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \
              rest_distance(p, vec3(penumbra, 0.0, 0.0), d.x, d.y);\n    return d;\n}\n\
-             vec4 scene_estimates(vec4 x, vec4 y, vec4 z) {\n    vec4 estimates;\n    \
-             for (int i = 0; i < 4; i++) {\n        \
-             estimates[i] = scene_distance(vec3(x[i], y[i], z[i]), 0.0).y;\n    }\n    return estimates;\n}\n\
-             int scene_object(vec3 p) {\n    return int(rest_object(p, vec3(0.0)) + 0.5);\n}\n",
+             float scene_estimate(vec3 p, out float object) {\n    float d;\n    \
+             rest_surface(p, vec3(0.0), d, object);\n    return d;\n}\n",
         );
         for (name, function) in [("sky_color", "sky"), ("sky_ambient", "ambient")] {
             let _ = write!(
@@ -80,4 +86,17 @@ impl World {
         text.push_str("    return m;\n}\n");
         text
     }
+}
+
+/// The functions with copies of these inputs, made by `scene_load`, in place of the frame block's members: see
+/// `shaders/frame_block.glsl`.
+fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> String {
+    let (mut copies, mut load) = (String::new(), String::from("void scene_load() {\n"));
+    for (number, input) in inputs.enumerate() {
+        let name = glsl::input_name(input);
+        functions = functions.replace(&name, &format!("input_{number}"));
+        let _ = writeln!(copies, "float input_{number};");
+        let _ = writeln!(load, "    input_{number} = {name};");
+    }
+    copies + &load + "}\n" + &functions
 }

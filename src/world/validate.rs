@@ -19,7 +19,7 @@ fn surroundings() -> String {
          float table_waveform(float a) {{ return a; }}\nfloat table_history(float a, float b) {{ return a + b; }}\n\
          vec4 read_texture(int i, float u, float v) {{ return vec4(u, v, float(i), 1.0); }}\n\
          vec4 sample_texture(int i, vec2 uv, vec2 dx, vec2 dy) {{ return vec4(uv, dx + dy); }}\n{CELL_HASH_GLSL}\n",
-        BAND_COUNT.div_ceil(4),
+        BAND_COUNT,
         LIMITS.scene_params_max.div_ceil(4),
         LIMITS.hoisted_max.div_ceil(4),
     )

@@ -67,6 +67,8 @@ float bars_distance(vec3 p) {
     return min(bar_distance(p, first), bar_distance(p, second));
 }
 
+void scene_load() {}
+
 vec2 scene_distance(vec3 p, float penumbra) {
     float speakers = speakers_distance(p);
     float bars = bars_distance(p);
@@ -77,17 +79,12 @@ vec2 scene_distance(vec3 p, float penumbra) {
     return vec2(min(speakers, min(bars, others)), min(speakers, bars * max(1.0, penumbra / others)));
 }
 
-vec4 scene_estimates(vec4 x, vec4 y, vec4 z) {
-    vec4 estimates;
-    for (int i = 0; i < 4; i++) {
-        estimates[i] = scene_distance(vec3(x[i], y[i], z[i]), 0.0).y;
-    }
-    return estimates;
-}
-
 // 0 the speakers, 1 the bars, 2 the floor.
-int scene_object(vec3 p) {
-    return bars_distance(p) < speakers_distance(p) ? 1 : 0;
+float scene_estimate(vec3 p, out float object) {
+    float speakers = speakers_distance(p);
+    float bars = bars_distance(p);
+    object = bars < speakers ? 1.0 : 0.0;
+    return min(speakers, bars);
 }
 
 vec3 wood_color(vec3 p, vec3 n, vec3 dx, vec3 dy) {

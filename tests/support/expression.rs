@@ -100,8 +100,8 @@ pub const TABLES_GLSL: &str = "\
 const float frame_time = 12.5;
 const vec2 frame_volume = vec2(0.25, 0.75);
 const vec4 frame_params[1] = vec4[1](vec4(1.0, -2.5, 0.0, 0.0));
-const vec4 frame_bands[8] = vec4[8](vec4(-0.5, -0.4375, -0.375, -0.3125), vec4(-0.25, -0.1875, -0.125, -0.0625),
-    vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0));
+const vec4 frame_bands[8] = vec4[8](vec4(-0.5), vec4(-0.4375), vec4(-0.375), vec4(-0.3125), vec4(-0.25),
+    vec4(-0.1875), vec4(-0.125), vec4(-0.0625));
 float unit(float v) { return v > 0.0 ? min(v, 1.0) : 0.0; }
 float table_band(float i) { return floor(i > 0.0 ? min(i, 31.0) : 0.0) * 0.0625 - 0.5; }
 float between(float u, float count, float a, float b, float c, float d, float e) {

@@ -8,6 +8,7 @@
 //! | `#version 330 core` | `#version 450` |
 //! | `layout(std140) uniform Block {` | `layout(std140, set = 0, binding = N) uniform Block {` |
 //! | `uniform sampler2D name;` | `uniform texture2D name_texture;` and `uniform sampler name_sampler;` in set 1 |
+//! | `uniform usampler2D name;` | the same with `utexture2D` |
 //! | `name` as an argument | `sampler2D(name_texture, name_sampler)` |
 //! | `gl_VertexID` | `gl_VertexIndex` |
 //! | `uniform usamplerBuffer regions;`, which naga does not know | `uvec4 fetch_regions(int texel)` |
@@ -107,7 +108,7 @@ pub fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
 ///
 /// A block or a texture without a fixed place in the program is an error: the renderer would not bind it.
 pub fn vulkan_form(text: &str) -> Result<String, String> {
-    let samplers: Vec<&str> = text.lines().filter_map(declared_sampler).collect();
+    let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
     for line in text.lines() {
         let fetching = line.replace("texelFetch(regions, ", "fetch_regions(");
@@ -116,10 +117,10 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
             vulkan.push_str("uvec4 fetch_regions(int texel) { return uvec4(uint(texel)); }");
         } else if line.starts_with("#version") {
             vulkan.push_str("#version 450");
-        } else if let Some(name) = declared_sampler(line) {
+        } else if let Some((kind, name)) = declared_sampler(line) {
             let unit = unit_of(name)?;
             vulkan.push_str(&format!(
-                "layout(set = 1, binding = {}) uniform texture2D {name}_texture; \
+                "layout(set = 1, binding = {}) uniform {kind}texture2D {name}_texture; \
                  layout(set = 1, binding = {}) uniform sampler {name}_sampler;",
                 2 * unit,
                 2 * unit + 1
@@ -129,8 +130,8 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
             vulkan.push_str(&line.replacen("std140", &format!("std140, set = 0, binding = {binding}"), 1));
         } else {
             for token in identifiers_and_rest(line) {
-                if samplers.contains(&token) {
-                    vulkan.push_str(&format!("sampler2D({token}_texture, {token}_sampler)"));
+                if let Some((kind, _)) = samplers.iter().find(|(_, name)| *name == token) {
+                    vulkan.push_str(&format!("{kind}sampler2D({token}_texture, {token}_sampler)"));
                 } else if token == "gl_VertexID" {
                     vulkan.push_str("gl_VertexIndex");
                 } else {
@@ -143,9 +144,10 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
     Ok(vulkan)
 }
 
-/// The name in a line `uniform sampler2D name;`.
-fn declared_sampler(line: &str) -> Option<&str> {
-    Some(line.trim().strip_prefix("uniform sampler2D ")?.split_once(';')?.0.trim())
+/// What stands before `sampler2D` in a line `uniform sampler2D name;`, nothing or u, and the name.
+fn declared_sampler(line: &str) -> Option<(&str, &str)> {
+    let (kind, rest) = line.trim().strip_prefix("uniform ")?.split_once("sampler2D ")?;
+    Some((kind, rest.split_once(';')?.0.trim()))
 }
 
 /// The name in a line `layout(std140) uniform Name {`.

@@ -1,0 +1,223 @@
+//! The pixels at edges as a list, so that their further samples are drawn densely.
+//!
+//! A software renderer runs a shader for eight neighbours at once. Where few of them are at an edge, most of that is in
+//! vain: 13 % of the pixels cost more than all of them at first. Their samples therefore go side by side into a target
+//! of their own, four in a square for each pixel. Reading back which pixels those are costs nothing there; a GPU would
+//! have to wait for it, and takes the stencil instead.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::object::Texture;
+use super::program::unit_of;
+use super::target::{Target, Texel};
+
+/// Pixels are listed by squares of so many to each side: what is drawn together then sees similar things.
+const TILE: usize = 8;
+
+/// The list of a picture, and the target of its samples.
+pub(super) struct EdgeList {
+    gl: Gl,
+    size: (u32, u32),
+    texels: Vec<Texel>,
+    /// 255 where an edge is.
+    marks: Target,
+    /// The pixel of each square of samples.
+    pixels: Texture,
+    /// The square of each pixel's samples, counted from 1; 0 for none.
+    squares: Texture,
+    /// The samples, two by two for a pixel. Grows.
+    samples: Target,
+}
+
+impl EdgeList {
+    /// For pictures of `size` pixels; the samples' target is of `texels`.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel]) -> Result<Self, GpuError> {
+        let mut list = Self {
+            gl: gl.clone(),
+            size,
+            texels: texels.to_vec(),
+            marks: Target::new(gl, size, &[Texel::R8], None)?,
+            pixels: index_texture(gl, size)?,
+            squares: index_texture(gl, size)?,
+            samples: Target::new(gl, (1, 1), texels, None)?,
+        };
+        list.reserve(size.1 / 4)?;
+        Ok(list)
+    }
+
+    /// Where the marks of edges are drawn.
+    pub(super) fn marks(&self) -> &Target {
+        &self.marks
+    }
+
+    /// The target of the samples.
+    pub(super) fn samples(&self) -> &Target {
+        &self.samples
+    }
+
+    /// Squares in a row of the target.
+    fn row(&self) -> u32 {
+        self.size.0.min(self.gl.info().texture_side_max / 2).max(1)
+    }
+
+    /// Makes room for so many rows of squares. As many as the driver has room for: what is beyond gets no more samples.
+    fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
+        let rows = rows.clamp(1, self.gl.info().texture_side_max / 2);
+        if self.samples.size().1 < 2 * rows {
+            self.samples = Target::new(&self.gl, (2 * self.row(), 2 * rows), &self.texels, None)?;
+        }
+        Ok(())
+    }
+
+    /// Lists the pixels that are marked and draws their samples: `draw` draws over what is bound.
+    ///
+    /// # Errors
+    /// No room for the samples.
+    pub(super) fn draw(&mut self, draw: impl Fn()) -> Result<(), GpuError> {
+        let marks = self.marks.read_red();
+        let listed = listed_pixels(&marks, self.size);
+        let row = self.row() as usize;
+        self.reserve(u32::try_from(listed.len().div_ceil(row)).unwrap_or(u32::MAX))?;
+        let rows = (self.samples.size().1 / 2).min(self.size.1);
+        let room = row * rows as usize;
+        let listed = listed.get(..room).unwrap_or(&listed);
+
+        let width = self.size.0 as usize;
+        let mut squares = vec![[0_u16; 2]; width * self.size.1 as usize];
+        for (number, [x, y]) in listed.iter().enumerate() {
+            if let Some(square) = squares.get_mut(usize::from(*y) * width + usize::from(*x)) {
+                *square = [number % row + 1, number / row + 1].map(|place| place as u16);
+            }
+        }
+        let mut pixels = listed.to_vec();
+        pixels.resize(listed.len().next_multiple_of(row), [0; 2]);
+        self.upload(&self.squares, self.size, &squares);
+        self.upload(&self.pixels, (row as u32, (pixels.len() / row) as u32), &pixels);
+
+        self.samples.bind();
+        self.bind_pixels();
+        // SAFETY: plain state; the scissor leaves out what holds no square.
+        unsafe {
+            let (rows, rest) = ((listed.len() / row) as i32, (listed.len() % row) as i32);
+            let gl = &*self.gl;
+            // Counts that the last picture left are none of this one's.
+            gl.clear(glow::COLOR_BUFFER_BIT);
+            gl.enable(glow::SCISSOR_TEST);
+            for (y, width, height) in [(0, 2 * row as i32, 2 * rows), (2 * rows, 2 * rest, 2)] {
+                if width > 0 && height > 0 {
+                    gl.scissor(0, y, width, height);
+                    draw();
+                }
+            }
+            gl.disable(glow::SCISSOR_TEST);
+        }
+        Ok(())
+    }
+
+    /// What the scene's shader reads. llvmpipe compiles it once for each kind of texture that is bound, read or not:
+    /// this one is from the first sample on.
+    pub(super) fn bind_pixels(&self) {
+        self.bind(&self.pixels, "edge_pixels");
+    }
+
+    /// What `present.frag` reads: the samples, and where those of a pixel are.
+    pub(super) fn bind_samples(&self) {
+        self.samples.bind_color(0, unit_of("extra_samples"));
+        self.bind(&self.squares, "edge_squares");
+    }
+
+    fn bind(&self, texture: &Texture, name: &str) {
+        // SAFETY: the texture is ours.
+        unsafe {
+            self.gl.active_texture(glow::TEXTURE0 + unit_of(name));
+            self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+        }
+    }
+
+    fn upload(&self, texture: &Texture, size: (u32, u32), texels: &[[u16; 2]]) {
+        let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
+        // SAFETY: the texture is ours, and there are as many texels as its size says.
+        unsafe {
+            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
+            self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+            self.gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            self.gl.tex_sub_image_2d(
+                glow::TEXTURE_2D,
+                0,
+                0,
+                0,
+                size.0.cast_signed(),
+                size.1.cast_signed(),
+                glow::RG_INTEGER,
+                glow::UNSIGNED_SHORT,
+                glow::PixelUnpackData::Slice(Some(&bytes)),
+            );
+        }
+    }
+}
+
+/// A texture of two whole numbers in each texel.
+fn index_texture(gl: &Gl, size: (u32, u32)) -> Result<Texture, GpuError> {
+    let texture = Texture::new(gl)?;
+    // SAFETY: the texture is ours.
+    unsafe {
+        gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+        gl.tex_image_2d(
+            glow::TEXTURE_2D,
+            0,
+            glow::RG16UI.cast_signed(),
+            size.0.cast_signed(),
+            size.1.cast_signed(),
+            0,
+            glow::RG_INTEGER,
+            glow::UNSIGNED_SHORT,
+            glow::PixelUnpackData::Slice(None),
+        );
+        for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
+            gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::NEAREST.cast_signed());
+        }
+    }
+    Ok(texture)
+}
+
+/// Where a mark is, x and y, tile by tile.
+fn listed_pixels(marks: &[u8], size: (u32, u32)) -> Vec<[u16; 2]> {
+    let (width, height) = (size.0 as usize, size.1 as usize);
+    let mut listed = Vec::new();
+    for top in (0..height).step_by(TILE) {
+        for left in (0..width).step_by(TILE) {
+            for y in top..height.min(top + TILE) {
+                let row = y * width;
+                let marks = marks.get(row + left..row + width.min(left + TILE)).unwrap_or(&[]);
+                let marked = marks.iter().zip(left..).filter(|(mark, _)| **mark != 0);
+                listed.extend(marked.map(|(_, x)| [x as u16, y as u16]));
+            }
+        }
+    }
+    listed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mark_is_listed_once_and_neighbours_stay_together() {
+        let size = (21, 10);
+        let mut marks = vec![0; 210];
+        let marked = [(0, 0), (20, 0), (1, 7), (0, 8), (20, 9), (8, 3)];
+        for (x, y) in marked {
+            marks[y * 21 + x] = 255;
+        }
+        let listed = listed_pixels(&marks, size);
+        assert_eq!(listed, [[0, 0], [1, 7], [8, 3], [20, 0], [0, 8], [20, 9]]);
+        assert!(listed_pixels(&[], (0, 0)).is_empty());
+    }
+}
