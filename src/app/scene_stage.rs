@@ -226,7 +226,7 @@ impl SceneStage {
 
     /// Uploads a scene and asks for its programs.
     fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
-        let fits = Interpreter::fits(&ready.buffers, self.gl.info());
+        let fits = Interpreter::fits(&ready.buffers, &ready.plan, self.gl.info());
         if let Err(error) = fits {
             tracing::warn!("{error}");
         }

@@ -115,7 +115,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let context_ms = milliseconds(start.elapsed());
     let (mut modes, mut notes) = (Vec::new(), Vec::new());
     if request.scene.sdf != SdfChoice::Compiled {
-        match Interpreter::fits(&buffers, gl.info()) {
+        match Interpreter::fits(&buffers, &plan, gl.info()) {
             Ok(()) => modes.push(Mode::Interpreted),
             Err(error) => notes.push(error.to_string()),
         }

@@ -11,6 +11,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::region::RegionPlan;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::world::{TapeBuffers, World};
 
@@ -50,7 +51,7 @@ impl Painter {
         let ReadyScene { world, buffers, plan } = choice.source.ready()?;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
-        let mode = mode_on(choice.sdf, &buffers, gl.info());
+        let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
         let renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
         let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
         let program = link_scene(gl, &choice.shaders, &variant)?;
@@ -90,8 +91,8 @@ impl Painter {
 }
 
 /// How a [`Painter`] draws a scene on a driver.
-pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, driver: &GlInfo) -> Mode {
-    match (choice, Interpreter::fits(buffers, driver)) {
+pub fn mode_on(choice: SdfChoice, buffers: &TapeBuffers, plan: &RegionPlan, driver: &GlInfo) -> Mode {
+    match (choice, Interpreter::fits(buffers, plan, driver)) {
         (SdfChoice::Interpreted, Ok(())) => Mode::Interpreted,
         (SdfChoice::Auto, Ok(())) if buffers.cost.total > COMPILED_BY_ITSELF_MAX => Mode::Interpreted,
         (SdfChoice::Interpreted, Err(error)) => {

@@ -39,6 +39,8 @@ pub struct RegionTree {
     pub low: [f32; 3],
     /// Extent of its box; 0 where there are no cells.
     pub size: [f32; 3],
+    /// Lower and upper corner of what holds all surfaces of the frame, where the tree knows them better than the world.
+    pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the tape that holds everywhere; below 2^24, which a float holds exactly.
     pub whole_tape: u32,
 }
@@ -58,7 +60,8 @@ impl Frame {
         let xyz = |v: glam::DVec3, w: f64| [v.x, v.y, v.z, w].map(|value| value as f32);
         let planes = self.planes();
         let lights = self.values.lights.iter().take(LIGHTS_MAX);
-        let (low, high) = world.bounds.map_or(([0.0; 3], [0.0; 3]), |bounds| (bounds.low, bounds.high));
+        let bounds = tree.bounds.or(world.bounds.map(|bounds| (bounds.low, bounds.high)));
+        let (low, high) = bounds.unwrap_or_default();
         let mut plane_objects = [0.0; 4];
         for (to, plane) in plane_objects.iter_mut().zip(&world.planes) {
             *to = plane.object as f32;
@@ -77,7 +80,7 @@ impl Frame {
             [inputs.bass, inputs.mid, inputs.treble, inputs.beat],
             // Whether anything is traced at all, and whether its box is known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
-            [high[0], high[1], high[2], if world.bounds.is_some() { 1.0 } else { 0.0 }],
+            [high[0], high[1], high[2], if bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],

@@ -55,14 +55,23 @@ pub struct Interpreter {
 
 /// Why a scene cannot be interpreted by a driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: it is compiled instead"
-)]
-pub struct DoesNotFit {
-    /// Texels that are needed.
-    pub needed: usize,
-    /// Texels that the driver reports.
-    pub available: usize,
+pub enum DoesNotFit {
+    /// Its programs are too long for a texture buffer.
+    #[error(
+        "the scene's tape needs {needed} texels of a texture buffer, but the driver has {available}: it is compiled \
+         instead"
+    )]
+    Texels {
+        /// Texels that are needed.
+        needed: usize,
+        /// Texels that the driver reports.
+        available: usize,
+    },
+    /// Its distance keeps more values at once than a tape has slots.
+    #[error(
+        "the scene's distance keeps more than 256 values at once, which no tape of a region can: it is compiled instead"
+    )]
+    Slots,
 }
 
 impl Interpreter {
@@ -84,11 +93,14 @@ impl Interpreter {
     /// Whether a scene's buffers fit what the driver reports.
     ///
     /// # Errors
-    /// [`DoesNotFit`], with both numbers.
-    pub fn fits(buffers: &TapeBuffers, info: &GlInfo) -> Result<(), DoesNotFit> {
+    /// [`DoesNotFit`].
+    pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
+        if !plan.runs() {
+            return Err(DoesNotFit::Slots);
+        }
         let needed = buffers.texels_max();
         let available = info.texture_buffer_texels_max as usize;
-        if needed <= available { Ok(()) } else { Err(DoesNotFit { needed, available }) }
+        if needed <= available { Ok(()) } else { Err(DoesNotFit::Texels { needed, available }) }
     }
 
     /// The shader's text of the variant.
@@ -154,7 +166,7 @@ pub fn variant_of(
     match mode {
         Mode::Compiled => compiled_variant_of(world, counting),
         Mode::Interpreted => {
-            Interpreter::fits(buffers, info)?;
+            Interpreter::fits(buffers, plan, info)?;
             Ok(Interpreter::for_scene(buffers, plan, info).variant(counting))
         }
     }

@@ -120,7 +120,7 @@ impl SceneResources {
         let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         gl.check("uploading a scene")?;
         Ok(Self {
-            is_interpretable: Interpreter::fits(&buffers, gl.info()).is_ok(),
+            is_interpretable: Interpreter::fits(&buffers, &plan, gl.info()).is_ok(),
             world,
             buffers,
             pictures,
@@ -194,8 +194,8 @@ impl SceneResources {
             self.take_regions(built.clone());
             built
         });
-        let Regions { low, size, whole_tape, .. } = built.regions;
-        RegionTree { low, size, whole_tape }
+        let Regions { low, size, bounds, whole_tape, .. } = built.regions;
+        RegionTree { low, size, bounds, whole_tape }
     }
 
     /// Uploads the programs of a frame.
