@@ -1,6 +1,8 @@
 //! Formulas that are no distance functions, traced by the bounds of their gradients in cells, as shaders/steep.glsl does
 //! it: against marching in small steps no hit may be missing.
 
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
 #[path = "support/expression.rs"]
 #[allow(dead_code)]
 mod expression;
