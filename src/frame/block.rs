@@ -146,7 +146,7 @@ mod tests {
         features.bands[7] = f32::NAN;
         features.volume = [0.25, f32::INFINITY];
         let block = Frame::with_params(&world, f64::NAN, features, (0, 7), &[f32::NAN, 9.0]);
-        let tree = RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], whole_tape: 9 };
+        let tree = RegionTree { low: [1.0; 3], size: [2.0, 4.0, 8.0], bounds: None, whole_tape: 9 };
         let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
