@@ -161,9 +161,16 @@ fn bench_tells_times_and_evaluations() {
     let clauses = |name: &str| report["clauses"][name].as_u64().unwrap();
     assert!(clauses("distance") > 50 && clauses("total") > clauses("distance") + clauses("materials"));
     let modes = report["modes"].as_array().unwrap();
-    assert_eq!(modes.len(), 1, "{report}");
+    assert_eq!(modes.len(), 2, "with and without regions: {report}");
     let row = &modes[0];
-    assert_eq!(row["mode"], "compiled");
+    assert_eq!((&row["mode"], &row["regions"]), (&"compiled".into(), &true.into()));
+    assert_eq!((&modes[1]["mode"], &modes[1]["regions"]), (&"compiled".into(), &false.into()));
+    assert!(row["build_ms"].as_f64().unwrap() > 0.0, "{report}");
+    assert!(
+        row["tree"]["cells"].as_u64().unwrap() > 4_000 && row["tree"]["tapes"].as_u64().unwrap() > 10,
+        "{report}"
+    );
+    assert_eq!(modes[1]["tree"]["cells"], 0, "{report}");
     for name in [
         "shader_ms",
         "first_draw_ms",
@@ -200,8 +207,8 @@ fn bench_measures_both_modes_of_any_formula() {
     assert_eq!(report["scene"], "formula");
     let modes = report["modes"].as_array().unwrap();
     let names: Vec<&str> = modes.iter().map(|row| row["mode"].as_str().unwrap()).collect();
-    assert_eq!(names, ["interpreted", "compiled"]);
-    let [interpreted, compiled] = [0, 1].map(|row| modes[row]["evaluations_per_pixel"].clone());
+    assert_eq!(names, ["interpreted", "interpreted", "compiled", "compiled"]);
+    let [interpreted, compiled] = [0, 2].map(|row| modes[row]["evaluations_per_pixel"].clone());
     let count = |row: &Value, name: &str| row[name].as_f64().unwrap();
     assert!(count(&interpreted, "clauses") > count(&interpreted, "primary"), "{report}");
     for kind in ["primary", "normal", "shadow", "occlusion"] {

@@ -172,7 +172,10 @@ fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
     let with = |texels: usize| GlInfo { texture_buffer_texels_max: texels as u32, ..driver(false) };
 
     assert_eq!(Interpreter::fits(&scene.buffers, &scene.plan, &with(needed)), Ok(()));
-    assert_eq!(mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(needed)), Mode::Interpreted);
+    assert_eq!(
+        mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(needed)),
+        Mode::Interpreted
+    );
 
     let available = needed - 1;
     let error = Interpreter::fits(&scene.buffers, &scene.plan, &with(available)).unwrap_err();
@@ -181,7 +184,10 @@ fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
     let told: Vec<usize> =
         message.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect();
     assert_eq!(told, [needed, available], "{message}");
-    assert_eq!(mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(available)), Mode::Compiled);
+    assert_eq!(
+        mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(available)),
+        Mode::Compiled
+    );
 }
 
 #[test]

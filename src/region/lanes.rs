@@ -1,5 +1,7 @@
 //! Intervals of 64 cells at once.
 
+use multiversion::multiversion;
+
 use super::program::{Arg, INPUTS, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
@@ -86,25 +88,11 @@ pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInput
     if rows.len() < program.values() {
         rows.resize(program.values(), Lanes::splat(Interval::point(0.0)));
     }
-    #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") {
-        #[expect(unsafe_code, reason = "the feature that the function asks for was detected")]
-        // SAFETY: the processor has AVX2.
-        unsafe {
-            bound_avx2(program, rows, frame)
-        };
-        return;
-    }
     bound_rows(program, rows, frame);
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn bound_avx2(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
-    bound_rows(program, rows, frame);
-}
-
-#[inline(always)]
+/// Compiled for wider processors, too; the values are the same.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
 fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     for (index, step) in program.steps.iter().enumerate() {
         let (before, from) = rows.split_at_mut(INPUTS + index);

@@ -5,6 +5,8 @@
 //! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section 3, shortens one
 //! tape for one cell at a time.
 
+use multiversion::multiversion;
+
 use super::lanes::{Lanes, mask};
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use crate::graph::{FrameInputs, Op};
@@ -94,113 +96,7 @@ impl Decisions {
         need: u64,
         need_object: u64,
     ) {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            #[expect(unsafe_code, reason = "the feature that the function asks for was detected")]
-            // SAFETY: the processor has AVX2.
-            unsafe {
-                self.decide_avx2(program, structure, rows, need, need_object)
-            };
-            return;
-        }
-        self.decide_rows(program, structure, rows, need, need_object);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn decide_avx2(
-        &mut self,
-        program: &Program,
-        structure: &Structure,
-        rows: &[Lanes],
-        need: u64,
-        need_object: u64,
-    ) {
-        self.decide_rows(program, structure, rows, need, need_object);
-    }
-
-    #[inline(always)]
-    fn decide_rows(
-        &mut self,
-        program: &Program,
-        structure: &Structure,
-        rows: &[Lanes],
-        need: u64,
-        need_object: u64,
-    ) {
-        let count = program.values();
-        for masks in [&mut self.live, &mut self.number, &mut self.left, &mut self.right] {
-            masks.clear();
-            masks.resize(count, 0);
-        }
-        for (root, cells) in [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)] {
-            if let Arg::Value(value) = program.roots[root] {
-                self.live[value as usize] |= cells;
-            }
-        }
-        for (index, step) in program.steps.iter().enumerate().rev() {
-            let at = INPUTS + index;
-            let live = self.live[at];
-            if live == 0 {
-                continue;
-            }
-            let (a, b) = (step.a, step.b);
-            let number = if structure.may_settle[at] {
-                let row = &rows[at];
-                mask(|cell| row.lo[cell] == row.hi[cell]) & live
-            } else {
-                0
-            };
-            let live = live & !number;
-            let (mut left, mut right) = (0, 0);
-            match step.op {
-                Op::Min => {
-                    let least = &rows[structure.outermost[at] as usize].hi;
-                    left = not_above(rows, a, b) | above(rows, b, least);
-                    right = (not_above(rows, b, a) | above(rows, a, least)) & !left;
-                }
-                Op::Max => {
-                    let most = &rows[structure.outermost[at] as usize].lo;
-                    left = not_above(rows, b, a) | below(rows, b, most);
-                    right = (not_above(rows, a, b) | below(rows, a, most)) & !left;
-                }
-                Op::Abs => left = not_above(rows, Arg::Number(0.0), a),
-                Op::Mask => {
-                    if let Arg::Value(a) = a {
-                        let row = &rows[a as usize];
-                        right = mask(|cell| row.lo[cell] > 0.0 || row.hi[cell] < 0.0);
-                    }
-                }
-                Op::Add => {
-                    left = is_number(rows, structure, b, 0.0);
-                    right = is_number(rows, structure, a, 0.0) & !left;
-                }
-                Op::Sub => left = is_number(rows, structure, b, 0.0),
-                Op::Mul => {
-                    left = is_number(rows, structure, b, 1.0);
-                    right = is_number(rows, structure, a, 1.0) & !left;
-                }
-                Op::Div => left = is_number(rows, structure, b, 1.0),
-                // In the first period nothing is taken away.
-                Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
-                Op::Mod => {
-                    if let Arg::Number(period) = b {
-                        left = below(rows, a, &[period; 64]) & not_above(rows, Arg::Number(0.0), a);
-                    }
-                }
-                _ => {}
-            }
-            (left, right) = (left & live, right & live);
-            self.number[at] = number;
-            self.left[at] = left;
-            self.right[at] = right;
-            if let Arg::Value(a) = a {
-                self.live[a as usize] |= live & !right;
-            }
-            if let Arg::Value(b) = b {
-                self.live[b as usize] |= live & !left;
-            }
-        }
+        decide(self, program, structure, rows, [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)]);
     }
 
     /// The cells, put together where the decisions are the same.
@@ -260,6 +156,90 @@ impl Decisions {
         short.roots = program.roots.map(|root| moved(&self.moved, root));
         if !with_object {
             short.roots[OBJECT] = Arg::Number(f32::NAN);
+        }
+    }
+}
+
+/// See [`Decisions::decide`]; compiled for wider processors, too.
+#[multiversion(targets("x86_64+avx2", "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+fn decide(
+    decisions: &mut Decisions,
+    program: &Program,
+    structure: &Structure,
+    rows: &[Lanes],
+    roots: [(usize, u64); 3],
+) {
+    let count = program.values();
+    for masks in [&mut decisions.live, &mut decisions.number, &mut decisions.left, &mut decisions.right] {
+        masks.clear();
+        masks.resize(count, 0);
+    }
+    for (root, cells) in roots {
+        if let Arg::Value(value) = program.roots[root] {
+            decisions.live[value as usize] |= cells;
+        }
+    }
+    for (index, step) in program.steps.iter().enumerate().rev() {
+        let at = INPUTS + index;
+        let live = decisions.live[at];
+        if live == 0 {
+            continue;
+        }
+        let (a, b) = (step.a, step.b);
+        let number = if structure.may_settle[at] {
+            let row = &rows[at];
+            mask(|cell| row.lo[cell] == row.hi[cell]) & live
+        } else {
+            0
+        };
+        let live = live & !number;
+        let (mut left, mut right) = (0, 0);
+        match step.op {
+            Op::Min => {
+                let least = &rows[structure.outermost[at] as usize].hi;
+                left = not_above(rows, a, b) | above(rows, b, least);
+                right = (not_above(rows, b, a) | above(rows, a, least)) & !left;
+            }
+            Op::Max => {
+                let most = &rows[structure.outermost[at] as usize].lo;
+                left = not_above(rows, b, a) | below(rows, b, most);
+                right = (not_above(rows, a, b) | below(rows, a, most)) & !left;
+            }
+            Op::Abs => left = not_above(rows, Arg::Number(0.0), a),
+            Op::Mask => {
+                if let Arg::Value(a) = a {
+                    let row = &rows[a as usize];
+                    right = mask(|cell| row.lo[cell] > 0.0 || row.hi[cell] < 0.0);
+                }
+            }
+            Op::Add => {
+                left = is_number(rows, structure, b, 0.0);
+                right = is_number(rows, structure, a, 0.0) & !left;
+            }
+            Op::Sub => left = is_number(rows, structure, b, 0.0),
+            Op::Mul => {
+                left = is_number(rows, structure, b, 1.0);
+                right = is_number(rows, structure, a, 1.0) & !left;
+            }
+            Op::Div => left = is_number(rows, structure, b, 1.0),
+            // In the first period nothing is taken away.
+            Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
+            Op::Mod => {
+                if let Arg::Number(period) = b {
+                    left = below(rows, a, &[period; 64]) & not_above(rows, Arg::Number(0.0), a);
+                }
+            }
+            _ => {}
+        }
+        (left, right) = (left & live, right & live);
+        decisions.number[at] = number;
+        decisions.left[at] = left;
+        decisions.right[at] = right;
+        if let Arg::Value(a) = a {
+            decisions.live[a as usize] |= live & !right;
+        }
+        if let Arg::Value(b) = b {
+            decisions.live[b as usize] |= live & !left;
         }
     }
 }

@@ -5,7 +5,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 
 use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
-use super::lanes::{CELLS, Lanes, bound};
+use super::lanes::{CELLS, Lanes, bound, mask};
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::Decisions;
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE};
@@ -70,8 +70,9 @@ const UNDIVIDED_MAX: usize = 12;
 const LONG: usize = 400;
 /// How often the bounds of a frame are made smaller at most: a pass each.
 const TIGHTENINGS_MAX: usize = 3;
-/// Of a scene that needs gradients, cells near the middle are divided once more: down to this share of the way there.
-const FINE_SHARE: f32 = 0.2;
+/// Of a scene without bounds that needs gradients, cells are divided whose side is more than this share of the way from
+/// the middle.
+const FINE_SHARE: f32 = 0.3;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
 /// So far from surfaces penumbras and occlusion still ask for distances: a little more than the highest probe.
@@ -113,7 +114,7 @@ struct Builder<'a> {
     encoder: Encoder,
     /// Second words of cells by the hash of their programs.
     known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
-    levels: [Level; 4],
+    levels: [Level; 3],
     /// Of scenes whose distance is none.
     gradients: Option<Gradients>,
     /// Whether the tree lies around the eye.
@@ -304,15 +305,18 @@ impl Builder<'_> {
             level.decisions.shortened(program, &level.rows, group, with_object, self.frame, &mut level.short);
             let worth_it = match &self.gradients {
                 None => depth == 1 && level.short.steps.len() > UNDIVIDED_MAX,
-                Some(_) => depth == 1 || (depth == 2 && self.is_fine(&block)),
+                Some(_) => depth == 1,
             };
-            let divided = if worth_it { group & surface } else { 0 };
+            let mut divided = if worth_it { group & surface } else { 0 };
+            if self.gradients.is_some() {
+                divided &= mask(|cell| self.is_close(&block, cell));
+            }
             let whole = group & !divided;
+            let slopes = self.slopes(&level, depth, group & surface);
             if whole != 0 {
                 let second = self.write_tape(&level.short, whole.count_ones() as usize);
                 for cell in cells_of(whole) {
-                    let slopes = self.slopes(&level, cell, surface);
-                    self.write_cell(texel_of(cell), bounds.lo[cell], second, slopes);
+                    self.write_cell(texel_of(cell), bounds.lo[cell], second, slopes[cell]);
                 }
             }
             if divided != 0 {
@@ -320,8 +324,7 @@ impl Builder<'_> {
                 for cell in cells_of(divided) {
                     if self.texels.len() + CELLS > self.options.texels_max {
                         let second = self.write_tape(&level.short, 1);
-                        let slopes = self.slopes(&level, cell, surface);
-                        self.write_cell(texel_of(cell), bounds.lo[cell], second, slopes);
+                        self.write_cell(texel_of(cell), bounds.lo[cell], second, slopes[cell]);
                         continue;
                     }
                     let brick = self.texels.len();
@@ -337,26 +340,39 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether cells of a block that is divided once more are still larger than what is seen of them from the middle.
-    fn is_fine(&self, block: &Block) -> bool {
+    /// Whether a cell of a block looks large from the middle of a tree without bounds. Gradients take too long to have
+    /// them for small cells everywhere.
+    fn is_close(&self, block: &Block, cell: usize) -> bool {
+        let place = place_in(cell);
         let away = (0..3).map(|axis| {
-            let (low, high) = (block.low[axis], block.low[axis] + BRICK_SIDE as f32 * block.cell[axis]);
-            (low - self.options.center[axis]).max(self.options.center[axis] - high).max(0.0)
+            let low = block.low[axis] + place[axis] as f32 * block.cell[axis];
+            let center = self.options.center[axis];
+            (low - center).max(center - low - block.cell[axis]).max(0.0)
         });
         let side = block.cell.into_iter().fold(0.0, f32::max);
-        self.unbounded && side > FINE_SHARE * away.fold(0.0, f32::hypot)
+        !self.unbounded || side > FINE_SHARE * away.fold(0.0, f32::hypot)
     }
 
-    /// The words of the gradient in one of the level's cells; 0 where no surface may be or nobody asks.
-    fn slopes(&mut self, level: &Level, cell: usize, surface: u64) -> [u32; 2] {
-        let frame = self.frame;
-        match &mut self.gradients {
-            Some(gradients) if surface >> cell & 1 == 1 => {
-                let sides = std::array::from_fn(|axis| level.rows[axis].at(cell));
-                gradients.words(&level.short, sides, frame)
+    /// The words of the gradient for a group of the level's cells, 0 where no surface may be or nobody asks. In bricks
+    /// eight neighbours share one: finding it costs as much as thousands of clauses.
+    fn slopes(&mut self, level: &Level, depth: usize, cells: u64) -> [[u32; 2]; CELLS] {
+        let mut words = [[0; 2]; CELLS];
+        let Some(gradients) = &mut self.gradients else { return words };
+        let mut left = cells;
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            let sharing = if depth == 1 { 1 << first } else { left & eighth_of(first) };
+            left &= !sharing;
+            let sides = std::array::from_fn(|axis| {
+                let ends = cells_of(sharing).map(|cell| level.rows[axis].at(cell));
+                ends.fold(level.rows[axis].at(first), Interval::hull)
+            });
+            let found = gradients.words(&level.short, sides, self.frame);
+            for cell in cells_of(sharing) {
+                words[cell] = found;
             }
-            _ => [0; 2],
         }
+        words
     }
 
     fn write_cell(&mut self, texel: usize, lowest: f32, second: u32, [z, w]: [u32; 2]) {
@@ -454,6 +470,12 @@ impl Hasher for Hashed {
 /// The place of one of 64 cells in their block.
 const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
+}
+
+/// The cells of the same 2x2x2 as one of 64.
+const fn eighth_of(cell: usize) -> u64 {
+    let first = cell & 0b10_10_10;
+    0b11_0011 << first | 0b11_0011 << (first + 16)
 }
 
 /// The cells of a mask.

@@ -420,7 +420,7 @@ fn glsl_is_written_from_the_operators() {
     float v2 = (p.x * p.x);
     float v3 = (p.y * p.y);
     float v4 = (v2 + v3);
-    float v5 = sqrt(max(v4, 0.0));
+    float v5 = sqrt(v4);
     float v8 = (v5 - 1.0);
     float v9 = (0.5 - v5);
     float v10 = max(v8, v9);
@@ -457,14 +457,26 @@ fn glsl_guards_divisions_only_by_what_may_be_zero() {
     let mut graph = Graph::new();
     let (x, y, three) = (graph.input(Input::X), graph.input(Input::Y), graph.constant(3.0));
     let (by_three, by_y) = (graph.div(x, three), graph.div(x, y));
-    assert!(
-        glsl::function(&graph, &[by_three], "f", glsl::Sampling::None).unwrap().contains("= (p.x / 3.0);")
-    );
+    let text = glsl::function(&graph, &[by_three], "f", glsl::Sampling::None).unwrap();
+    assert!(text.contains(&format!("= (p.x * {:?});", 3.0_f32.recip())), "{text}");
     assert!(
         glsl::function(&graph, &[by_y], "f", glsl::Sampling::None)
             .unwrap()
             .contains("= (p.y == 0.0 ? 0.0 : p.x / p.y);")
     );
+}
+
+#[test]
+fn glsl_guards_roots_of_what_may_be_negative() {
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let (xx, yy) = (graph.mul(x, x), graph.mul(y, y));
+    let (squares, other) = (graph.add(xx, yy), graph.sub(x, y));
+    for (inside, guarded) in [(squares, false), (other, true)] {
+        let root = graph.sqrt(inside);
+        let text = glsl::function(&graph, &[root], "f", glsl::Sampling::None).unwrap();
+        assert_eq!(text.contains("sqrt(max("), guarded, "{text}");
+    }
 }
 
 proptest! {

@@ -74,7 +74,7 @@ const IMPURE_PATHS: &[&str] = &[
 ];
 const IMPURE_MACROS: &[&str] = &["print", "println", "eprint", "eprintln", "dbg"];
 /// The dependencies of Cargo.toml that a pure room may use.
-const PURE_CRATES: &[&str] = &["rustfft", "serde", "thiserror"];
+const PURE_CRATES: &[&str] = &["multiversion", "rustfft", "serde", "thiserror"];
 
 /// Rooms whose files may hold `unsafe`, each with its reason in `#![expect(unsafe_code, reason = ...)]`.
 const UNSAFE_ROOMS: &[&str] = &["gpu", "app"];
