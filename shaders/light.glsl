@@ -4,8 +4,10 @@ const int SHADOW_STEPS_MAX = 96;
 // Longest step near the scene: longer ones draw the steps into the penumbra. Farther away, half the distance.
 const float SHADOW_STEP_MAX = 0.6;
 const float SHADOW_STEP_MIN = 0.03;
-// Shadow rays also feel what they pass at this distance outside the scene's bounds.
-const float SHADOW_MARGIN = 0.7;
+// Shadow rays also feel what they pass at a distance, outside the scene's bounds: as far as a penumbra can be wide, which
+// is the light's distance over its sharpness, within this range.
+const float SHADOW_MARGIN_MIN = 0.1;
+const float SHADOW_MARGIN_MAX = 3.0;
 // Sharpness of the penumbra, the distance of a light over its radius, is brought into this range.
 const float SHARPNESS_MIN = 2.0;
 const float SHARPNESS_MAX = 64.0;
@@ -17,7 +19,7 @@ const float SUN_DISTANCE = 1000.0;
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = p + normal * max(0.012, 2.0 * cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
-    vec2 span = traced_span(origin, to_light, SHADOW_MARGIN);
+    vec2 span = traced_span(origin, to_light, clamp(light_t / sharpness, SHADOW_MARGIN_MIN, SHADOW_MARGIN_MAX));
     float end = min(span.y, light_t);
 #ifdef STEEP
     end = min(end, steep_span(origin, to_light).y);
@@ -32,13 +34,13 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         // Over cells whose surfaces are too far away to take any more light.
         Cell cell;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
-            vec3 q = walk.start + t * walk.pace;
+            vec3 q = place_on(walk, t);
             cell = cell_at(q);
 #ifdef STEEP
             cell.bound = cell.bound > 0.0 ? FAR * SHARPNESS_MAX : 0.0;
 #endif
             COUNT(lookups);
-            float leaves = past(exit_of(cell, walk, q));
+            float leaves = max(past(t), exit_of(cell, walk, q));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
             // Nothing is left to triangulate.

@@ -8,15 +8,18 @@
 uniform usamplerBuffer regions;     // RGBA32UI
 
 const uint DIVIDED = 0xFFFFFFFFu;
-// Texels that are read to find a cell: in the root, in a brick, in a brick of it.
-const int REGION_LEVELS = 3;
+// Texels that are read to find a cell: in the root, in a brick.
+const int REGION_LEVELS = 2;
 const float ROOT_SIDE = 16.0;
 // The object of a cell that holds several.
 const int SEVERAL = 255;
 // The most cells that a ray passes without an evaluation.
 const int SKIPS_MAX = 1024;
-// A ray goes on behind a cell's face by this, and by this share of its way.
-const float PAST_FACE = 4e-6;
+// A ray takes each step at least so far, and so much of its way.
+const float PAST_FACE = 4e-7;
+// Rays look for their cells so much further on, in root cells, and by this share of how far off they began.
+const float AHEAD = 1e-5;
+const float AHEAD_OF_FAR = 5e-7;
 
 struct Cell {
     float bound;    // no surface is nearer to any of its points
@@ -63,22 +66,31 @@ struct Walk {
     vec3 start;
     vec3 pace;
     vec3 inverse;
+    vec3 ahead;     // a little along the ray: more than a place on it is rounded by
 };
 
 Walk walk_of(vec3 origin, vec3 direction) {
     vec3 pace = direction * region_scale.xyz;
     // A component of exactly 0 would make 0 * inf = NaN.
-    return Walk(in_root(origin), pace, 1.0 / (pace + mix(vec3(-1e-12), vec3(1e-12), greaterThanEqual(pace, vec3(0.0)))));
+    vec3 inverse = 1.0 / (pace + mix(vec3(-1e-12), vec3(1e-12), greaterThanEqual(pace, vec3(0.0))));
+    vec3 start = in_root(origin);
+    float nudge = AHEAD + AHEAD_OF_FAR * max(abs(start.x), max(abs(start.y), abs(start.z)));
+    return Walk(start, pace, inverse, mix(vec3(-nudge), vec3(nudge), greaterThanEqual(pace, vec3(0.0))));
 }
 
-// Where the ray, at a point q of the cell, leaves it.
+// The place to look for the ray's cell at t: at a face it is behind it, so that a ray never stays there.
+vec3 place_on(Walk walk, float t) {
+    return walk.start + t * walk.pace + walk.ahead;
+}
+
+// Where the ray leaves the cell of the place q, by `place_on`.
 float exit_of(Cell cell, Walk walk, vec3 q) {
     vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.pace)) * cell.side;
     vec3 t = (face - walk.start) * walk.inverse;
     return min(t.x, min(t.y, t.z));
 }
 
-// A little behind a face, so that the ray stands in the next cell.
+// A little further on.
 float past(float t) {
     return t * (1.0 + PAST_FACE) + PAST_FACE;
 }

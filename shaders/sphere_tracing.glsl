@@ -67,12 +67,12 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         // Over cells that hold no surface, to where the distance must be asked.
         Cell cell;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
-            vec3 q = walk.start + t * walk.pace;
+            vec3 q = place_on(walk, t);
             cell = cell_at(q);
             COUNT(lookups);
             if (!(cell.bound > reach * (cone + spread * t))) break;
             before = 0.0;
-            t = max(t + cell.bound, past(exit_of(cell, walk, q)));
+            t = max(max(t + cell.bound, past(t)), exit_of(cell, walk, q));
             if (t >= end) break;
         }
         if (t >= end) return behind;
@@ -92,6 +92,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     // On to the surface, so that the end hardly depends on the steps before: as far as it is, or where the last two
     // distances say that it is met at an angle.
     float slant = before > d ? min(before / (before - d), SLANT_MAX) : 1.0;
-    return Hit(t + max(d, 0.0) * slant, NOTHING, true);
+    // What is no number ends the ray where it was.
+    return Hit(d > 0.0 ? t + d * slant : t, NOTHING, true);
 }
 #endif

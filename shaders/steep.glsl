@@ -59,13 +59,13 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         Cell cell;
         vec3 q;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
-            q = walk.start + t * walk.pace;
+            q = place_on(walk, t);
             cell = cell_at(q);
             COUNT(lookups);
             if (!(cell.bound > 0.0) || inside >= 0.0) break;
             outside = t;
             above = 0.0;
-            t = past(exit_of(cell, walk, q));
+            t = max(past(t), exit_of(cell, walk, q));
             if (t >= end) break;
         }
         if (t >= end) return behind;
@@ -92,7 +92,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         } else {
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
             float safe = slope > 0.0 ? value / slope : FAR;
-            float leaves = past(exit_of(cell, walk, q)) - t;
+            float leaves = max(past(t), exit_of(cell, walk, q)) - t;
             float smallest = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * float(i)) * radius;
             // Outside of the tree by a rounding there is no cell to leave.
             t += cell.side > 0.0 ? max(min(safe, leaves), smallest) : past(smallest);
@@ -105,7 +105,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 // distance says nothing of how closely a ray passes: shadows are sharp.
 vec2 steep_nearest(Cell cell, Walk walk, float t, vec3 direction, vec2 values) {
     float towards = slope_towards(unpack_slopes(cell.slopes), direction);
-    float leaves = past(exit_of(cell, walk, walk.start + t * walk.pace)) - t;
+    float leaves = max(past(t), exit_of(cell, walk, place_on(walk, t))) - t;
     float stride = min(towards > 0.0 ? values.x / towards : FAR, cell.side > 0.0 ? leaves : FAR);
     return vec2(stride, values.y > 0.0 ? FAR : 0.0);
 }

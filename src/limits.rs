@@ -78,6 +78,8 @@ pub struct Limits {
     pub scene_materials_max: usize,
     /// Most lights of a scene.
     pub scene_lights_max: usize,
+    /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond have the whole tape.
+    pub region_texels_max: usize,
     /// Most values that are computed once a frame instead of at every point; further ones stay where they are.
     pub hoisted_max: usize,
 }
@@ -120,6 +122,7 @@ pub const LIMITS: Limits = Limits {
     scene_objects_max: 256,
     scene_materials_max: 64,
     scene_lights_max: 16,
+    region_texels_max: 1 << 22,
     hoisted_max: 256,
 };
 

@@ -36,6 +36,8 @@ pub struct BuiltTree<Tag> {
 struct State<Tag> {
     next: Option<TreeJob<Tag>>,
     done: Option<BuiltTree<Tag>>,
+    /// How often what was asked for was forgotten: a tree that was begun before is of no use.
+    forgotten: u64,
     over: bool,
 }
 
@@ -62,7 +64,7 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
     /// # Errors
     /// What the system says about threads.
     pub fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
-        let state = State { next: None, done: None, over: false };
+        let state = State { next: None, done: None, forgotten: 0, over: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
         let theirs = shared.clone();
         let thread = std::thread::Builder::new().name("regions".into());
@@ -81,10 +83,11 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         self.shared.lock().done.take()
     }
 
-    /// Drops what was asked for and not begun, and what was not taken.
+    /// Drops all that was asked for and not taken.
     pub fn forget(&self) {
         let mut state = self.shared.lock();
         (state.next, state.done) = (None, None);
+        state.forgotten += 1;
     }
 
     /// Whether [`RegionBuilder::poll`] has something.
@@ -114,12 +117,18 @@ fn work<Tag>(shared: &Shared<Tag>, wake: &dyn Fn()) {
             state = shared.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
         let Some(job) = state.next.take().filter(|_| !state.over) else { return };
+        let forgotten = state.forgotten;
         drop(state);
         let TreeJob { tag, frame, plan, request } = job;
         // A panic must not leave the picture waiting: the next request is another chance.
         let built = catch_unwind(AssertUnwindSafe(|| BuiltRegions::new(&plan, &frame.inputs, request)));
         match built {
-            Ok(regions) => shared.lock().done = Some(BuiltTree { tag, frame, regions: Arc::new(regions) }),
+            Ok(regions) => {
+                let mut state = shared.lock();
+                if state.forgotten == forgotten {
+                    state.done = Some(BuiltTree { tag, frame, regions: Arc::new(regions) });
+                }
+            }
             Err(_) => tracing::error!("building the regions ended by a panic"),
         }
         wake();
@@ -135,6 +144,23 @@ mod tests {
     use crate::world::testing::world_of;
     use std::sync::mpsc::channel;
     use std::time::Duration;
+
+    #[test]
+    fn what_is_forgotten_while_it_is_built_does_not_come() {
+        let world = world_of("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
+        let plan = Arc::new(RegionPlan::new(&world));
+        let (woken, wakes) = channel();
+        let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
+        let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
+        builder.request(TreeJob { tag: 1, frame, plan, request });
+        while builder.shared.lock().next.is_some() {
+            std::thread::yield_now();
+        }
+        builder.forget();
+        wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(!builder.has_built());
+    }
 
     #[test]
     fn the_latest_request_is_built_and_comes_with_its_frame() {

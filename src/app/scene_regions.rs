@@ -68,7 +68,8 @@ impl SceneRegions {
         wanted: Shown,
         params: &[f32],
     ) -> Option<(Frame, Shown)> {
-        let cells = self.wanted && self.late_for != Some((id, mode));
+        // Where the distance is none, there are cells whatever is wanted.
+        let cells = scene.world().steep || (self.wanted && self.late_for != Some((id, mode)));
         scene.set_cells(cells);
         let frame_of = |shown: &Shown, params: &[f32]| {
             let Moment { song_time, features, .. } = shown.moment;

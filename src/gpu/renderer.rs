@@ -354,6 +354,9 @@ impl Renderer {
     fn prepare_samples(&self, program: &Program) {
         // SAFETY: plain state.
         unsafe {
+            // No list of edges is read here, and what stood there may be the target of the draw.
+            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
+            self.gl.bind_texture(glow::TEXTURE_2D, None);
             self.gl.stencil_func(glow::EQUAL, 1, 0xff);
             self.gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
             self.gl.enable(glow::BLEND);

@@ -98,7 +98,7 @@ impl Interpreter {
         if !plan.runs() {
             return Err(DoesNotFit::Slots);
         }
-        let needed = buffers.texels_max();
+        let needed = buffers.texels_max().max(plan.whole_texels());
         let available = info.texture_buffer_texels_max as usize;
         if needed <= available { Ok(()) } else { Err(DoesNotFit::Texels { needed, available }) }
     }

@@ -20,6 +20,7 @@ use super::texture_buffer::{BufferTexel, TextureBuffer};
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::graph::FrameInputs;
+use crate::limits::LIMITS;
 use crate::region::{RegionKey, RegionOptions, RegionPlan, Regions};
 use crate::world::{TapeBuffers, World};
 
@@ -129,7 +130,7 @@ impl SceneResources {
             regions,
             with_cells: Cell::new(true),
             uploaded: RefCell::new(None),
-            texels_max: gl.info().texture_buffer_texels_max as usize,
+            texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
         })
     }
 

@@ -37,7 +37,7 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
 
-use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData};
+use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Properties, TableData};
 use crate::world::World;
 use encode::{Encoder, SLOTS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
@@ -46,6 +46,8 @@ use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 pub const ROOT_SIDE: usize = 16;
 /// Cells of a brick to each side.
 pub const BRICK_SIDE: usize = 4;
+/// Texels beside those of the clauses of both whole tapes, which share most of their steps.
+const WHOLE_BESIDE: usize = 8;
 /// The bound of a cell that is divided.
 pub const DIVIDED: u32 = u32::MAX;
 /// The object of a cell in which more than one may be the nearest.
@@ -85,6 +87,7 @@ pub struct RegionPlan {
     has_rest: bool,
     steep: bool,
     runs: bool,
+    whole_texels: usize,
 }
 
 impl RegionPlan {
@@ -118,14 +121,16 @@ impl RegionPlan {
             has_rest,
             steep,
             runs: true,
+            whole_texels: 0,
         };
-        // Any numbers do: which slots are needed does not depend on them, but for fewer.
-        let program = plan.folded(|_| f32::NAN, &FrameInputs::default());
+        // With nothing known of a frame nothing is folded: that program has all operators and slots of any frame's.
+        let program = plan.folded(None, &FrameInputs::default());
         let mut encoder = Encoder::default();
         let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
             .iter()
             .all(|roots| encoder.encode(&program, *roots).is_ok());
         plan.runs = fits;
+        plan.whole_texels = program.steps.len() + WHOLE_BESIDE;
         let slots = if fits { encoder.slots } else { SLOTS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
         plan.variant = RegionVariant { operators, slots: slots.next_power_of_two(), steep: plan.steep };
@@ -140,6 +145,11 @@ impl RegionPlan {
     /// Whether there are slots enough for the whole tape. If not, there are no tapes and no cells.
     pub fn runs(&self) -> bool {
         self.runs
+    }
+
+    /// Texels that the whole tape and the object's take at most: a driver that has fewer cannot have regions.
+    pub fn whole_texels(&self) -> usize {
+        self.whole_texels
     }
 
     /// What the tree of a frame depends on.
@@ -160,12 +170,21 @@ impl RegionPlan {
 
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
-        let program = self.folded(|input| inputs.value(input), inputs);
-        tree::build(program, self.bounds, self.has_rest && self.runs, self.steep, inputs, options)
+        let program = self.folded(Some(inputs), inputs);
+        tree::build(
+            program,
+            self.bounds,
+            self.has_rest && (self.runs || self.steep),
+            self.steep,
+            inputs,
+            options,
+        )
     }
 
-    /// The program with a frame's numbers folded in.
-    fn folded(&self, value: impl Fn(Input) -> f32, frame: &FrameInputs) -> Program {
+    /// The program with the numbers of a frame folded in. Where no frame is known, its numbers and tables are values.
+    fn folded(&self, known: Option<&FrameInputs>, frame: &FrameInputs) -> Program {
+        let unknown = Arg::Value(program::PENUMBRA);
+        let reads_frame = |op: Op| known.is_none() && op.properties().has(Properties::READS_FRAME);
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
         let mut places = vec![Arg::Number(0.0); self.graph_nodes];
         for (index, node) in &self.nodes {
@@ -175,8 +194,10 @@ impl RegionPlan {
                     Some(place) if place < program::INPUTS => Arg::Value(place as u32),
                     // A distance knows no normal.
                     Some(_) => Arg::Number(0.0),
-                    None => Arg::Number(value(input)),
+                    None => known.map_or(unknown, |frame| Arg::Number(frame.value(input))),
                 },
+                Node::Unary(op, _) if reads_frame(op) => program.push(op, unknown, Arg::Number(0.0), frame),
+                Node::Binary(op, ..) if reads_frame(op) => program.push(op, unknown, unknown, frame),
                 Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
                 Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
                 // Shapes read no textures.

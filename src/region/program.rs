@@ -4,6 +4,8 @@ use crate::graph::{FrameInputs, Op, Properties};
 
 /// Values that are there before the first step: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
+/// The number of the last of them.
+pub(super) const PENUMBRA: u32 = 3;
 
 /// What a step reads.
 #[derive(Debug, Clone, Copy, PartialEq)]

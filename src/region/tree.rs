@@ -85,8 +85,8 @@ const OBJECT_REACH: f32 = 0.25;
 /// Bounds are less by this share of the box's distance from the origin and its size. Processors of graphics round
 /// otherwise: two dozen roundings of numbers of that size come to 3e-6 of it.
 const ROUNDING: f32 = 1e-5;
-/// Cells overlap by this share, since the shader rounds where it looks a point up.
-const OVERLAP: f32 = 1e-6;
+/// Cells overlap by this share: rays look for their cell a hundred-thousandth of a root cell further on.
+const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: distance from a light over its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;
 
