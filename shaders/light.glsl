@@ -1,6 +1,13 @@
 // How much light arrives, and what a surface throws back of it.
 
+#ifdef STEEP
+const int SHADOW_STEPS_MAX = 512;
+// The shortest step grows so much with each: a ray that grazes a surface ends.
+const float SHADOW_STEP_GROWTH = 0.002;
+#else
 const int SHADOW_STEPS_MAX = 96;
+const float SHADOW_STEP_GROWTH = 0.0;
+#endif
 // Longest step near the scene: longer ones draw the steps into the penumbra. Farther away, half the distance.
 const float SHADOW_STEP_MAX = 0.6;
 const float SHADOW_STEP_MIN = 0.03;
@@ -67,7 +74,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
         if (visible < 0.004) return 0.0;
         previous = d;
-        stride = clamp(nearest.x, SHADOW_STEP_MIN, max(SHADOW_STEP_MAX, 0.5 * nearest.x));
+        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + SHADOW_STEP_GROWTH * float(i));
         t += stride;
         if (t >= end) break;
     }

@@ -274,7 +274,7 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
             Some(cell) if world.steep => {
                 let slope = gradient::slope_towards(cell.slopes, ray.direction);
                 let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
-                safe.min(ray.exit_of(&cell) - t).max((0.5 + 0.005 * step as f32) * radius).max(1e-5)
+                safe.min(ray.exit_of(&cell) - t).max((0.5 + 0.04 * step as f32) * radius).max(1e-5)
             }
             _ => value,
         };

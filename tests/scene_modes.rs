@@ -113,7 +113,12 @@ fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
         let (a, b) = (interpreted.1, compiled.1);
         assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
         for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {
-            assert!((a_kind - b_kind).abs() <= 0.02 * b_kind, "{name} at {time} s: {a:?}, but {b:?}");
+            // Cells that are there in any case save the interpreter probes of occlusion.
+            let fewer = steep && a_kind < b_kind;
+            assert!(
+                fewer || (a_kind - b_kind).abs() <= 0.02 * b_kind,
+                "{name} at {time} s: {a:?}, but {b:?}"
+            );
         }
         assert_eq!(b.clauses, 0.0, "{name}: a compiled scene has run clauses");
         assert!(a.clauses > a.total(), "{name}: an evaluation is more than a clause: {a:?}");

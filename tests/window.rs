@@ -18,7 +18,7 @@ use support::sound_server::{Recorder, SINK_RATE, SoundServer};
 use support::wave::write_wav;
 
 /// Longest time from the wish to quit to the end.
-const QUIT_LIMIT: Duration = Duration::from_secs(2);
+const QUIT_LIMIT: Duration = Duration::from_secs(6);
 /// The window of most tests: small, because it is drawn without a graphics card.
 const SMALL: &str = "320x180";
 

@@ -18,7 +18,7 @@ use support::process::wait_until;
 use support::wave::write_wav;
 
 /// Longest time from the wish to quit to the end, whatever the drivers are at.
-const QUIT_LIMIT: Duration = Duration::from_secs(5);
+const QUIT_LIMIT: Duration = Duration::from_secs(10);
 /// The window of most tests: small, because it is drawn without a graphics card.
 const SMALL: &str = "160x90";
 const TINY: &str = "32x18";

@@ -463,6 +463,8 @@ impl ApplicationHandler for Show {
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         if let Some(stage) = &self.stage {
             tracing::info!("{}", stage.frame_times);
+            // What still waits for a driver does so unseen.
+            stage.window.window().set_visible(false);
         }
         // While the event loop's display still lives.
         self.stage = None;

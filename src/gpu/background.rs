@@ -95,8 +95,8 @@ pub struct Finished {
 /// Size of the pictures that warm a program up.
 const WARM_UP_SIZE: (u32, u32) = (16, 16);
 
-/// How long the end waits for drivers at work.
-const END_WAIT: Duration = Duration::from_millis(500);
+/// How long the end waits for drivers at work: a process that ends under one that compiles may crash.
+const END_WAIT: Duration = Duration::from_secs(4);
 
 /// The workers and their jobs.
 pub struct BackgroundCompiler {
