@@ -228,7 +228,7 @@ fn cells_hold_the_slopes_in_them() {
         let regions = RegionPlan::new(&world).build(&inputs, &options);
         let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
         let mut gradients = crate::tape::GradientEvaluator::new(&tape, &inputs);
-        let (mut seen, mut slack) = (0, 0.0);
+        let (mut seen, mut close, mut slack) = (0, 0, 0.0);
         for number in 0..60_000 {
             let at = point(&regions, number);
             let Some(cell) = regions.cell_at(at).filter(|cell| cell.bound <= 0.0) else { continue };
@@ -240,11 +240,15 @@ fn cells_hold_the_slopes_in_them() {
             seen += 1;
             for (bounds, slope) in cell.slopes.iter().zip(found.gradient) {
                 assert!(bounds.contains(slope), "{text} at {at:?}: {slope} is not in {bounds:?}");
-                slack += bounds.hi - bounds.lo;
+                // Without bounds of the scene, cells far from the middle are coarse.
+                if at.iter().all(|place| place.abs() < 8.0) {
+                    slack += bounds.hi - bounds.lo;
+                    close += 1;
+                }
             }
         }
-        assert!(seen > 100, "{text}: {seen} points near surfaces");
-        let slack = slack / (3 * seen) as f32;
+        assert!(seen > 100 && close > 100, "{text}: {seen} points near surfaces, {close} of them close");
+        let slack = slack / close.max(1) as f32;
         assert!(slack < widest, "{text}: bounds are {slack} wide");
     }
 }
