@@ -267,7 +267,8 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
             return Some(false);
         }
         let value = regions.distance(ray.at(t), 0.0, inputs)[0];
-        if !(value > reach) {
+        let outside = value > reach;
+        if !outside {
             return Some(true);
         }
         t += match regions.cell_at(ray.at(t)) {

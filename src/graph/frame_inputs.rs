@@ -99,10 +99,10 @@ impl TableData {
         for row in upper..=lower {
             for column in left..=right {
                 let here = value(row, column);
-                if column + 1 <= right {
+                if column < right {
                     by_u = by_u.hull(Self::piece(here, value(row, column + 1), self.columns));
                 }
-                if row + 1 <= lower {
+                if row < lower {
                     by_v = by_v.hull(Self::piece(here, value(row + 1, column), self.rows));
                 }
             }

@@ -171,7 +171,8 @@ pub(super) fn atan2(a: Interval, b: Interval) -> (Interval, Interval) {
         return (Interval::ANY, Interval::ANY);
     }
     let d = rules::add(rules::square(a), rules::square(b));
-    if !(d.lo > 0.0) {
+    let positive = d.lo > 0.0;
+    if !positive {
         return (Interval::ALL, Interval::ALL);
     }
     // No steeper than one over the distance from the origin.

@@ -184,8 +184,8 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
         bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
         let held = |cell: usize| match program.roots[BOUND] {
             // What may be a NaN may be a surface.
-            Arg::Value(value) => !(rows[value as usize].lo[cell] > farthest * ROUNDING),
-            Arg::Number(number) => !(number > 0.0),
+            Arg::Value(value) => !surely_above(rows[value as usize].lo[cell], farthest * ROUNDING),
+            Arg::Number(number) => !surely_above(number, 0.0),
         };
         let (mut first, mut last) = ([BRICK_SIDE; 3], [0; 3]);
         for cell in (0..CELLS).filter(|cell| held(*cell)) {
@@ -200,6 +200,11 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
         low = std::array::from_fn(|axis| low[axis] + first[axis] as f32 * block.cell[axis]);
     }
     (low, high)
+}
+
+/// False for what may be a NaN, too.
+fn surely_above(value: f32, limit: f32) -> bool {
+    value > limit
 }
 
 /// The box of the tree: its lower corner and its extent.
@@ -281,9 +286,9 @@ impl Builder<'_> {
             let Interval { lo, hi } = bounds.at(cell);
             let far = lo > OBJECT_REACH;
             near |= u64::from(!far) << cell;
-            reached |= u64::from(!(lo > AROUND)) << cell;
+            reached |= u64::from(!surely_above(lo, AROUND)) << cell;
             // What may be a NaN may be a surface; what is solid all through is none.
-            surface |= u64::from(!(lo > self.margin) && !(hi < -self.margin)) << cell;
+            surface |= u64::from(!surely_above(lo, self.margin) && !surely_above(-hi, self.margin)) << cell;
         }
         // Few rays ask for a distance far from the surfaces: in bricks the tape of all 64 does, in the root the whole one.
         let own = if depth == 1 { reached } else { near };
