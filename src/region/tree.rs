@@ -66,8 +66,6 @@ pub struct Regions {
 
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 12;
-/// Trees of programs above this length are no larger than they must be: finer cells pay for themselves.
-const LONG: usize = 400;
 /// How often the bounds of a frame are made smaller at most: a pass each.
 const TIGHTENINGS_MAX: usize = 3;
 /// Of a scene without bounds that needs gradients, cells are divided whose side is more than this share of the way from
@@ -77,9 +75,6 @@ const FINE_SHARE: f32 = 0.3;
 const UNBOUNDED_REACH: f32 = 32.0;
 /// So far from surfaces penumbras and occlusion still ask for distances: a little more than the highest probe.
 const AROUND: f32 = 1.2;
-/// The tree is a cube, so much larger than the longest side of what it must hold: smaller cells take longer to build than
-/// their tapes save.
-const LARGER: f32 = 1.5;
 /// Farther from surfaces than this no ray asks for the object.
 const OBJECT_REACH: f32 = 0.25;
 /// Bounds are less by this share of the box's distance from the origin and its size. Processors of graphics round
@@ -136,8 +131,7 @@ pub(super) fn build(
     options: &RegionOptions,
 ) -> Regions {
     let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
-    let larger = if program.steps.len() > LONG { 1.0 } else { LARGER };
-    let (low, size) = extent(bounds, options.center, larger);
+    let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
     // Where the distance is none, rays cannot do without cells.
     let cells = (options.cells || steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
@@ -208,14 +202,15 @@ fn surely_above(value: f32, limit: f32) -> bool {
 }
 
 /// The box of the tree: its lower corner and its extent.
-fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3], larger: f32) -> ([f32; 3], [f32; 3]) {
+fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], [f32; 3]) {
     let (low, high) = bounds.unwrap_or((
         center.map(|middle| middle - UNBOUNDED_REACH),
         center.map(|middle| middle + UNBOUNDED_REACH),
     ));
     let sides: [f32; 3] = std::array::from_fn(|axis| high[axis] - low[axis] + 2.0 * AROUND);
     let longest = sides.into_iter().fold(0.0, f32::max);
-    let size = [longest * larger; 3];
+    // A cube: cells that are as long in all directions bound best.
+    let size = [longest; 3];
     let low = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * size[axis]);
     (low, size)
 }
