@@ -13,6 +13,7 @@ pub mod renderer;
 pub mod scene_program;
 pub mod scene_resources;
 pub mod shader_source;
+mod sound_tables;
 pub mod target;
 pub mod texture;
 pub mod texture_buffer;

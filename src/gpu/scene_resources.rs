@@ -15,6 +15,7 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::Interpreter;
+use super::sound_tables;
 use super::texture;
 use super::texture_buffer::{BufferTexel, TextureBuffer};
 use crate::frame::Frame;
@@ -35,6 +36,9 @@ pub struct SceneResources {
     is_interpretable: bool,
     plan: Arc<RegionPlan>,
     regions: TextureBuffer,
+    sound_tables: TextureBuffer,
+    /// Whether any expression reads the sound's tables.
+    hears_tables: bool,
     texels_max: usize,
     /// Whether empty space is skipped.
     with_cells: Cell<bool>,
@@ -119,8 +123,11 @@ impl SceneResources {
         let pictures = pictures.collect::<Result<_, _>>()?;
         let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
+        let silence = sound_tables::bytes(&FrameInputs::default());
+        let sound_tables = TextureBuffer::new(gl, BufferTexel::R32F, &silence)?;
         gl.check("uploading a scene")?;
         Ok(Self {
+            hears_tables: sound_tables::are_read_by(&world),
             is_interpretable: Interpreter::fits(&buffers, &plan, gl.info()).is_ok(),
             world,
             buffers,
@@ -128,6 +135,7 @@ impl SceneResources {
             tape,
             plan,
             regions,
+            sound_tables,
             with_cells: Cell::new(true),
             uploaded: RefCell::new(None),
             texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
@@ -199,10 +207,13 @@ impl SceneResources {
         RegionTree { low, size, bounds, whole_tape }
     }
 
-    /// Uploads the programs of a frame.
-    pub(super) fn upload_programs(&self, inputs: &FrameInputs) {
+    /// Uploads the programs and the tables of a frame.
+    pub(super) fn upload_inputs(&self, inputs: &FrameInputs) {
         if self.is_interpretable {
             self.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
+        }
+        if self.hears_tables {
+            self.sound_tables.replace(&sound_tables::bytes(inputs));
         }
     }
 
@@ -212,6 +223,7 @@ impl SceneResources {
             pictures: self.pictures.iter().map(|picture| picture.native()).collect(),
             tape: self.tape.texture(),
             regions: self.regions.texture(),
+            sound_tables: self.sound_tables.texture(),
         }
     }
 }
@@ -223,6 +235,7 @@ pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
     tape: glow::NativeTexture,
     regions: glow::NativeTexture,
+    sound_tables: glow::NativeTexture,
 }
 
 impl SceneNames {
@@ -234,7 +247,9 @@ impl SceneNames {
                 gl.active_texture(unit);
                 gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
             }
-            for (name, buffer) in [("tape", self.tape), ("regions", self.regions)] {
+            let buffers =
+                [("tape", self.tape), ("regions", self.regions), ("sound_tables", self.sound_tables)];
+            for (name, buffer) in buffers {
                 gl.active_texture(glow::TEXTURE0 + unit_of(name));
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer));
             }
