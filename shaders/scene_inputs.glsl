@@ -4,7 +4,7 @@ float table_band(float index) {
     return frame_bands[int(clamp(index, 0.0, float(BAND_COUNT - 1)))].x;
 }
 
-// The spectrum, then the waveform, then the rows of the history (src/gpu/sound_tables.rs). All zero without sound.
+// The spectrum, then the waveform, then the rows of the history (src/frame/sound_tables.rs). All zero without sound.
 uniform samplerBuffer sound_tables;
 
 // Between the entries of a row that begins at that texel, at a coordinate that is clamped to 0..1.

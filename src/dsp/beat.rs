@@ -32,7 +32,10 @@ const DOUBT: f32 = 2e-5;
 
 /// Belief that must lie within a tenth of a beat and a twelfth of the tempo around the likeliest state to tell a tempo,
 /// and below which it is not told any more.
-const TOLD: (f32, f32) = (0.6, 0.3);
+const TOLD: (f32, f32) = (0.75, 0.3);
+
+/// A tempo is not told before so many onsets.
+const ONSETS_MIN: u32 = 4;
 
 /// Without an onset for so long, in seconds, nothing is known any more.
 const FORGET_SECONDS: f64 = 4.0;
@@ -85,6 +88,8 @@ pub(super) struct BeatTracker {
     held: [f32; 4],
     forget: u32,
     since_onset: u32,
+    /// Onsets since nothing was known.
+    onsets: u32,
     /// By how much the flux is late, in moments.
     late: f32,
     told: Beat,
@@ -135,6 +140,7 @@ impl BeatTracker {
             held: [0.0; 4],
             forget: (FORGET_SECONDS / hop_seconds) as u32,
             since_onset: 0,
+            onsets: 0,
             late,
             told: Beat::default(),
         };
@@ -149,13 +155,14 @@ impl BeatTracker {
             self.belief[ring.start..ring.start + ring.period].fill(*doubt);
         }
         self.held = [0.0; 4];
-        self.since_onset = self.forget;
+        (self.since_onset, self.onsets) = (self.forget, 0);
         self.told = Beat::default();
     }
 
     /// Takes the flux of the next moment over the largest of late, 0..1, and whether a sound begins there.
     pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
         self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
+        self.onsets = self.onsets.saturating_add(u32::from(begins));
         if self.since_onset >= self.forget {
             if self.told != Beat::default() || self.since_onset == self.forget {
                 self.restart();
@@ -229,7 +236,7 @@ impl BeatTracker {
         let sure = x.hypot(y);
         let period = moments / mass.max(f32::MIN_POSITIVE);
         let enough = if self.told.tempo > 0.0 { TOLD.1 } else { TOLD.0 };
-        if sure < enough {
+        if sure < enough || self.onsets < ONSETS_MIN {
             self.told = Beat::default();
             return self.told;
         }

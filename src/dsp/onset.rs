@@ -77,8 +77,8 @@ const THRESHOLD_SECONDS: f64 = 1.5;
 /// An onset rises above the mean of that time by this share of the way to the largest.
 const THRESHOLD_SHARE: f32 = 0.4;
 
-/// Less flux than this is none.
-const FLUX_MIN: f32 = 0.3;
+/// Less flux than this is none: noise has up to as much, drums have 5 to 20.
+const FLUX_MIN: f32 = 2.5;
 
 /// No two onsets are nearer than this, in seconds.
 const ONSETS_APART: f64 = 0.1;

@@ -4,8 +4,10 @@
 
 pub mod block;
 pub mod camera;
+pub mod sound_tables;
 
-use crate::dsp::{HISTORY_POINTS, Sound, spectrum_place};
+pub use crate::dsp::Sound;
+use crate::dsp::{HISTORY_POINTS, spectrum_place};
 use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;

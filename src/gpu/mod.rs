@@ -13,7 +13,6 @@ pub mod renderer;
 pub mod scene_program;
 pub mod scene_resources;
 pub mod shader_source;
-mod sound_tables;
 pub mod target;
 pub mod texture;
 pub mod texture_buffer;

@@ -15,11 +15,11 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::scene_program::Interpreter;
-use super::sound_tables;
 use super::texture;
 use super::texture_buffer::{BufferTexel, TextureBuffer};
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
+use crate::frame::sound_tables;
 use crate::graph::FrameInputs;
 use crate::limits::LIMITS;
 use crate::region::{RegionKey, RegionOptions, RegionPlan, Regions};
@@ -123,7 +123,7 @@ impl SceneResources {
         let pictures = pictures.collect::<Result<_, _>>()?;
         let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
-        let silence = sound_tables::bytes(&FrameInputs::default());
+        let silence = floats_as_bytes(&sound_tables::texels(&FrameInputs::default()));
         let sound_tables = TextureBuffer::new(gl, BufferTexel::R32F, &silence)?;
         gl.check("uploading a scene")?;
         Ok(Self {
@@ -213,7 +213,7 @@ impl SceneResources {
             self.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
         }
         if self.hears_tables {
-            self.sound_tables.replace(&sound_tables::bytes(inputs));
+            self.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));
         }
     }
 
@@ -260,4 +260,9 @@ impl SceneNames {
 /// Texels as a texture buffer takes them.
 fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
     texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
+}
+
+/// Floats as a texture buffer takes them.
+fn floats_as_bytes(texels: &[f32]) -> Vec<u8> {
+    texels.iter().flat_map(|value| value.to_ne_bytes()).collect()
 }

@@ -1,19 +1,19 @@
-//! The sound's tables as texels: the spectrum, the waveform, the rows of the history (`shaders/scene_inputs.glsl`).
+//! The sound's tables as the shaders read them: the spectrum, the waveform, the rows of the history (`shaders/scene_inputs.glsl`).
 
 use crate::dsp::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 use crate::graph::{FrameInputs, Op, TableData};
 use crate::world::World;
 
 /// Whether any expression of a world reads them.
-pub(super) fn are_read_by(world: &World) -> bool {
+pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
     // A world's graph has been checked.
     let used = world.graph.inputs_used(&roots).unwrap_or_default();
     [Op::Spectrum, Op::Waveform, Op::History].iter().any(|table| used.tables.contains(table))
 }
 
-/// The bytes of the texels, a float each. A table of another shape than the shaders know is silence.
-pub(super) fn bytes(inputs: &FrameInputs) -> Vec<u8> {
+/// The texels, a float each. A table of another shape than the shaders know is silence.
+pub fn texels(inputs: &FrameInputs) -> Vec<f32> {
     let mut values = Vec::new();
     append(&mut values, &inputs.spectrum, SPECTRUM_POINTS);
     append(&mut values, &inputs.waveform, WAVEFORM_POINTS);
@@ -21,7 +21,7 @@ pub(super) fn bytes(inputs: &FrameInputs) -> Vec<u8> {
     values.extend(history.chunks_exact(HISTORY_POINTS).flatten());
     // Shaders read the row behind the last one, if without weight, and two where there is none.
     values.extend([0.0; 2 * HISTORY_POINTS]);
-    values.iter().flat_map(|value| value.to_ne_bytes()).collect()
+    values
 }
 
 fn append(values: &mut Vec<f32>, table: &TableData, points: usize) {
@@ -44,9 +44,7 @@ mod tests {
             history: TableData::scrolling(vec![0.5; 3 * HISTORY_POINTS], HISTORY_POINTS, 0.5, 1.0),
             ..FrameInputs::default()
         };
-        let bytes = bytes(&inputs);
-        let values: Vec<f32> =
-            bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_ne_bytes(*bytes)).collect();
+        let values = texels(&inputs);
         let (spectrum, rest) = values.split_at(SPECTRUM_POINTS);
         let (waveform, history) = rest.split_at(WAVEFORM_POINTS);
         assert!(spectrum.iter().all(|value| *value == 0.25));
