@@ -13,6 +13,8 @@ pub enum Action {
     ChangeVolume(f32),
     /// Mute or unmute.
     ToggleMute,
+    /// Take this moment as a beat.
+    Tap,
     /// Change between the interpreted and the compiled scene.
     ToggleMode,
     /// Use the cells of regions, or the whole tape everywhere.
@@ -97,6 +99,13 @@ pub const BINDINGS: &[Binding] = &[
         written: "M",
         action: Action::ToggleMute,
         meaning: "mute, or unmute; the picture goes on",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("t")],
+        written: "T",
+        action: Action::Tap,
+        meaning: "tap the tempo, twice or more; once alone gives it back to what is heard",
         repeats: false,
     },
     Binding {

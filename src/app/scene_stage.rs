@@ -16,6 +16,7 @@ use super::overlay::{Notice, OverlayContent, Problem, Slider};
 use super::scene_regions::{SceneRegions, Shown};
 use crate::audio::Moment;
 use crate::config::SdfChoice;
+use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
@@ -395,7 +396,8 @@ impl SceneStage {
         }
     }
 
-    fn tell(&mut self, text: String) {
+    /// Shows a line for a moment.
+    pub fn tell(&mut self, text: String) {
         self.notice = Some((text, Instant::now()));
     }
 
@@ -473,14 +475,14 @@ impl SceneStage {
     pub fn draw(
         &mut self,
         renderer: &mut Renderer,
-        moment: Moment,
+        (moment, sound): (Moment, Sound),
         size: (u32, u32),
     ) -> Result<Option<Shown>, GpuError> {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
         let wanted = Shown { moment, size, revision: self.revision };
         let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
-        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, &params);
+        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, &params);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         renderer.draw(&frame, &cast.resources, program)?;
         Ok(Some(shown))

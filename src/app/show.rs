@@ -19,8 +19,9 @@ use super::scene_stage::{SceneLoader, SceneStage};
 use super::window::GlWindowContext;
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
-use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
+use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
+use crate::dsp::{Sound, TapTempo};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
@@ -133,6 +134,8 @@ struct Show {
 /// Everything that lives as long as the window.
 struct Stage {
     player: Player,
+    /// The tempo by hand.
+    taps: TapTempo,
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     renderer: Renderer,
@@ -157,6 +160,15 @@ struct Stage {
     corner: bool,
     // Last: everything above that holds OpenGL objects goes first.
     window: GlWindowContext,
+}
+
+impl Stage {
+    /// What is audible now, with the tempo that was tapped.
+    fn now(&mut self, latency: f64) -> Moment {
+        let mut moment = self.player.now(latency);
+        self.taps.apply(moment.song_time, &mut moment.features);
+        moment
+    }
 }
 
 impl Show {
@@ -195,12 +207,14 @@ impl Show {
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+            gain: settings.gain,
         };
         let player = Player::start(source, options)?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         self.stage = Some(Stage {
             player,
+            taps: TapTempo::default(),
             paused: false,
             renderer,
             scene,
@@ -231,7 +245,7 @@ impl Show {
             stage.pacing.begun(begun);
         }
         let Some(size) = stage.window.size() else { return Ok(()) };
-        let moment = stage.player.now(self.settings.latency);
+        let moment = stage.now(self.settings.latency);
         // A window beyond the driver's textures is drawn smaller and enlarged.
         let limit = stage.window.gl().info().texture_side_max;
         let drawn = (size.0.min(limit), size.1.min(limit));
@@ -241,7 +255,8 @@ impl Show {
         let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) {
-            new = stage.scene.draw(&mut stage.renderer, moment, drawn)?;
+            let sound = Sound { features: moment.features, ..stage.player.sound() };
+            new = stage.scene.draw(&mut stage.renderer, (moment, sound), drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
         let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
@@ -281,6 +296,14 @@ impl Show {
             Action::Seek(seconds) => stage.player.seek_by(seconds),
             Action::ChangeVolume(delta) => stage.player.change_volume(delta),
             Action::ToggleMute => stage.player.toggle_mute(),
+            Action::Tap => {
+                let time = stage.player.now(self.settings.latency).song_time;
+                stage.taps.tap(time);
+                stage.scene.tell(match stage.taps.at(time) {
+                    Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
+                    None => "tap again to set the tempo".to_owned(),
+                });
+            }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
@@ -441,9 +464,8 @@ impl ApplicationHandler for Show {
         let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
-        let moving = stage
-            .shown
-            .is_none_or(|shown| stage.player.now(latency) != shown.moment || shown.revision != revision)
+        let moment = stage.now(latency);
+        let moving = stage.shown.is_none_or(|shown| moment != shown.moment || shown.revision != revision)
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();

@@ -1,5 +1,7 @@
 //! Settings of a run: what the command line chooses, with the defaults. A settings file comes later.
 
+use crate::dsp::Gain;
+
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SdfChoice {
@@ -25,6 +27,8 @@ pub struct PlaySettings {
     pub volume: f32,
     /// The sound is heard this much later than the device says, in seconds.
     pub latency: f64,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
     /// Most frames per second; none is the monitor's rate.
     pub fps_cap: Option<f64>,
     /// Start in full screen.
