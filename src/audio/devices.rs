@@ -8,7 +8,7 @@ use cpal::SupportedBufferSize;
 use cpal::traits::{DeviceTrait, HostTrait};
 use serde::Serialize;
 
-use super::output::{hosts_by_preference, hush_sound_library};
+use super::hosts::{self, hosts_by_preference, hush_sound_library, monitored_output};
 use super::worker::Worker;
 
 /// How long a host may take to answer.
@@ -103,7 +103,7 @@ fn report_host(id: cpal::HostId) -> HostReport {
     hush_sound_library();
     let mut report =
         HostReport { name: id.name().into(), problem: None, outputs: Vec::new(), inputs: Vec::new() };
-    let devices = cpal::host_from_id(id).and_then(|host| {
+    let devices = hosts::host(id).and_then(|host| {
         let defaults = [host.default_output_device(), host.default_input_device()];
         Ok((defaults.map(|device| device.and_then(|device| device.id().ok())), host.devices()?))
     });

@@ -23,6 +23,13 @@ impl Worker {
         Ok(Self { handle: Some(handle), done })
     }
 
+    /// Wakes the thread if it is parked.
+    pub(crate) fn wake(&self) {
+        if let Some(handle) = &self.handle {
+            handle.thread().unpark();
+        }
+    }
+
     /// Waits for the thread's end, `limit` at most; true if it ended. After that it is left to itself.
     pub(crate) fn join_within(&mut self, limit: Duration) -> bool {
         let ended = matches!(self.done.recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
