@@ -3,7 +3,7 @@
 use std::sync::mpsc::Receiver;
 
 use crate::audio::timeline::SharedTimeline;
-use crate::dsp::{Analyzer, StereoFrame};
+use crate::dsp::{Alignment, Analyzer, StereoFrame};
 
 /// What the decoding thread sends, in order.
 pub(crate) enum AnalysisInput {
@@ -17,7 +17,7 @@ pub(crate) enum AnalysisInput {
 
 /// Works until the decoding thread ends.
 pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, timeline: &SharedTimeline) {
-    let mut analyzer = Analyzer::new(sample_rate);
+    let mut analyzer = Analyzer::new(sample_rate, Alignment::Centred);
     let mut segment = 0;
     for input in inbox {
         let mut emit = |moment| timeline.lock().push_features(segment, moment);
