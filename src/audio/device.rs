@@ -2,14 +2,14 @@
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
 
 use super::error::{DeviceError, Direction};
-use super::hosts::{host, hosts_by_preference, is_server, monitor_id};
+use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, monitor_id};
 use super::roster::RosterEntry;
 use crate::limits::LIMITS;
 
@@ -65,8 +65,15 @@ pub(crate) struct Opened<L> {
     pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
 }
 
-/// A stream, to be dropped where it was made, and the rest; or why there is none.
-pub(crate) type OpenResult<L> = Result<(cpal::Stream, Opened<L>), (DeviceError, ErrorKind)>;
+/// A stream, to be dropped where it was made.
+pub(crate) struct Running {
+    // In this order: the connection is free when the stream is gone.
+    pub(crate) _stream: cpal::Stream,
+    pub(crate) _connection: Option<PlaybackConnection>,
+}
+
+/// A stream and the rest; or why there is none.
+pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
 
 /// Why a running stream failed.
 pub(crate) struct Failure {
@@ -118,7 +125,12 @@ pub(crate) fn sentence(error: &cpal::Error) -> String {
 }
 
 /// What an error at opening means for the user.
-pub(crate) fn refusal(direction: Direction, device: &str, target: &Target, error: &cpal::Error) -> DeviceError {
+pub(crate) fn refusal(
+    direction: Direction,
+    device: &str,
+    target: &Target,
+    error: &cpal::Error,
+) -> DeviceError {
     let device = device.to_owned();
     match error.kind() {
         ErrorKind::DeviceBusy => DeviceError::Busy { direction, device },
@@ -179,7 +191,10 @@ fn monitor() -> Option<cpal::Device> {
     if let Some(server) = hosts.iter().copied().find(|id| is_server(*id)) {
         let host = host(server).ok()?;
         let wanted = monitor_id(&host.default_output_device()?.id().ok()?.to_string());
-        return host.input_devices().ok()?.find(|device| device.id().is_ok_and(|id| id.to_string() == wanted));
+        return host
+            .input_devices()
+            .ok()?
+            .find(|device| device.id().is_ok_and(|id| id.to_string() == wanted));
     }
     // Elsewhere (Windows, macOS) an input stream on an output device records what it plays.
     if cfg!(target_os = "linux") { None } else { host(*hosts.first()?).ok()?.default_output_device() }
@@ -207,13 +222,10 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
-/// Counts for a sign of life.
-pub(crate) fn counts(counter: Arc<AtomicU64>) -> Box<dyn Fn() -> u64 + Send> {
-    Box::new(move || counter.load(Ordering::Relaxed))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicU64;
+
     use super::*;
 
     #[test]
@@ -256,13 +268,25 @@ mod tests {
     fn every_kind_of_error_has_a_sentence_that_says_what_to_do_and_a_time_to_try_again() {
         use ErrorKind::*;
         let kinds = [
-            DeviceBusy, DeviceChanged, DeviceNotAvailable, HostUnavailable, InvalidInput, PermissionDenied,
-            RealtimeDenied, ResourceExhausted, StreamInvalidated, UnsupportedConfig, UnsupportedOperation, Xrun,
-            BackendError, Other,
+            DeviceBusy,
+            DeviceChanged,
+            DeviceNotAvailable,
+            HostUnavailable,
+            InvalidInput,
+            PermissionDenied,
+            RealtimeDenied,
+            ResourceExhausted,
+            StreamInvalidated,
+            UnsupportedConfig,
+            UnsupportedOperation,
+            Xrun,
+            BackendError,
+            Other,
         ];
         for kind in kinds {
             for direction in [Direction::Output, Direction::Input] {
-                let error = refusal(direction, "'Box'", &Target::Named("box".into()), &cpal::Error::new(kind));
+                let error =
+                    refusal(direction, "'Box'", &Target::Named("box".into()), &cpal::Error::new(kind));
                 let text = error.to_string();
                 assert!(text.contains("'Box'") && text.contains(&direction.to_string()), "{kind:?}: {text}");
                 assert!(text.contains("choose") || text.contains("allow"), "{kind:?} without advice: {text}");

@@ -130,7 +130,9 @@ pub enum DeviceError {
         reason: String,
     },
     /// Opening took too long.
-    #[error("the sound {direction} did not answer within {seconds} s; restart the sound server or choose another with --device")]
+    #[error(
+        "the sound {direction} did not answer within {seconds} s; restart the sound server or choose another with --device"
+    )]
     Timeout {
         /// Which way the sound should go.
         direction: Direction,

@@ -1,17 +1,21 @@
-//! The sound systems of this machine, and one connection to a sound server for the whole program.
+//! The sound systems of this machine, and the connections to a sound server.
 //!
 //! A connection to PulseAudio is a socket and a thread that end with the server, not with the host that opened them, and
-//! a server takes 64 of them. So it is kept, and made anew only when the server has gone.
+//! a server takes 64 of them. So connections are kept: one for questions and inputs, and one for each stream that plays,
+//! as cpal makes all that play on a connection one group, which PulseAudio keeps on one device.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use cpal::traits::HostTrait;
+use cpal::traits::{DeviceTrait, HostTrait};
 
 /// What follows the name of an output in the id of the input that records what it plays (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 
-/// The kept connection.
+/// The kept connection for questions and inputs.
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
+
+/// Connections without a stream that plays.
+static IDLE: Mutex<Vec<Arc<cpal::Host>>> = Mutex::new(Vec::new());
 
 /// The hosts of this system, the sound server first: it reports failures best, and it shares the device.
 pub fn hosts_by_preference() -> Vec<cpal::HostId> {
@@ -60,6 +64,39 @@ pub fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     let host = Arc::new(cpal::host_from_id(id)?);
     *slot = Some(host.clone());
     Ok(host)
+}
+
+/// A connection that no other stream plays on, as long as it is held.
+pub struct PlaybackConnection(Option<Arc<cpal::Host>>);
+
+impl Drop for PlaybackConnection {
+    fn drop(&mut self) {
+        if let Some(host) = self.0.take() {
+            IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(host);
+        }
+    }
+}
+
+/// The same device on a connection of its own, to be held as long as a stream plays on it; on other hosts than sound
+/// servers just the device.
+///
+/// # Errors
+/// What the sound system says.
+pub fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
+    let id = device.id()?;
+    if !is_server(id.host()) {
+        return Ok((device, PlaybackConnection(None)));
+    }
+    let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    let alive = std::iter::from_fn(idle).find(|host| answers(host));
+    let host = match alive {
+        Some(host) => host,
+        None => Arc::new(cpal::host_from_id(id.host())?),
+    };
+    let connection = PlaybackConnection(Some(host.clone()));
+    let same = host.device_by_id(&id).filter(|device| device.supports_output());
+    let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it has just gone");
+    Ok((same.ok_or_else(gone)?, connection))
 }
 
 fn answers(host: &cpal::Host) -> bool {

@@ -25,6 +25,7 @@ mod device;
 pub mod devices;
 mod error;
 mod hosts;
+pub mod input;
 pub mod output;
 pub mod player;
 #[cfg(target_os = "linux")]

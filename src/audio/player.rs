@@ -14,6 +14,7 @@ use super::clock::Clock;
 use super::error::PlayerError;
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
+use super::roster::RosterEntry;
 use super::source::FrameSource;
 use super::timeline::SharedTimeline;
 use super::worker::Worker;
@@ -65,6 +66,8 @@ pub struct PlayerStatus {
     pub ended: bool,
     /// The output in words.
     pub output: String,
+    /// The output device, if one is open.
+    pub device: Option<RosterEntry>,
     /// Why there is no sound, if the song runs on the silent clock.
     pub silent: Option<String>,
     /// Stretches of silence because samples came too late.
@@ -202,6 +205,7 @@ impl Player {
             muted: self.controls.muted(),
             ended,
             output: output.description,
+            device: output.device,
             silent: output.silent,
             underruns: self.counters.underruns.load(Ordering::Relaxed),
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),

@@ -70,9 +70,12 @@ impl Roster {
     fn look() -> Self {
         hush_sound_library();
         // Listing the devices of ALSA takes long and prints; who wants to know waits for `mariana devices`.
-        let watched = hosts_by_preference().into_iter().find(|id| is_server(*id) || cfg!(not(target_os = "linux")));
+        let watched =
+            hosts_by_preference().into_iter().find(|id| is_server(*id) || cfg!(not(target_os = "linux")));
         let Some(host) = watched.and_then(|id| hosts::host(id).ok()) else { return Self::default() };
-        let id_of = |device: Option<cpal::Device>| device.and_then(|device| device.id().ok()).map(|id| id.to_string());
+        let id_of = |device: Option<cpal::Device>| {
+            device.and_then(|device| device.id().ok()).map(|id| id.to_string())
+        };
         let (default_output, default_input) =
             (id_of(host.default_output_device()), id_of(host.default_input_device()));
         let Ok(devices) = host.devices() else { return Self::default() };

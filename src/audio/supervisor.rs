@@ -79,6 +79,7 @@ impl<P: Port> Supervisor<P> {
             current: Current::None,
             opening: None,
             retry_at: None,
+            had: None,
         };
         let worker = Worker::spawn("sound devices", move || watch.run(&inbox))?;
         Ok(Self { events, status, worker })
@@ -131,7 +132,13 @@ impl DeviceThread {
 
 enum Current<P: Port> {
     None,
-    Device { thread: DeviceThread, entry: RosterEntry, calls: Box<dyn Fn() -> u64 + Send>, called: u64, silent_looks: u32 },
+    Device {
+        thread: DeviceThread,
+        entry: RosterEntry,
+        calls: Box<dyn Fn() -> u64 + Send>,
+        called: u64,
+        silent_looks: u32,
+    },
     /// What stands in for a device. Held: it ends when dropped.
     StandIn(#[allow(dead_code, reason = "held: it ends when dropped")] Option<P::StandIn>),
 }
@@ -156,6 +163,8 @@ struct Watch<P: Port> {
     opening: Option<Opening>,
     /// When to try again, while there is no device.
     retry_at: Option<Instant>,
+    /// The device of the target that was open last.
+    had: Option<RosterEntry>,
 }
 
 impl<P: Port> Watch<P> {
@@ -224,6 +233,7 @@ impl<P: Port> Watch<P> {
         match event {
             Event::Choose(target) => {
                 self.target = Some(target);
+                self.had = None;
                 if self.roster.is_none() {
                     self.roster = RosterWatch::shared().ok();
                 }
@@ -240,6 +250,12 @@ impl<P: Port> Watch<P> {
             }
             Event::Refused(error, kind) if is_opening => {
                 self.opening = None;
+                let error = match (&self.had, error) {
+                    (Some(had), DeviceError::UnknownDevice { direction, .. }) => {
+                        DeviceError::Gone { direction, name: had.name.clone() }
+                    }
+                    (_, error) => error,
+                };
                 self.lose(&error, kind);
             }
             Event::Failed(Failure { reason, kind }) if is_current => {
@@ -254,6 +270,7 @@ impl<P: Port> Watch<P> {
     fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
         let Opened { link, entry, description, calls } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
+        self.had = Some(entry.clone());
         self.retry_at = None;
         let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
@@ -273,7 +290,10 @@ impl<P: Port> Watch<P> {
             // It still plays: the default device changed to one that cannot be opened.
             Current::Device { silent_looks, .. } => {
                 *silent_looks < SILENT_LOOKS
-                    && !matches!(error, DeviceError::Lost { .. } | DeviceError::Stalled(_) | DeviceError::Gone { .. })
+                    && !matches!(
+                        error,
+                        DeviceError::Lost { .. } | DeviceError::Stalled(_) | DeviceError::Gone { .. }
+                    )
             }
             _ => false,
         };

@@ -17,5 +17,7 @@ pub mod program;
 pub mod shader_folder;
 #[cfg(unix)]
 pub mod sound_server;
+#[cfg(unix)]
+pub mod sound_session;
 pub mod studio;
 pub mod wave;

@@ -11,11 +11,11 @@ use super::feeder::{Controls, Counters, Feeder, FeederLink};
 use super::null_output::NullOutput;
 use crate::audio::clock::SpanHistory;
 use crate::audio::device::{
-    BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Target, buffer_frames, converts, error_callback, find,
-    refusal, usable_rate,
+    BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
+    error_callback, find, refusal, usable_rate,
 };
 use crate::audio::error::{DeviceError, Direction};
-use crate::audio::hosts::hush_sound_library;
+use crate::audio::hosts::{for_playback, hush_sound_library};
 use crate::audio::roster::RosterEntry;
 use crate::audio::supervisor::{StreamStatus, Supervisor as Watching};
 
@@ -155,6 +155,7 @@ fn open(
     let entry = RosterEntry::of(&device);
     let name = format!("'{}'", entry.name);
     let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
+    let (device, connection) = for_playback(device).map_err(refused)?;
     let supported = device.default_output_config().map_err(refused)?;
     let told_rate = supported.sample_rate();
     let rate = usable_rate(told_rate, converts(&device)).ok_or_else(|| {
@@ -197,10 +198,12 @@ fn open(
                 };
                 let channels = config.channels;
                 let host = device.id().map_or("unknown host", |id| id.host().name());
-                let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
+                let description =
+                    format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
                 let history = link.history.clone();
                 let calls = Box::new(move || history.calls());
-                return Ok((stream, Opened { link, entry, description, calls }));
+                let running = Running { _stream: stream, _connection: Some(connection) };
+                return Ok((running, Opened { link, entry, description, calls }));
             }
             Err(error) => last_error = Some(error),
         }
