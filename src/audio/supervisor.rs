@@ -80,6 +80,7 @@ impl<P: Port> Supervisor<P> {
             opening: None,
             retry_at: None,
             had: None,
+            superseded: false,
         };
         let worker = Worker::spawn("sound devices", move || watch.run(&inbox))?;
         Ok(Self { events, status, worker })
@@ -165,6 +166,8 @@ struct Watch<P: Port> {
     retry_at: Option<Instant>,
     /// The device of the target that was open last.
     had: Option<RosterEntry>,
+    /// What is open was chosen before the target was.
+    superseded: bool,
 }
 
 impl<P: Port> Watch<P> {
@@ -234,6 +237,7 @@ impl<P: Port> Watch<P> {
             Event::Choose(target) => {
                 self.target = Some(target);
                 self.had = None;
+                self.superseded = true;
                 if self.roster.is_none() {
                     self.roster = RosterWatch::shared().ok();
                 }
@@ -271,6 +275,7 @@ impl<P: Port> Watch<P> {
         let Opened { link, entry, description, calls } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
         self.had = Some(entry.clone());
+        self.superseded = false;
         self.retry_at = None;
         let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
@@ -344,6 +349,7 @@ impl<P: Port> Watch<P> {
             return;
         }
         match &self.current {
+            Current::Device { .. } if self.superseded => self.open(),
             Current::Device { entry, .. } => {
                 if let Some(gone) = self.has_gone(&roster, entry) {
                     self.lose(&gone, cpal::ErrorKind::DeviceNotAvailable);
