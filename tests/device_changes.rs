@@ -12,6 +12,7 @@ mod support;
 use std::time::{Duration, Instant};
 
 use mariana::audio::input::{Live, LiveOptions, LiveStatus};
+use mariana::audio::roster::{Roster, RosterWatch};
 use mariana::audio::source::{FrameSource, SourceError};
 use mariana::audio::{Player, PlayerOptions, PlayerStatus, Target};
 use mariana::dsp::StereoFrame;
@@ -55,6 +56,11 @@ fn named(name: &str) -> Target {
     Target::Named(name.into())
 }
 
+/// What the program knows of the devices.
+fn roster() -> std::sync::Arc<Roster> {
+    RosterWatch::shared().expect("it runs").latest().1
+}
+
 /// Waits until the player is as wanted; how long that took.
 fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> bool) -> Duration {
     let start = Instant::now();
@@ -63,7 +69,7 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
         if done(&status) {
             return start.elapsed();
         }
-        assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {status:?}");
+        assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {status:?}; there are {:?}", roster());
         std::thread::sleep(LOOK_PERIOD);
     }
 }
@@ -76,7 +82,11 @@ fn wait_for_live(live: &mut Live, what: &str, done: impl Fn(&LiveStatus, f32) ->
         if done(&status, volume) {
             return start.elapsed();
         }
-        assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {status:?}, volume {volume}");
+        assert!(
+            start.elapsed() < WAIT_LIMIT,
+            "{what} did not come: {status:?}, volume {volume}; there are {:?}",
+            roster()
+        );
         std::thread::sleep(LOOK_PERIOD);
     }
 }

@@ -12,14 +12,16 @@ use winit::window::WindowId;
 use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
-use super::overlay::Overlay;
+use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
+use super::sound::{Sound, Start};
 use super::window::GlWindowContext;
+use crate::audio::input::LiveStatus;
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
-use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
+use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
@@ -34,18 +36,21 @@ const FPS_DEFAULT: f64 = 60.0;
 const COMPILERS: usize = 2;
 /// How often a show that stands still looks around.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+/// How often it does while it waits for a sound that it could show.
+const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Two clicks within this time and distance in pixels are a double click.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 
-/// Opens the window and plays `song` until the user quits, or until it ends if it plays once.
+/// Opens the window and plays `song` until the user quits, or until it ends if it plays once; without a song it listens
+/// to what the settings tell.
 ///
 /// # Errors
 /// The song cannot be opened or the window cannot show it.
-pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
+pub fn run(song: Option<&Song>, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
-    let decoder = song.open()?;
+    let decoder = song.map(Song::open).transpose()?;
     let waker = Waker::default();
     let (loader, first) = load_first(&scene, &waker)?;
     let event_loop = match EventLoop::new() {
@@ -62,8 +67,8 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
     let mut show = Show {
         waker,
         loader: Some((loader, first)),
-        name: display_name(&decoder),
-        source: Some(Box::new(decoder)),
+        name: decoder.as_ref().map_or_else(|| "live".to_owned(), display_name),
+        source: decoder.map(|decoder| Box::new(decoder) as _),
         settings,
         scene,
         started,
@@ -132,7 +137,7 @@ struct Show {
 
 /// Everything that lives as long as the window.
 struct Stage {
-    player: Player,
+    sound: Sound,
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     renderer: Renderer,
@@ -157,6 +162,41 @@ struct Stage {
     corner: bool,
     // Last: everything above that holds OpenGL objects goes first.
     window: GlWindowContext,
+}
+
+impl Stage {
+    /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
+    fn moment(&mut self) -> Option<Moment> {
+        let now = self.sound.now()?;
+        let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
+        Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
+    }
+
+    /// How long a show that stands still sleeps: in silence it listens.
+    fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.paused { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        if let Some(player) = self.sound.player() {
+            act(player);
+        }
+    }
+
+    fn set_title(&mut self, title: String) {
+        if title != self.title {
+            self.window.window().set_title(&title);
+            self.title = title;
+        }
+    }
+}
+
+/// Adds what there is to tell of the sound.
+fn show_sound<'a>(sound: &'a Sound, content: &mut OverlayContent<'a>, now: Instant) {
+    content.add(sound.notice());
+    content.hint = sound.hint();
+    content.sources = sound.list(now);
 }
 
 impl Show {
@@ -187,7 +227,6 @@ impl Show {
             first,
             wake,
         )?;
-        let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
@@ -196,11 +235,17 @@ impl Show {
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
         };
-        let player = Player::start(source, options)?;
+        let player = self.source.take().map(|source| Player::start(source, options)).transpose()?;
+        let sound = Sound::start(Start {
+            player,
+            listen: settings.listen,
+            device: settings.device.clone(),
+            latency: settings.latency,
+        })?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         self.stage = Some(Stage {
-            player,
+            sound,
             paused: false,
             renderer,
             scene,
@@ -231,7 +276,7 @@ impl Show {
             stage.pacing.begun(begun);
         }
         let Some(size) = stage.window.size() else { return Ok(()) };
-        let moment = stage.player.now(self.settings.latency);
+        let Some(moment) = stage.moment() else { return Ok(()) };
         // A window beyond the driver's textures is drawn smaller and enlarged.
         let limit = stage.window.gl().info().texture_side_max;
         let drawn = (size.0.min(limit), size.1.min(limit));
@@ -244,7 +289,8 @@ impl Show {
             new = stage.scene.draw(&mut stage.renderer, moment, drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
-        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        show_sound(&stage.sound, &mut content, begun);
         let Some(shown) = new.or(stage.shown) else { return Ok(()) };
         // Without a new picture there is something to show only if what stands over it changes, or the window.
         let waits = new.is_none() && shown != wanted && shown.size == drawn;
@@ -264,7 +310,7 @@ impl Show {
         }
         if first {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
-            stage.player.set_paused(stage.paused);
+            stage.sound.set_paused(stage.paused);
         }
         Ok(())
     }
@@ -275,12 +321,14 @@ impl Show {
             Action::TogglePause => {
                 stage.paused = !stage.paused;
                 if stage.shown.is_some() {
-                    stage.player.set_paused(stage.paused);
+                    stage.sound.set_paused(stage.paused);
                 }
             }
-            Action::Seek(seconds) => stage.player.seek_by(seconds),
-            Action::ChangeVolume(delta) => stage.player.change_volume(delta),
-            Action::ToggleMute => stage.player.toggle_mute(),
+            Action::Seek(seconds) => stage.with_song(|player| player.seek_by(seconds)),
+            Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
+            Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
+            Action::Shift(steps) => stage.sound.shift(steps),
+            Action::ChangeSource => stage.sound.next_source(),
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
@@ -307,7 +355,15 @@ impl Show {
             return;
         }
         stage.status_due = now + STATUS_INTERVAL;
-        let status = PlayerStatus { paused: stage.paused, ..stage.player.status() };
+        if let Some(live) = stage.sound.live_status() {
+            return stage.set_title(live_title(
+                &live,
+                stage.scene.name().zip(stage.scene.mode()),
+                stage.paused,
+            ));
+        }
+        let Some(status) = stage.sound.song_status() else { return };
+        let status = PlayerStatus { paused: stage.paused, ..status };
         if status.silent != stage.told_silent {
             if let Some(reason) = status.silent.as_ref().filter(|_| !self.settings.silent) {
                 tell(&format!("the song runs without sound: {reason}"));
@@ -325,10 +381,7 @@ impl Show {
         }
         let scene = stage.scene.name().zip(stage.scene.mode());
         let title = title(&self.name, scene, Some(&status), self.settings.silent);
-        if title != stage.title {
-            stage.window.window().set_title(&title);
-            stage.title = title;
-        }
+        stage.set_title(title);
         if status.ended {
             event_loop.exit();
         }
@@ -384,6 +437,17 @@ fn title(
     title
 }
 
+/// The same while an input is listened to.
+fn live_title(status: &LiveStatus, scene: Option<(String, Mode)>, paused: bool) -> String {
+    let mut notes: Vec<String> =
+        scene.into_iter().flat_map(|(scene, mode)| [scene, mode.to_string()]).collect();
+    if paused {
+        notes.push("paused".to_owned());
+    }
+    notes.push(if status.silent.is_some() { "no sound".to_owned() } else { "live".to_owned() });
+    format!("{} - Mariana ({})", status.name, notes.join(", "))
+}
+
 impl ApplicationHandler for Show {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.stage.is_none()
@@ -431,25 +495,25 @@ impl ApplicationHandler for Show {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         self.look_at_status(event_loop);
-        let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };
         if let Err(error) = stage.scene.update() {
             return self.fail(error.into(), event_loop);
         }
         let now = Instant::now();
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
-        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        show_sound(&stage.sound, &mut content, now);
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
-        let moving = stage
-            .shown
-            .is_none_or(|shown| stage.player.now(latency) != shown.moment || shown.revision != revision)
-            || overlay_due.is_some_and(|due| due <= now);
+        let moment = stage.moment();
+        let moving =
+            stage.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision)
+                || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {
-            // Paused, ended or covered: nothing to draw until something happens.
-            let idle = now + IDLE_INTERVAL;
+            // Paused, ended or covered: nothing to draw until something happens. In silence it may happen at any time.
+            let idle = now + stage.idle_interval(seen);
             let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
             event_loop.set_control_flow(ControlFlow::WaitUntil(wake));
         } else if now >= stage.pacing.due() || stage.scene.has_regions() {

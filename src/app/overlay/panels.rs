@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, Rect, pos2, vec2};
 
 use super::content::{Notice, OverlayContent};
-use super::{help, params, problem, style};
+use super::{help, params, problem, sources, style};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
@@ -85,8 +85,15 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
+    if let Some(list) = &content.sources {
+        sources::draw(&front, space, list);
+    }
+    let mut below = space;
+    if let Some(text) = content.hint {
+        below.min.y = draw_line(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+    }
     if let Some(notice) = &content.notice {
-        draw_notice(&front, space, notice, now);
+        draw_notice(&front, below, notice, now);
     }
     changed
 }
@@ -105,10 +112,16 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
 fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
+    draw_line(&painter, space, notice.text, style::TEXT);
+}
+
+/// Draws a line at the top; where it is.
+fn draw_line(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
-    let galley = style::line(&painter, notice.text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let galley = style::line(painter, text, font, color, LINE_WIDTH_MAX * space.width());
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
-    style::ground(&painter, rect);
-    painter.galley(rect.center() - 0.5 * galley.size(), galley, style::TEXT);
+    style::ground(painter, rect);
+    painter.galley(rect.center() - 0.5 * galley.size(), galley, color);
+    rect
 }
