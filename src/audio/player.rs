@@ -76,6 +76,8 @@ pub struct PlayerStatus {
     pub callbacks: u64,
     /// Longest call relative to the duration of its buffer: 0.1 is a tenth.
     pub worst_callback_load: f64,
+    /// What all but one of a thousand calls stay below, in steps of 0.01.
+    pub usual_callback_load: f64,
     /// The last trouble with the source.
     pub source_error: Option<String>,
 }
@@ -210,6 +212,7 @@ impl Player {
             underruns: self.counters.underruns.load(Ordering::Relaxed),
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
+            usual_callback_load: self.counters.load_of(0.999),
             source_error: self.error.lock().unwrap_or_else(PoisonError::into_inner).clone(),
         }
     }

@@ -97,6 +97,7 @@ struct Shared {
     roster: Mutex<Arc<Roster>>,
     /// Grows with each change of the roster; 0 before the first look.
     generation: AtomicU64,
+    looks: AtomicU64,
     stop: AtomicBool,
 }
 
@@ -123,12 +124,18 @@ impl RosterWatch {
         let worker = Worker::spawn("device watch", move || {
             while !looking.stop.load(Ordering::Relaxed) {
                 looking.note(Roster::look());
+                looking.looks.fetch_add(1, Ordering::Release);
                 std::thread::park_timeout(LOOK_PERIOD);
             }
         })?;
         let watch = Arc::new(Self { shared, worker: Mutex::new(worker) });
         *slot = Arc::downgrade(&watch);
         Ok(watch)
+    }
+
+    /// How many looks have ended. What happened before now is seen when two more have.
+    pub fn looks(&self) -> u64 {
+        self.shared.looks.load(Ordering::Acquire)
     }
 
     /// What was there at the last look, and the number of that state: another one means that something changed.

@@ -73,6 +73,7 @@ impl<P: Port> Supervisor<P> {
             target,
             roster,
             generation: 0,
+            settled_after: None,
             status: status.clone(),
             events: events.clone(),
             last_number: 0,
@@ -157,6 +158,9 @@ struct Watch<P: Port> {
     roster: Option<Arc<RosterWatch>>,
     /// The state of the roster that was seen last.
     generation: u64,
+    /// After so many looks the roster has seen what was opened last. The default device may have changed and changed back
+    /// between two looks, and what was opened in between is no longer it.
+    settled_after: Option<u64>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
     events: Sender<Numbered<P::Link>>,
     last_number: u64,
@@ -276,6 +280,7 @@ impl<P: Port> Watch<P> {
         tracing::info!("sound {}: {description}", P::DIRECTION);
         self.had = Some(entry.clone());
         self.superseded = false;
+        self.settled_after = self.roster.as_ref().map(|watch| watch.looks() + 2);
         self.retry_at = None;
         let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
@@ -340,11 +345,16 @@ impl<P: Port> Watch<P> {
 
     /// Compares what is open with what the roster says.
     fn follow(&mut self) {
-        let Some((generation, roster)) = self.roster.as_ref().map(|watch| watch.latest()) else { return };
-        if generation == self.generation || self.opening.is_some() {
+        let Some(watch) = self.roster.as_ref().filter(|_| self.opening.is_none()) else { return };
+        let (generation, roster) = watch.latest();
+        let settled = self.settled_after.is_some_and(|looks| watch.looks() >= looks);
+        if generation == self.generation && !settled {
             return;
         }
         self.generation = generation;
+        if settled {
+            self.settled_after = None;
+        }
         if !roster.known {
             return;
         }
