@@ -9,6 +9,8 @@ use super::{help, params, problem, sources, style};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
+/// Most lines of a notice.
+const NOTICE_ROWS_MAX: usize = 4;
 /// Greatest share of the window's height that a problem takes.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// A problem stays beside the parameters if it has this width there, in points.
@@ -90,7 +92,7 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
     }
     let mut below = space;
     if let Some(text) = content.hint {
-        below.min.y = draw_line(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+        below.min.y = draw_lines(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(notice) = &content.notice {
         draw_notice(&front, below, notice, now);
@@ -112,16 +114,18 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
 fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
-    draw_line(&painter, space, notice.text, style::TEXT);
+    draw_lines(&painter, space, notice.text, style::TEXT);
 }
 
-/// Draws a line at the top; where it is.
-fn draw_line(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
+/// Draws a sentence at the top; where it is.
+fn draw_lines(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
-    let galley = style::line(painter, text, font, color, LINE_WIDTH_MAX * space.width());
+    let width = LINE_WIDTH_MAX * space.width();
+    let galley = style::lines(painter, text, font, color, width, NOTICE_ROWS_MAX);
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);
-    painter.galley(rect.center() - 0.5 * galley.size(), galley, color);
+    // Centred lines stand around the place that they are drawn at.
+    painter.galley(rect.center() - galley.rect.center().to_vec2(), galley, color);
     rect
 }

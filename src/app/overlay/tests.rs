@@ -5,7 +5,7 @@ use std::time::Instant;
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
-use super::{Notice, OverlayContent, Problem, Slider, style};
+use super::{Notice, OverlayContent, Problem, Slider, SourceList, style};
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -84,6 +84,8 @@ fn everything_shows_at_once_and_inside_the_window() {
             notice: Some(Notice { text: "compiled", since: Instant::now() }),
             params: Some(&mut sliders),
             help: true,
+            hint: Some("no sound from a long name; the monitor of another long name has signal: press D"),
+            sources: Some(SourceList { names: vec!["the song".into(), "Mic".into()], present: Some(1) }),
         };
         let mut stage = Stage::new(screen);
         let laid_out = stage.frame(Vec::new(), content);
@@ -94,10 +96,11 @@ fn everything_shows_at_once_and_inside_the_window() {
             for panel in &laid_out.panels {
                 assert!(stage.screen.contains_rect(*panel), "{screen:?}: {panel:?}");
             }
-            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "full screen, or back"] {
+            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "full screen, or back", "● Mic"] {
                 assert!(place_of(&texts, wanted).area() > 50.0, "{wanted} does not show");
             }
             assert!(texts.iter().any(|(text, _)| text.contains("more lines")), "{texts:?}");
+            assert!(texts.iter().any(|(text, _)| text.ends_with("press D")), "{texts:?}");
         }
     }
 }
@@ -147,7 +150,7 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
 fn the_letters_that_are_used_are_in_the_fonts() {
     let stage = Stage::new(SCREEN);
     let mut output = stage.panels.context().run_pass(RawInput::default(), |context| {
-        for (font, text) in [(style::monospace(12.0), "…↺^|`äß"), (style::proportional(12.0), "…·äß")]
+        for (font, text) in [(style::monospace(12.0), "…↺^|`äß"), (style::proportional(12.0), "…·äß●○")]
         {
             let missing = |c: &char| !context.fonts_mut(|fonts| fonts.has_glyph(&font, *c));
             assert_eq!(text.chars().filter(missing).collect::<String>(), "", "{font:?}");
