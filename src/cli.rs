@@ -12,7 +12,9 @@ use tracing_subscriber::prelude::*;
 use crate::app;
 use crate::audio::decode::quiet_contained_panics;
 use crate::audio::devices::list_devices;
+use crate::audio::playlist::Playlist;
 use crate::audio::song::Song;
+use crate::audio::track::Repeat;
 use crate::config::{PlaySettings, SdfChoice};
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
@@ -24,7 +26,7 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::limits::LIMITS;
 use crate::scenes::{SceneError, SceneSource};
 
-/// A music visualizer whose worlds are formulas: plays a song and shows it.
+/// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
 #[command(name = "mariana", version, args_conflicts_with_subcommands = true, after_help = PLAY_EXAMPLES)]
 pub struct Arguments {
@@ -42,6 +44,8 @@ Examples:
   mariana                         play the built-in demo track
   mariana song.flac               play a song
   mariana song.mp3 --once         ... and end with it
+  mariana album/ list.m3u8 x.ogg  play folders, lists (m3u, m3u8, pls, cue) and files, without gaps
+  mariana music/ --shuffle        ... in random order
   mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
   mariana song.flac --scene orbs  ... in another scene, or a file of your own
   mariana --scene \"min(y, length(p - vec3(0, 1, 0)) - 1)\"
@@ -52,16 +56,23 @@ H in the window shows the keys.";
 
 #[derive(Args)]
 struct PlayArguments {
-    /// The song; without one the built-in demo track plays
-    file: Option<PathBuf>,
+    /// Songs, folders and lists (m3u, m3u8, pls, cue); without any the built-in demo track plays
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Play the tracks in random order
+    #[arg(long)]
+    shuffle: bool,
+    /// What follows the last track, and each one
+    #[arg(long, value_name = "WHAT", default_value = "all")]
+    repeat: RepeatChoice,
     /// Output device: an id or a name of 'mariana devices', or a part of one
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
     device: Option<String>,
     /// Play without sound, in real time
     #[arg(long)]
     silent: bool,
-    /// End after the song instead of beginning anew
-    #[arg(long)]
+    /// End with the last track instead of beginning anew
+    #[arg(long, conflicts_with = "repeat")]
     once: bool,
     /// Volume at the start, in percent
     #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = clap::value_parser!(u8).range(0..=100), allow_negative_numbers = true)]
@@ -114,6 +125,17 @@ enum Sdf {
     Interpreted,
     Compiled,
     Auto,
+}
+
+/// See [`Repeat`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum RepeatChoice {
+    /// The list, again and again
+    All,
+    /// One track, again and again
+    One,
+    /// Each track once; the window stays
+    Off,
 }
 
 /// On or off.
@@ -294,7 +316,14 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         size: arguments.size,
         gl_info: arguments.gl_info,
     };
-    app::run(&song(arguments.file.as_deref()), settings, common.scene()?)
+    let repeat = match arguments.repeat {
+        _ if arguments.once => Repeat::Off,
+        RepeatChoice::All => Repeat::All,
+        RepeatChoice::One => Repeat::One,
+        RepeatChoice::Off => Repeat::Off,
+    };
+    let scene = common.scene()?;
+    app::run(Playlist::open(&arguments.files, repeat, arguments.shuffle)?, settings, scene)
 }
 
 fn run_still(arguments: StillArguments) -> anyhow::Result<()> {

@@ -1,5 +1,6 @@
 //! The window: the only room that uses winit.
 
+mod announcer;
 pub mod error;
 mod frame_times;
 pub mod keys;

@@ -1,5 +1,6 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -9,6 +10,7 @@ use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
+use super::announcer::{Announcer, next_repeat, words_of};
 use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
@@ -17,8 +19,7 @@ use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::window::GlWindowContext;
-use crate::audio::song::{Song, display_name};
-use crate::audio::source::FrameSource;
+use crate::audio::playlist::Opened;
 use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
@@ -39,13 +40,15 @@ const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Two clicks within this time and distance in pixels are a double click.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 
-/// Opens the window and plays `song` until the user quits, or until it ends if it plays once.
+/// Opens the window and plays `tracks` until the user quits, or until they end if they play once.
 ///
 /// # Errors
-/// The song cannot be opened or the window cannot show it.
-pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
+/// There is nothing to be played once, or the window cannot show it.
+pub fn run(tracks: Opened, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
-    let decoder = song.open()?;
+    if let (true, false, Some(trouble)) = (settings.once, tracks.playable, tracks.troubles.last()) {
+        return Err(AppError::SongLost(trouble.clone()).into());
+    }
     let waker = Waker::default();
     let (loader, first) = load_first(&scene, &waker)?;
     let event_loop = match EventLoop::new() {
@@ -62,8 +65,8 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
     let mut show = Show {
         waker,
         loader: Some((loader, first)),
-        name: display_name(&decoder),
-        source: Some(Box::new(decoder)),
+        tracks: Some(tracks),
+        dropped: Vec::new(),
         settings,
         scene,
         started,
@@ -117,9 +120,10 @@ fn reason(text: &str) -> &str {
 
 /// Everything that lives as long as the event loop.
 struct Show {
-    name: String,
     /// Taken by the player when the window stands.
-    source: Option<Box<dyn FrameSource>>,
+    tracks: Option<Opened>,
+    /// Files that were dropped onto the window and are not played yet.
+    dropped: Vec<PathBuf>,
     settings: PlaySettings,
     scene: SceneChoice,
     /// Taken by the stage when the window stands, with the first scene.
@@ -143,7 +147,7 @@ struct Stage {
     frame_times: FrameTimes,
     status_due: Instant,
     told_silent: Option<String>,
-    told_source: Option<String>,
+    announcer: Announcer,
     title: String,
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     cursor: PhysicalPosition<f64>,
@@ -162,7 +166,8 @@ struct Stage {
 impl Show {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let settings = &self.settings;
-        let title = title(&self.name, None, None, settings.silent);
+        let name = self.tracks.as_ref().map_or("", |tracks| tracks.first.info.name.as_str());
+        let title = format!("{name} - Mariana");
         let window =
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
         if settings.gl_info {
@@ -187,16 +192,22 @@ impl Show {
             first,
             wake,
         )?;
-        let Some(source) = self.source.take() else { return Ok(()) };
+        let Some(tracks) = self.tracks.take() else { return Ok(()) };
+        let mut announcer = Announcer::default();
+        for trouble in tracks.troubles {
+            tell(&trouble);
+            announcer.say(trouble);
+        }
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
-            looping: !settings.once,
+            repeat: tracks.repeat,
+            shuffled: tracks.shuffled,
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
         };
-        let player = Player::start(source, options)?;
+        let player = Player::start(tracks.first, Box::new(tracks.list), options)?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         self.stage = Some(Stage {
@@ -209,7 +220,7 @@ impl Show {
             frame_times: FrameTimes::default(),
             status_due: now,
             told_silent: None,
-            told_source: None,
+            announcer,
             title,
             last_click: None,
             cursor: PhysicalPosition::default(),
@@ -244,7 +255,8 @@ impl Show {
             new = stage.scene.draw(&mut stage.renderer, moment, drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
-        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        content.add(stage.announcer.notice());
         let Some(shown) = new.or(stage.shown) else { return Ok(()) };
         // Without a new picture there is something to show only if what stands over it changes, or the window.
         let waits = new.is_none() && shown != wanted && shown.size == drawn;
@@ -281,6 +293,20 @@ impl Show {
             Action::Seek(seconds) => stage.player.seek_by(seconds),
             Action::ChangeVolume(delta) => stage.player.change_volume(delta),
             Action::ToggleMute => stage.player.toggle_mute(),
+            Action::SkipTrack { forward } => stage.player.skip(forward),
+            Action::ToggleShuffle => {
+                let status = stage.player.status();
+                let shuffled = !status.shuffled;
+                stage.player.set_order(status.repeat, shuffled);
+                let words = if shuffled { "tracks in random order" } else { "tracks in their own order" };
+                stage.announcer.answer(words.to_owned());
+            }
+            Action::ChangeRepeat => {
+                let status = stage.player.status();
+                let repeat = next_repeat(status.repeat);
+                stage.player.set_order(repeat, status.shuffled);
+                stage.announcer.answer(words_of(repeat).to_owned());
+            }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
@@ -314,22 +340,19 @@ impl Show {
             }
             stage.told_silent.clone_from(&status.silent);
         }
-        if let (true, false, Some(error)) = (status.ended, self.settings.once, &status.source_error) {
+        if let (true, true, 1, Some(error)) =
+            (status.ended, self.settings.once, status.track.count, &status.troubles.last)
+        {
             return self.fail(AppError::SongLost(error.clone()), event_loop);
         }
-        if status.source_error != stage.told_source {
-            if let Some(error) = &status.source_error {
-                tell(error);
-            }
-            stage.told_source.clone_from(&status.source_error);
-        }
+        stage.announcer.look(&status);
         let scene = stage.scene.name().zip(stage.scene.mode());
-        let title = title(&self.name, scene, Some(&status), self.settings.silent);
+        let title = title(scene, &status, self.settings.silent);
         if title != stage.title {
             stage.window.window().set_title(&title);
             stage.title = title;
         }
-        if status.ended {
+        if status.ended && self.settings.once {
             event_loop.exit();
         }
     }
@@ -353,17 +376,15 @@ impl Show {
     }
 }
 
-/// The window's title: the song, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
+/// The window's title: the track, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
 /// was asked for.
-fn title(
-    name: &str,
-    scene: Option<(String, Mode)>,
-    status: Option<&PlayerStatus>,
-    silence_asked: bool,
-) -> String {
-    let mut title = format!("{name} - Mariana");
-    let Some(status) = status else { return title };
+fn title(scene: Option<(String, Mode)>, status: &PlayerStatus, silence_asked: bool) -> String {
+    let track = &status.track;
+    let mut title = format!("{} - Mariana", track.name);
     let mut notes = Vec::new();
+    if track.count > 1 {
+        notes.push(format!("{}/{}", track.entry + 1, track.count));
+    }
     if let Some((scene, mode)) = scene {
         notes.extend([scene, mode.to_string()]);
     }
@@ -406,6 +427,7 @@ impl ApplicationHandler for Show {
                 stage.window.resize();
                 stage.window.window().request_redraw();
             }
+            WindowEvent::DroppedFile(path) => self.dropped.push(path),
             WindowEvent::Occluded(occluded) => stage.occluded = occluded,
             WindowEvent::CursorMoved { position, .. } => stage.cursor = position,
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
@@ -433,12 +455,17 @@ impl ApplicationHandler for Show {
         self.look_at_status(event_loop);
         let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };
+        if !self.dropped.is_empty() {
+            stage.player.play_files(std::mem::take(&mut self.dropped));
+        }
         if let Err(error) = stage.scene.update() {
             return self.fail(error.into(), event_loop);
         }
         let now = Instant::now();
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
-        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        stage.announcer.update(now);
+        let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        content.add(stage.announcer.notice());
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
         let moving = stage

@@ -9,6 +9,7 @@
 //! | module | what it does | runs on |
 //! |---|---|---|
 //! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
+//! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
 //! | [`player`] | the handle of the window, and the decoding and analysis threads | |
 //! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
 //! | [`clock`] | from the callback's timestamps to the frame that is audible now | written by the callback |
@@ -25,13 +26,15 @@ pub mod devices;
 mod error;
 pub mod output;
 pub mod player;
+pub mod playlist;
 #[cfg(target_os = "linux")]
 mod quiet_stderr;
 pub mod resample;
 pub mod song;
 pub mod source;
 pub mod timeline;
+pub mod track;
 mod worker;
 
 pub use error::{OutputError, PlayerError};
-pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
+pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles};

@@ -9,6 +9,8 @@ use super::{help, params, problem, style};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
+/// Most lines of a notice.
+const NOTICE_ROWS_MAX: usize = 4;
 /// Greatest share of the window's height that a problem takes.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// A problem stays beside the parameters if it has this width there, in points.
@@ -106,9 +108,11 @@ fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
     let font = style::proportional(style::HEADING_SIZE);
-    let galley = style::line(&painter, notice.text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let width = LINE_WIDTH_MAX * space.width();
+    let galley = style::lines(&painter, notice.text, font, style::TEXT, width, NOTICE_ROWS_MAX);
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(&painter, rect);
-    painter.galley(rect.center() - 0.5 * galley.size(), galley, style::TEXT);
+    // Centred lines stand around the place that they are drawn at.
+    painter.galley(rect.center() - galley.rect.center().to_vec2(), galley, style::TEXT);
 }
