@@ -4,6 +4,7 @@ mod announcer;
 pub mod error;
 mod frame_times;
 pub mod keys;
+mod media_controls;
 pub mod overlay;
 pub mod pacing;
 mod region_builder;

@@ -14,12 +14,14 @@ use super::announcer::{Announcer, next_repeat, words_of};
 use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
+use super::media_controls::{Asked, MediaControls};
 use super::overlay::Overlay;
 use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::window::GlWindowContext;
 use crate::audio::playlist::Opened;
+use crate::audio::track::Repeat;
 use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
@@ -148,6 +150,7 @@ struct Stage {
     status_due: Instant,
     told_silent: Option<String>,
     announcer: Announcer,
+    controls: MediaControls,
     title: String,
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     cursor: PhysicalPosition<f64>,
@@ -161,6 +164,28 @@ struct Stage {
     corner: bool,
     // Last: everything above that holds OpenGL objects goes first.
     window: GlWindowContext,
+}
+
+impl Stage {
+    fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
+        if self.shown.is_some() {
+            self.player.set_paused(paused);
+        }
+    }
+
+    fn set_repeat(&mut self, repeat: Repeat) {
+        let shuffled = self.player.status().shuffled;
+        self.player.set_order(repeat, shuffled);
+        self.announcer.answer(words_of(repeat).to_owned());
+    }
+
+    fn set_shuffled(&mut self, shuffled: bool) {
+        let repeat = self.player.status().repeat;
+        self.player.set_order(repeat, shuffled);
+        let words = if shuffled { "tracks in random order" } else { "tracks in their own order" };
+        self.announcer.answer(words.to_owned());
+    }
 }
 
 impl Show {
@@ -221,6 +246,10 @@ impl Show {
             status_due: now,
             told_silent: None,
             announcer,
+            controls: {
+                let waker = self.waker.clone();
+                MediaControls::start(move || waker.wake())
+            },
             title,
             last_click: None,
             cursor: PhysicalPosition::default(),
@@ -284,28 +313,18 @@ impl Show {
     fn act(&mut self, action: Action, event_loop: &ActiveEventLoop) {
         let Some(stage) = &mut self.stage else { return };
         match action {
-            Action::TogglePause => {
-                stage.paused = !stage.paused;
-                if stage.shown.is_some() {
-                    stage.player.set_paused(stage.paused);
-                }
-            }
+            Action::TogglePause => stage.set_paused(!stage.paused),
             Action::Seek(seconds) => stage.player.seek_by(seconds),
             Action::ChangeVolume(delta) => stage.player.change_volume(delta),
             Action::ToggleMute => stage.player.toggle_mute(),
             Action::SkipTrack { forward } => stage.player.skip(forward),
             Action::ToggleShuffle => {
-                let status = stage.player.status();
-                let shuffled = !status.shuffled;
-                stage.player.set_order(status.repeat, shuffled);
-                let words = if shuffled { "tracks in random order" } else { "tracks in their own order" };
-                stage.announcer.answer(words.to_owned());
+                let shuffled = !stage.player.status().shuffled;
+                stage.set_shuffled(shuffled);
             }
             Action::ChangeRepeat => {
-                let status = stage.player.status();
-                let repeat = next_repeat(status.repeat);
-                stage.player.set_order(repeat, status.shuffled);
-                stage.announcer.answer(words_of(repeat).to_owned());
+                let repeat = next_repeat(stage.player.status().repeat);
+                stage.set_repeat(repeat);
             }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
@@ -323,6 +342,27 @@ impl Show {
             Action::Quit => event_loop.exit(),
         }
         stage.status_due = Instant::now();
+    }
+
+    /// Does what media keys and the desktop ask for.
+    fn obey_controls(&mut self, event_loop: &ActiveEventLoop) {
+        while let Some(asked) = self.stage.as_ref().and_then(|stage| stage.controls.poll()) {
+            let Some(stage) = &mut self.stage else { return };
+            match asked {
+                Asked::Play(play) => stage.set_paused(!play),
+                Asked::TogglePause => stage.set_paused(!stage.paused),
+                Asked::Skip { forward } => stage.player.skip(forward),
+                Asked::SeekBy(seconds) => stage.player.seek_by(seconds),
+                Asked::SeekTo(seconds) => stage.player.seek_to(seconds),
+                Asked::Volume(volume) => stage.player.set_volume(volume),
+                Asked::Repeat(repeat) => stage.set_repeat(repeat),
+                Asked::Shuffle(shuffled) => stage.set_shuffled(shuffled),
+                Asked::Fullscreen(on) => stage.window.set_fullscreen(on),
+                Asked::Raise => stage.window.window().focus_window(),
+                Asked::Quit => event_loop.exit(),
+            }
+            stage.status_due = Instant::now();
+        }
     }
 
     /// Title and messages, and the end of a song that plays once.
@@ -346,6 +386,7 @@ impl Show {
             return self.fail(AppError::SongLost(error.clone()), event_loop);
         }
         stage.announcer.look(&status);
+        stage.controls.show(&status, stage.window.is_fullscreen());
         let scene = stage.scene.name().zip(stage.scene.mode());
         let title = title(scene, &status, self.settings.silent);
         if title != stage.title {
@@ -452,6 +493,7 @@ impl ApplicationHandler for Show {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.obey_controls(event_loop);
         self.look_at_status(event_loop);
         let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };

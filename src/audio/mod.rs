@@ -17,7 +17,7 @@
 //! | [`devices`] | the list of devices | caller |
 //!
 //! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change
-//! of device. A loop does not end it. Everything that flows is keyed by the segment's number, so nothing of
+//! of device. A loop does not end it, nor does the track that follows: within a segment each track is a **passage**. Everything that flows is keyed by the segment's number, so nothing of
 //! before a seek is ever taken for what comes after.
 
 pub mod clock;

@@ -51,7 +51,14 @@ pub struct PlayerOptions {
 
 impl Default for PlayerOptions {
     fn default() -> Self {
-        Self { device: None, repeat: Repeat::All, shuffled: false, volume: 1.0, paused: false, output: OutputChoice::Auto }
+        Self {
+            device: None,
+            repeat: Repeat::All,
+            shuffled: false,
+            volume: 1.0,
+            paused: false,
+            output: OutputChoice::Auto,
+        }
     }
 }
 
@@ -154,8 +161,7 @@ impl Player {
         let (commands, inbox) = channel();
         let (to_list, requests) = channel::<Request>();
         let (answers, told) = (commands.clone(), troubles.clone());
-        let listing =
-            Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
+        let listing = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
         let work = Decoding::new(first, to_list, timeline.clone(), to_analysis, troubles.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
         let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
@@ -219,6 +225,11 @@ impl Player {
     /// Changes the volume by `delta`; it stays within 0 to 1.
     pub fn change_volume(&self, delta: f32) {
         self.controls.set_volume(self.controls.volume() + delta);
+    }
+
+    /// Sets the volume, 0 to 1; it stays within.
+    pub fn set_volume(&self, volume: f32) {
+        self.controls.set_volume(volume);
     }
 
     /// Mutes or unmutes; the song runs on.

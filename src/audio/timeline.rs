@@ -121,7 +121,14 @@ impl Timeline {
     }
 
     /// Notes that at `segment_time` another track begins, as passage `passage`. See [`Timeline::begin_lap`].
-    pub fn begin_track(&mut self, id: u64, segment_time: f64, played: f64, passage: u64, track: Arc<TrackInfo>) {
+    pub fn begin_track(
+        &mut self,
+        id: u64,
+        segment_time: f64,
+        played: f64,
+        passage: u64,
+        track: Arc<TrackInfo>,
+    ) {
         let Some(segment) = self.find_mut(id) else { return };
         segment.laps = segment.laps.wrapping_add(1);
         let next = Passage::new(passage, track, segment_time, 0.0, segment.laps);

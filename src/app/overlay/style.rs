@@ -52,7 +52,14 @@ pub fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: 
 }
 
 /// Text in lines of `width` points, `rows` of them at most, centred, the last cut with an ellipsis.
-pub fn lines(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32, rows: usize) -> Arc<Galley> {
+pub fn lines(
+    painter: &Painter,
+    text: &str,
+    font: FontId,
+    color: Color32,
+    width: f32,
+    rows: usize,
+) -> Arc<Galley> {
     let mut job = LayoutJob::simple(text.to_owned(), font, color, width.max(1.0));
     job.wrap.max_rows = rows;
     job.halign = egui::Align::Center;

@@ -88,7 +88,11 @@ impl Filling {
     }
 
     /// Takes the next frames of the source: those from the target on are resampled.
-    pub(super) fn feed(&mut self, frames: &[StereoFrame], scratch: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
+    pub(super) fn feed(
+        &mut self,
+        frames: &[StereoFrame],
+        scratch: &mut Vec<StereoFrame>,
+    ) -> Result<(), ResampleError> {
         let skipped = self.skip.min(frames.len() as u64);
         self.skip -= skipped;
         let audible = frames.get(skipped as usize..).unwrap_or_default();

@@ -49,7 +49,7 @@ pub(crate) struct SharedTroubles(Arc<Mutex<Troubles>>);
 
 impl SharedTroubles {
     pub(crate) fn tell(&self, trouble: String) {
-        tracing::warn!("{trouble}");
+        tracing::debug!("{trouble}");
         let mut troubles = self.lock();
         troubles.count += 1;
         troubles.last = Some(trouble);

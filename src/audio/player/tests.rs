@@ -1,5 +1,6 @@
 //! The decoding thread with a callback called by hand, and the player on the silent clock.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::sync_channel;
 
 use super::analysis::AnalysisInput;
@@ -31,7 +32,15 @@ struct Ramp {
 
 impl Ramp {
     fn new(frames: usize) -> Self {
-        Self { first: 0, rate: RATE, frames, next: 0, block: 1152, broken_at: usize::MAX, seek_limit: f64::INFINITY }
+        Self {
+            first: 0,
+            rate: RATE,
+            frames,
+            next: 0,
+            block: 1152,
+            broken_at: usize::MAX,
+            seek_limit: f64::INFINITY,
+        }
     }
 }
 
@@ -70,11 +79,13 @@ struct Ramps {
     repeat: Repeat,
     /// How long it takes to find one.
     delay: Duration,
+    /// Whether none can be opened, for now.
+    gone: Arc<AtomicBool>,
 }
 
 impl Ramps {
     fn new(songs: Vec<Ramp>, repeat: Repeat) -> Self {
-        Self { songs, repeat, delay: Duration::ZERO }
+        Self { songs, repeat, delay: Duration::ZERO, gone: Arc::default() }
     }
 
     fn track(&self, entry: usize) -> Track {
@@ -105,7 +116,7 @@ impl TrackList for Ramps {
             if open == Some(entry) {
                 return Found::Again;
             }
-            if self.songs[entry].frames > 0 {
+            if self.songs[entry].frames > 0 && !self.gone.load(Ordering::Relaxed) {
                 return Found::Track(self.track(entry));
             }
             tell(format!("song {entry} is gone"));
@@ -188,8 +199,7 @@ impl Stepped {
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
                 // Half a frame in, so that rounding of the time does not matter.
-                let moment =
-                    self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / rate) as u64);
+                let moment = self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / rate) as u64);
                 let audible = self.history.at(moment);
                 if let Some((audible, place)) = audible.and_then(|a| Some((a, timeline.place(a, 0.0)?))) {
                     let index = (value == before + 1.0).then_some(value);

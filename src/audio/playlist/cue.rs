@@ -26,7 +26,8 @@ pub fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
         match word.to_ascii_uppercase().as_slice() {
             b"FILE" => {
                 // What the name stands in quotes for, or else all but the type.
-                let name = quoted(rest).or_else(|| Some(rest.rsplitn(2, |byte| *byte == b' ').last()?.to_vec()));
+                let name =
+                    quoted(rest).or_else(|| Some(rest.rsplitn(2, |byte| *byte == b' ').last()?.to_vec()));
                 file = Some(resolve(base, name?.trim_ascii()));
             }
             b"TRACK" => {
@@ -97,7 +98,8 @@ mod tests {
 
     #[test]
     fn tracks_follow_each_other_within_their_files() {
-        let sheet = b"REM made by hand\nPERFORMER \"The Band\"\nTITLE \"The Disc\"\nFILE \"disc 1.flac\" WAVE\n\
+        let sheet =
+            b"REM made by hand\nPERFORMER \"The Band\"\nTITLE \"The Disc\"\nFILE \"disc 1.flac\" WAVE\n\
             TRACK 01 AUDIO\nTITLE \"One\"\nINDEX 01 00:00:00\nTRACK 02 AUDIO\nTITLE \"Two\"\n\
             PERFORMER \"Guest\"\nINDEX 00 03:59:00\nINDEX 01 04:01:30\n\
             FILE b.wav WAVE\nTRACK 03 AUDIO\nINDEX 01 99:99:99\nINDEX 01 00:00:01\n";

@@ -40,7 +40,9 @@ pub enum PlaylistError {
         name: String,
     },
     /// It is the list of a stream's pieces.
-    #[error("{name} is the list of a network stream (HLS), which is not supported; save the stream to a file first")]
+    #[error(
+        "{name} is the list of a network stream (HLS), which is not supported; save the stream to a file first"
+    )]
     Stream {
         /// The list's name.
         name: String,

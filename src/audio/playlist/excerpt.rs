@@ -132,7 +132,9 @@ mod tests {
     #[test]
     fn a_seek_stays_within_the_part() {
         let mut part = excerpt(1000, 10, Some(20));
-        for (asked, reached, first) in [(38.0, 38.0, Some(138)), (-900.0, 0.0, Some(100)), (9000.0, 100.0, None)] {
+        for (asked, reached, first) in
+            [(38.0, 38.0, Some(138)), (-900.0, 0.0, Some(100)), (9000.0, 100.0, None)]
+        {
             assert!((part.seek(asked / 750.0).unwrap() - reached / 750.0).abs() < 1e-9);
             assert_eq!(rest(&mut part).first().copied(), first);
         }

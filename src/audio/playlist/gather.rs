@@ -15,8 +15,8 @@ use crate::limits::LIMITS;
 
 /// The ends of the names of files that are taken from a folder.
 const AUDIO_EXTENSIONS: &[&str] = &[
-    "aac", "aif", "aifc", "aiff", "alac", "caf", "flac", "m4a", "m4b", "mka", "mkv", "mp1", "mp2", "mp3", "mp4",
-    "oga", "ogg", "opus", "wav", "wave", "webm",
+    "aac", "aif", "aifc", "aiff", "alac", "caf", "flac", "m4a", "m4b", "mka", "mkv", "mp1", "mp2", "mp3",
+    "mp4", "oga", "ogg", "opus", "wav", "wave", "webm",
 ];
 
 /// Sentences that are kept of what could not be taken.

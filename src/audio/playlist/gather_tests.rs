@@ -21,21 +21,31 @@ fn gathered(folder: &Path, names: &[&str]) -> (Vec<String>, Vec<String>) {
         Song::File(path) => path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned(),
         Song::Demo => "demo".into(),
     };
-    (
-        found.entries.iter().map(name).collect(),
-        found.troubles.iter().map(ToString::to_string).collect(),
-    )
+    (found.entries.iter().map(name).collect(), found.troubles.iter().map(ToString::to_string).collect())
 }
 
 #[test]
 fn folders_are_read_to_the_bottom_in_natural_order() {
-    let files = ["10.MP3", "9.flac", "a/2.ogg", "a/1.wav", "B.m4a", "cover.jpg", ".hidden.mp3", "list.m3u", "c/x.txt"];
+    let files = [
+        "10.MP3",
+        "9.flac",
+        "a/2.ogg",
+        "a/1.wav",
+        "B.m4a",
+        "cover.jpg",
+        ".hidden.mp3",
+        "list.m3u",
+        "c/x.txt",
+    ];
     let folder = folder_of(&files.map(|name| (name, "")));
     let (names, troubles) = gathered(folder.path(), &["", "9.flac"]);
     assert_eq!(names, ["9.flac", "10.MP3", "a/1.wav", "a/2.ogg", "B.m4a", "9.flac"]);
     assert_eq!(troubles, [""; 0]);
     let (names, troubles) = gathered(folder.path(), &["c"]);
-    assert!(names.is_empty() && troubles.len() == 1 && troubles[0].contains("c holds no tracks"), "{troubles:?}");
+    assert!(
+        names.is_empty() && troubles.len() == 1 && troubles[0].contains("c holds no tracks"),
+        "{troubles:?}"
+    );
 }
 
 #[test]
@@ -53,7 +63,8 @@ fn lists_name_files_folders_and_lists() {
 
 #[test]
 fn lists_that_contain_themselves_end() {
-    let folder = folder_of(&[("a.m3u", "1.mp3\nb.m3u\n2.mp3\n"), ("b.m3u", "3.mp3\n./a.m3u\nb.m3u\n4.mp3\n")]);
+    let folder =
+        folder_of(&[("a.m3u", "1.mp3\nb.m3u\n2.mp3\n"), ("b.m3u", "3.mp3\n./a.m3u\nb.m3u\n4.mp3\n")]);
     let (names, troubles) = gathered(folder.path(), &["a.m3u", "a.m3u"]);
     let once = ["1.mp3", "3.mp3", "4.mp3", "2.mp3"];
     assert_eq!(names, [once, once].concat());
@@ -73,8 +84,9 @@ fn links_in_circles_end() {
 
 #[test]
 fn nesting_is_bounded() {
-    let deep: Vec<(String, String)> =
-        (0..LIMITS.playlist_depth_max + 2).map(|n| (format!("{n}.m3u"), format!("{n}.mp3\n{}.m3u", n + 1))).collect();
+    let deep: Vec<(String, String)> = (0..LIMITS.playlist_depth_max + 2)
+        .map(|n| (format!("{n}.m3u"), format!("{n}.mp3\n{}.m3u", n + 1)))
+        .collect();
     let files: Vec<(&str, &str)> = deep.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
     let folder = folder_of(&files);
     let (names, troubles) = gathered(folder.path(), &["0.m3u"]);

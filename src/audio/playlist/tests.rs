@@ -48,7 +48,9 @@ fn following(list: &mut Playlist, after: usize) -> Result<usize, &'static str> {
 fn what_follows_depends_on_how_the_list_repeats() {
     let folder = folder_of(&["1.wav", "3.wav"]);
     std::fs::write(folder.path().join("2.wav"), b"rubbish").unwrap();
-    let open = |repeat| Playlist::open(&paths(&folder, &["1.wav", "2.wav", "3.wav", "4.wav"]), repeat, false).unwrap();
+    let open = |repeat| {
+        Playlist::open(&paths(&folder, &["1.wav", "2.wav", "3.wav", "4.wav"]), repeat, false).unwrap()
+    };
     let mut all = open(Repeat::All);
     assert!(all.playable && all.troubles.is_empty() && all.first.info.count == 4);
     let (next, told) = found(&mut all.list, Wanted::Following { after: 0, anew: false });
