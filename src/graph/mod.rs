@@ -13,6 +13,7 @@ mod build;
 mod dot;
 mod evaluate;
 mod frame_inputs;
+mod fuse;
 mod interval;
 mod node;
 mod op;

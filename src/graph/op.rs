@@ -432,6 +432,52 @@ operators! {
         slopes |a, b, _, frame| frame.history.slopes(a, b),
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
+
+    // Two operators in one, which only `fuse.rs` makes. Each rounds as both did.
+
+    /// a * a + b.
+    SquareAdd = 80 "SQUARE_ADD" NONE,
+        value |a, b, _| a * a + b, bounds |a, b, _| rules::add(rules::square(a), b),
+        slopes |a, _, _, _| (2.0 * a, 1.0),
+        slope_bounds |a, _, _, _| (slopes::square(a).0, slopes::ONE),
+        glsl "($a * $a + $b)";
+    /// max(a, 0)^2 + b: a corner's part of a length.
+    OutsideAdd = 81 "OUTSIDE_ADD" NONE,
+        value |a, b, _| { let a = a.max(0.0); a * a + b },
+        bounds |a, b, _| rules::add(rules::square(rules::max(a, Interval::point(0.0))), b),
+        slopes |a, _, _, _| (2.0 * a.max(0.0), 1.0),
+        slope_bounds |a, _, _, _| (slopes::square(rules::max(a, Interval::point(0.0))).0, slopes::ONE),
+        glsl "(max($a, 0.0) * max($a, 0.0) + $b)";
+    /// (a - b)^2.
+    SquareDifference = 82 "SQUARE_DIFFERENCE" COMMUTATIVE.and(NEVER_NEGATIVE),
+        value |a, b, _| (a - b) * (a - b), bounds |a, b, _| rules::square(rules::sub(a, b)),
+        slopes |a, b, _, _| (2.0 * (a - b), -2.0 * (a - b)),
+        slope_bounds |a, b, _, _| slopes::opposite(slopes::square(rules::sub(a, b)).0),
+        glsl "(($a - $b) * ($a - $b))";
+    /// |a - b|.
+    AbsDifference = 83 "ABS_DIFFERENCE" COMMUTATIVE.and(NEVER_NEGATIVE),
+        value |a, b, _| (a - b).abs(), bounds |a, b, _| rules::abs(rules::sub(a, b)),
+        slopes |a, b, _, _| if a < b { (-1.0, 1.0) } else { (1.0, -1.0) },
+        slope_bounds |a, b, _, _| slopes::opposite(slopes::abs(rules::sub(a, b)).0),
+        glsl "abs($a - $b)";
+    /// |a| - b.
+    AbsSub = 84 "ABS_SUB" NONE,
+        value |a, b, _| a.abs() - b, bounds |a, b, _| rules::sub(rules::abs(a), b),
+        slopes |a, _, _, _| (if a < 0.0 { -1.0 } else { 1.0 }, -1.0),
+        slope_bounds |a, _, _, _| (slopes::abs(a).0, rules::neg(slopes::ONE)),
+        glsl "(abs($a) - $b)";
+    /// The square root of a, 0 for negative a and for a NaN, less b.
+    SqrtSub = 85 "SQRT_SUB" NONE,
+        value |a, b, _| sqrt(a) - b, bounds |a, b, _| rules::sub(rules::sqrt(a), b),
+        slopes |a, _, _, _| (if a > 0.0 { 0.5 / a.sqrt() } else { 0.0 }, -1.0),
+        slope_bounds |a, _, _, _| (slopes::sqrt(rules::sqrt(a)).0, rules::neg(slopes::ONE)),
+        glsl "(sqrt(max($a, 0.0)) - $b)";
+    /// The square root of a * a + b, 0 where that is negative or a NaN: the end of a length.
+    Length = 86 "LENGTH" NEVER_NEGATIVE,
+        value |a, b, _| sqrt(a * a + b), bounds |a, b, _| rules::sqrt(rules::add(rules::square(a), b)),
+        slopes |a, _, r, _| if r > 0.0 { length_slopes(a, r) } else { (0.0, 0.0) },
+        slope_bounds |a, _, r, _| slopes::length(a, r),
+        glsl "sqrt(max($a * $a + $b, 0.0))";
 }
 
 /// First number of the two-operand operators.
@@ -483,6 +529,13 @@ fn unit(a: f32) -> f32 {
 #[inline(always)]
 fn arc_slope(a: f32) -> f32 {
     if a.abs() < 1.0 { (1.0 - a * a).sqrt().recip() } else { 0.0 }
+}
+
+#[inline(always)]
+fn length_slopes(a: f32, r: f32) -> (f32, f32) {
+    let by_sum = 0.5 / r;
+    let by_a = 2.0 * a * by_sum;
+    (if by_a.is_nan() { 0.0 } else { by_a }, by_sum)
 }
 
 #[inline(always)]

@@ -15,7 +15,7 @@ use super::op::{Op, SMALLEST};
 use super::rules;
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
-const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
+pub(super) const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
 /// From 0 to beyond all bounds: near a vertical tangent.
 const STEEP: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
 
@@ -67,6 +67,19 @@ pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
     } else {
         STEEP
     })
+}
+
+/// Of a function of a - b.
+#[inline(always)]
+pub(super) fn opposite(by_a: Interval) -> (Interval, Interval) {
+    (by_a, rules::neg(by_a))
+}
+
+/// Of sqrt(a * a + b) with the value `r`.
+pub(super) fn length(a: Interval, r: Interval) -> (Interval, Interval) {
+    let by_sum = sqrt(r).0;
+    let by_a = rules::mul(square(a).0, by_sum);
+    (if by_a.is_any() { Interval::ALL } else { by_a }, by_sum)
 }
 
 pub(super) fn exp2(r: Interval) -> (Interval, Interval) {

@@ -8,9 +8,9 @@
 //! The last texel has END as its second clause, with the slots of the two outputs in its last bytes. Rare operators
 //! ([`is_rare`]) stand in the second place, after a first clause that does nothing where there is none.
 
-use super::program::{Arg, INPUTS, Program};
+use super::program::{Arg, Form, INPUTS, Program, refill};
 use crate::tape::interpreter::is_rare;
-use crate::tape::{Instruction, Operand, opcode};
+use crate::tape::{Instruction, opcode};
 
 /// Most slots of a region's tape.
 pub(super) const SLOTS_MAX: usize = 256;
@@ -50,64 +50,57 @@ impl Encoder {
         self.slot.clear();
         self.slot.extend(0..INPUTS as u8);
         self.slot.resize(program.values(), 0);
-        let mut free = [u64::MAX; SLOTS_MAX / 64];
+        let mut free = FreeSlots::default();
         for input in 0..INPUTS {
-            if self.last_use[input] != 0 {
-                free[0] &= !(1 << input);
-            }
+            free.first &= !(u64::from(self.last_use[input] != 0) << input);
         }
         let mut highest = INPUTS;
+        let mut half = false;
         for (index, step) in program.steps.iter().enumerate() {
             let at = INPUTS + index;
             if self.last_use[at] == 0 {
                 continue;
             }
-            let operand = |arg: Arg| match arg {
-                Arg::Value(value) => Operand::Slot(self.slot[value as usize]),
-                Arg::Number(_) => Operand::Immediate(0),
-            };
-            let (a, b) = (operand(step.a), operand(step.b));
-            for arg in [step.a, step.b] {
-                if let Arg::Value(value) = arg
-                    && self.last_use[value as usize] == at as u32
-                {
-                    let slot = self.slot[value as usize];
-                    free[usize::from(slot >> 6)] |= 1 << (slot & 63);
-                }
+            let (a, b) = (self.slot[step.a as usize], self.slot[step.b as usize]);
+            for (value, slot) in [(step.a, a), (step.b, b)] {
+                free.give_if(self.last_use[value as usize] == at as u32, slot);
             }
-            let output = take(&mut free)?;
+            let output = free.take()?;
             highest = highest.max(usize::from(output) + 1);
             self.slot[at] = output;
-            let instruction = match a {
-                Operand::Slot(a) if step.op.arity() == 1 => Instruction::Unary { op: step.op, output, a },
-                a => Instruction::Binary { op: step.op, output, a, b },
+            let (form, a, b) = match step.form {
+                Form::Values => (0, a, b),
+                Form::NumberRight => (opcode::REGISTER_IMMEDIATE, a, 0),
+                Form::NumberLeft => (opcode::IMMEDIATE_REGISTER, 0, b),
             };
-            let immediate = match (step.a, step.b) {
-                (Arg::Number(number), _) | (_, Arg::Number(number)) => number,
-                _ => 0.0,
-            };
-            self.write(instruction.encode().word(), immediate, is_rare(step.op));
+            // In place of the second operand of an operator that has one stands the first, which is not read.
+            let clause = u32::from_le_bytes([step.op.number() + form, output, a, b]);
+            self.write(clause, step.number, is_rare(step.op), &mut half);
         }
         let mut slots = [0; 2];
         for (slot, root) in slots.iter_mut().zip(roots) {
             *slot = match root {
                 Arg::Value(value) => self.slot[value as usize],
                 Arg::Number(number) => {
-                    let output = take(&mut free)?;
+                    let output = free.take()?;
                     highest = highest.max(usize::from(output) + 1);
-                    self.write(Instruction::Load { output, entry: 0 }.encode().word(), number, false);
+                    self.write(
+                        Instruction::Load { output, entry: 0 }.encode().word(),
+                        number,
+                        false,
+                        &mut half,
+                    );
                     output
                 }
             };
         }
-        self.end(slots);
+        self.end(slots, half);
         self.slots = self.slots.max(highest);
         Ok(&self.texels)
     }
 
     fn find_last_uses(&mut self, program: &Program, roots: [Arg; 2]) {
-        self.last_use.clear();
-        self.last_use.resize(program.values(), 0);
+        refill(&mut self.last_use, program.values(), 0);
         for root in roots {
             if let Arg::Value(value) = root {
                 self.last_use[value as usize] = u32::MAX;
@@ -118,44 +111,75 @@ impl Encoder {
             if self.last_use[at] == 0 {
                 continue;
             }
-            for arg in [step.a, step.b] {
-                if let Arg::Value(value) = arg {
-                    let last = &mut self.last_use[value as usize];
-                    if *last == 0 {
-                        *last = at as u32;
-                    }
+            for value in [step.a, step.b] {
+                let last = &mut self.last_use[value as usize];
+                if *last == 0 {
+                    *last = at as u32;
                 }
             }
         }
     }
 
-    fn write(&mut self, word: u32, immediate: f32, second: bool) {
+    /// `half`: whether the last texel has room for a second clause.
+    #[inline(always)]
+    fn write(&mut self, word: u32, immediate: f32, second: bool, half: &mut bool) {
         self.clauses += 1;
         let immediate = immediate.to_bits();
         match self.texels.last_mut() {
-            Some(last) if last[2] == u32::from(opcode::END) => (last[2], last[3]) = (word, immediate),
-            _ if second => self.texels.push([0, 0, word, immediate]),
+            Some(last) if *half => (last[2], last[3]) = (word, immediate),
+            _ if second => return self.texels.push([0, 0, word, immediate]),
             _ => self.texels.push([word, immediate, 0, 0]),
         }
+        *half = !*half;
     }
 
-    fn end(&mut self, [first, second]: [u8; 2]) {
+    fn end(&mut self, [first, second]: [u8; 2], half: bool) {
         let end = u32::from_le_bytes([opcode::END, 0, first, second]);
         match self.texels.last_mut() {
-            Some(last) if last[2] == u32::from(opcode::END) => last[2] = end,
+            Some(last) if half => last[2] = end,
             _ => self.texels.push([0, 0, end, 0]),
         }
     }
 }
 
-/// The lowest free slot.
-fn take(free: &mut [u64; SLOTS_MAX / 64]) -> Result<u8, TooManySlots> {
-    for (part, bits) in free.iter_mut().enumerate() {
-        if *bits != 0 {
-            let slot = 64 * part as u32 + bits.trailing_zeros();
-            *bits &= *bits - 1;
+/// Slots that nothing is in, as bits. Hardly a program needs more than the first 64.
+#[derive(Debug)]
+struct FreeSlots {
+    first: u64,
+    others: [u64; SLOTS_MAX / 64 - 1],
+}
+
+impl Default for FreeSlots {
+    fn default() -> Self {
+        Self { first: u64::MAX, others: [u64::MAX; SLOTS_MAX / 64 - 1] }
+    }
+}
+
+impl FreeSlots {
+    /// The lowest.
+    #[inline(always)]
+    fn take(&mut self) -> Result<u8, TooManySlots> {
+        if self.first != 0 {
+            let slot = self.first.trailing_zeros();
+            self.first &= self.first - 1;
             return Ok(slot as u8);
         }
+        for (part, bits) in self.others.iter_mut().enumerate() {
+            if *bits != 0 {
+                let slot = 64 * (part as u32 + 1) + bits.trailing_zeros();
+                *bits &= *bits - 1;
+                return Ok(slot as u8);
+            }
+        }
+        Err(TooManySlots)
     }
-    Err(TooManySlots)
+
+    #[inline(always)]
+    fn give_if(&mut self, condition: bool, slot: u8) {
+        let bit = u64::from(condition) << (slot & 63);
+        match usize::from(slot >> 6).checked_sub(1) {
+            None => self.first |= bit,
+            Some(part) => self.others[part] |= bit,
+        }
+    }
 }

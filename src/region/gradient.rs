@@ -109,7 +109,7 @@ fn run(
         Arg::Value(at) => values[at as usize],
     };
     for step in &program.steps {
-        let (a, b) = (of(values, step.a), of(values, step.b));
+        let (a, b) = (of(values, step.first()), of(values, step.second()));
         let two = step.op.arity() == 2;
         if let Some(jumps) = &mut jumps {
             jumps.add(if two {

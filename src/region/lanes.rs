@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::program::{Arg, INPUTS, Program};
+use super::program::{Form, INPUTS, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
 /// Cells that are bounded at once: the children of a cell.
@@ -92,27 +92,17 @@ pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInput
 }
 
 /// Compiled for wider processors, too; the values are the same.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     for (index, step) in program.steps.iter().enumerate() {
         let (before, from) = rows.split_at_mut(INPUTS + index);
         let Some(result) = from.first_mut() else { return };
-        match (step.a, step.b) {
-            (Arg::Value(a), Arg::Value(b)) => {
-                let (a, b) = (&before[a as usize], &before[b as usize]);
-                step.op.with_bounds(&mut Kernel { a, b, result, frame });
-            }
-            (Arg::Value(a), Arg::Number(b)) => {
-                let (a, b) = (&before[a as usize], Interval::point(b));
-                step.op.with_bounds(&mut Kernel { a, b, result, frame });
-            }
-            (Arg::Number(a), Arg::Value(b)) => {
-                let (a, b) = (Interval::point(a), &before[b as usize]);
-                step.op.with_bounds(&mut Kernel { a, b, result, frame });
-            }
-            (Arg::Number(a), Arg::Number(b)) => {
-                *result = Lanes::splat(step.op.bounds(Interval::point(a), Interval::point(b), frame));
-            }
+        let (a, b) = (&before[step.a as usize], &before[step.b as usize]);
+        let number = Interval::point(step.number);
+        match step.form {
+            Form::Values => step.op.with_bounds(&mut Kernel { a, b, result, frame }),
+            Form::NumberRight => step.op.with_bounds(&mut Kernel { a, b: number, result, frame }),
+            Form::NumberLeft => step.op.with_bounds(&mut Kernel { a: number, b, result, frame }),
         }
     }
 }

@@ -102,11 +102,14 @@ impl RegionPlan {
     /// The plan of bound, estimate and object.
     fn of(
         graph: &Graph,
-        roots: [NodeId; 3],
+        mut roots: [NodeId; 3],
         bounds: Option<([f32; 3], [f32; 3])>,
         has_rest: bool,
         steep: bool,
     ) -> Self {
+        // Lengths of steep distances have slopes of their own, which are found by their parts.
+        let fused = if steep { None } else { graph.fused(&mut roots).ok() };
+        let graph = fused.as_ref().unwrap_or(graph);
         // A world's graph has been checked.
         let order = graph.order(&roots).unwrap_or_default();
         let used = graph.inputs_used(&roots).unwrap_or_default();

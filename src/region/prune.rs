@@ -8,20 +8,30 @@
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, mask};
-use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
+use super::program::{Arg, BOUND, ESTIMATE, Form, INPUTS, OBJECT, Program, Step, Structure, refill};
 use crate::graph::{FrameInputs, Op};
+
+/// What was decided of a value: masks of cells.
+#[derive(Debug, Clone, Copy, Default)]
+struct Decided {
+    /// Cells that need the value.
+    live: u64,
+    /// Those in which it is the same number everywhere.
+    number: u64,
+    /// Those in which it is operand a.
+    left: u64,
+    /// Those in which it is operand b.
+    right: u64,
+}
 
 /// Decisions about each value of a program.
 #[derive(Debug, Default)]
 pub(super) struct Decisions {
-    /// Cells that need the value.
-    live: Vec<u64>,
-    /// Those in which it is the same number everywhere.
-    number: Vec<u64>,
-    /// Those in which it is operand a.
-    left: Vec<u64>,
-    /// Those in which it is operand b.
-    right: Vec<u64>,
+    values: Vec<Decided>,
+    /// The steps that some cell needs, last first.
+    needed: Vec<u32>,
+    /// Those of them of which something was decided in some cell.
+    settled: Vec<u32>,
     /// Where the values of the program went, while a shorter one is written.
     moved: Vec<Arg>,
 }
@@ -84,7 +94,8 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
 
 impl Decisions {
     /// Decides for the cells of `need` what the distance needs there, and for those of `need_object` what the object
-    /// does. `rows` are the bounds of the program's values.
+    /// does. `rows` are the bounds of the program's values. The cells of each mask in `together` share their decisions:
+    /// what does not hold in all of them is not decided in any.
     ///
     /// An operand of a minimum is left out where it lies above the upper end of the whole nest of minima: that is
     /// never the least, so the value stays the same bit for bit.
@@ -95,22 +106,24 @@ impl Decisions {
         rows: &[Lanes],
         need: u64,
         need_object: u64,
+        together: &[u64],
     ) {
-        decide(self, program, structure, rows, [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)]);
+        let roots = [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)];
+        decide(self, program, structure, rows, roots, together);
     }
 
     /// The cells, put together where the decisions are the same.
-    pub(super) fn groups(&self, program: &Program, rows: &[Lanes], cells: &[u64], groups: &mut Vec<u64>) {
+    pub(super) fn groups(&self, rows: &[Lanes], cells: &[u64], groups: &mut Vec<u64>) {
         groups.clear();
         groups.extend(cells.iter().copied().filter(|cells| *cells != 0));
-        for index in 0..program.steps.len() {
-            let at = INPUTS + index;
-            for decided in [self.left[at], self.right[at]] {
+        for index in self.settled.iter().rev() {
+            let at = INPUTS + *index as usize;
+            let Decided { number, left, right, .. } = self.values[at];
+            for decided in [left, right] {
                 if decided != 0 {
                     split(groups, decided);
                 }
             }
-            let number = self.number[at];
             if number != 0 {
                 split(groups, number);
                 split_by_value(groups, number, &rows[at].lo);
@@ -131,26 +144,41 @@ impl Decisions {
         let cell = (group.trailing_zeros() as usize).min(63);
         let bit = 1u64 << cell;
         short.steps.clear();
-        self.moved.clear();
-        self.moved.extend((0..INPUTS as u32).map(Arg::Value));
-        self.moved.resize(program.values(), Arg::Number(0.0));
+        short.steps.reserve(self.needed.len());
+        if self.moved.len() < program.values() {
+            self.moved.resize(program.values(), Arg::Number(0.0));
+        }
+        for (input, moved) in self.moved.iter_mut().enumerate().take(INPUTS) {
+            *moved = Arg::Value(input as u32);
+        }
         let moved = |args: &[Arg], arg: Arg| match arg {
             Arg::Value(value) => args[value as usize],
             number => number,
         };
-        for (index, step) in program.steps.iter().enumerate() {
-            let at = INPUTS + index;
-            if self.live[at] & bit == 0 {
+        for index in self.needed.iter().rev() {
+            let at = INPUTS + *index as usize;
+            let Decided { live, number, left, right } = self.values[at];
+            if live & bit == 0 {
                 continue;
             }
-            self.moved[at] = if self.number[at] & bit != 0 {
+            let step = &program.steps[*index as usize];
+            self.moved[at] = if (number | left | right) & bit == 0 {
+                match (self.moved[step.a as usize], self.moved[step.b as usize]) {
+                    // Most steps stay what they are. Of a negation another may be left.
+                    (Arg::Value(a), Arg::Value(b)) if step.op != Op::Sub || step.form != Form::NumberLeft => {
+                        short.push_step(Step { a, b, ..*step })
+                    }
+                    _ => {
+                        let (a, b) = (moved(&self.moved, step.first()), moved(&self.moved, step.second()));
+                        short.push(step.op, a, b, frame)
+                    }
+                }
+            } else if number & bit != 0 {
                 Arg::Number(rows[at].lo[cell] + 0.0)
-            } else if self.left[at] & bit != 0 {
-                moved(&self.moved, step.a)
-            } else if self.right[at] & bit != 0 {
-                moved(&self.moved, step.b)
+            } else if left & bit != 0 {
+                moved(&self.moved, step.first())
             } else {
-                short.push(step.op, moved(&self.moved, step.a), moved(&self.moved, step.b), frame)
+                moved(&self.moved, step.second())
             };
         }
         short.roots = program.roots.map(|root| moved(&self.moved, root));
@@ -161,37 +189,42 @@ impl Decisions {
 }
 
 /// See [`Decisions::decide`]; compiled for wider processors, too.
-#[multiversion(targets("x86_64+avx2", "x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl"))]
+#[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn decide(
     decisions: &mut Decisions,
     program: &Program,
     structure: &Structure,
     rows: &[Lanes],
     roots: [(usize, u64); 3],
+    together: &[u64],
 ) {
-    let count = program.values();
-    for masks in [&mut decisions.live, &mut decisions.number, &mut decisions.left, &mut decisions.right] {
-        masks.clear();
-        masks.resize(count, 0);
-    }
+    refill(&mut decisions.values, program.values(), Decided::default());
+    decisions.needed.clear();
+    decisions.settled.clear();
+    let values = &mut decisions.values[..];
     for (root, cells) in roots {
         if let Arg::Value(value) = program.roots[root] {
-            decisions.live[value as usize] |= cells;
+            values[value as usize].live |= cells;
         }
     }
     for (index, step) in program.steps.iter().enumerate().rev() {
         let at = INPUTS + index;
-        let live = decisions.live[at];
+        let live = values[at].live;
         if live == 0 {
             continue;
         }
-        let (a, b) = (step.a, step.b);
+        decisions.needed.push(index as u32);
+        let (a, b) = (step.first(), step.second());
         let number = if structure.may_settle[at] {
             let row = &rows[at];
             mask(|cell| row.lo[cell] == row.hi[cell]) & live
         } else {
             0
         };
+        let number = number
+            & !together
+                .iter()
+                .fold(0, |kept, cells| kept | if is_same(number, *cells, &rows[at].lo) { 0 } else { *cells });
         let live = live & !number;
         let (mut left, mut right) = (0, 0);
         match step.op {
@@ -205,6 +238,7 @@ fn decide(
                 left = not_above(rows, b, a) | below(rows, b, most);
                 right = (not_above(rows, a, b) | below(rows, a, most)) & !left;
             }
+            Op::OutsideAdd => right = not_above(rows, a, Arg::Number(0.0)),
             Op::Abs => left = not_above(rows, Arg::Number(0.0), a),
             Op::Mask => {
                 if let Arg::Value(a) = a {
@@ -232,16 +266,37 @@ fn decide(
             _ => {}
         }
         (left, right) = (left & live, right & live);
-        decisions.number[at] = number;
-        decisions.left[at] = left;
-        decisions.right[at] = right;
-        if let Arg::Value(a) = a {
-            decisions.live[a as usize] |= live & !right;
+        for cells in together {
+            if left & cells != live & cells {
+                left &= !cells;
+            }
+            if right & cells != live & cells {
+                right &= !cells;
+            }
         }
-        if let Arg::Value(b) = b {
-            decisions.live[b as usize] |= live & !left;
+        if number | left | right != 0 {
+            decisions.settled.push(index as u32);
+            values[at] = Decided { number, left, right, ..values[at] };
         }
+        // The place of a number is taken by the other operand.
+        let (by_a, by_b) = match step.form {
+            Form::Values => (live & !right, live & !left),
+            Form::NumberRight => (live & !right, 0),
+            Form::NumberLeft => (0, live & !left),
+        };
+        values[step.a as usize].live |= by_a;
+        values[step.b as usize].live |= by_b;
     }
+}
+
+/// Whether all of some cells have the same number, or none has one.
+fn is_same(number: u64, cells: u64, values: &[f32; 64]) -> bool {
+    let some = number & cells;
+    if some != cells {
+        return some == 0;
+    }
+    let first = values[(cells.trailing_zeros() as usize).min(63)];
+    mask(|cell| values[cell] == first) & cells == cells
 }
 
 /// Cuts every group into what is inside of a mask and what is not.

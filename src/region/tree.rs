@@ -99,7 +99,11 @@ struct Level {
     rows: Vec<Lanes>,
     decisions: Decisions,
     groups: Vec<u64>,
+    /// Cells that share their decisions.
+    together: Vec<u64>,
     short: Program,
+    /// Of `short`.
+    structure: Structure,
 }
 
 struct Builder<'a> {
@@ -152,7 +156,8 @@ pub(super) fn build(
     };
     builder.write_whole(&program);
     if cells {
-        let structure = Structure::of(&program);
+        let mut structure = Structure::default();
+        structure.look_at(&program);
         let cell = size.map(|side| side / BRICK_SIDE as f32);
         builder.divide_block(&program, &structure, Block { low, cell });
     }
@@ -236,12 +241,12 @@ impl Builder<'_> {
         let mut level = std::mem::take(&mut self.levels[0]);
         self.stats.passes += 1;
         bound_cells(program, block, self.overlap, &mut level.rows, self.frame);
-        level.decisions.decide(program, structure, &level.rows, u64::MAX, u64::MAX);
-        level.decisions.groups(program, &level.rows, &[u64::MAX], &mut level.groups);
+        level.decisions.decide(program, structure, &level.rows, u64::MAX, u64::MAX, &[]);
+        level.decisions.groups(&level.rows, &[u64::MAX], &mut level.groups);
         for index in 0..level.groups.len() {
             let group = level.groups[index];
             level.decisions.shortened(program, &level.rows, group, true, self.frame, &mut level.short);
-            let structure = Structure::of(&level.short);
+            level.structure.look_at(&level.short);
             for cell in cells_of(group) {
                 let place = place_in(cell);
                 let inner = block.child(place);
@@ -251,7 +256,7 @@ impl Builder<'_> {
                     at[0] + ROOT_SIDE * (at[1] + ROOT_SIDE * at[2])
                 });
                 let root: Vec<usize> = root.collect();
-                self.write_cells(&level.short, &structure, inner, 1, &|child| {
+                self.write_cells(&level.short, &level.structure, inner, 1, &|child| {
                     root.get(child).copied().unwrap_or(0)
                 });
             }
@@ -297,8 +302,18 @@ impl Builder<'_> {
                 self.write_cell(texel_of(cell), bounds.lo[cell], second, [0; 2]);
             }
         }
-        level.decisions.decide(program, structure, &level.rows, own, near);
-        level.decisions.groups(program, &level.rows, &[near, own & !near], &mut level.groups);
+        // Away from surfaces only penumbras and occlusion ask: neighbours share a tape there.
+        let away = own & !surface;
+        let neighbours = if depth == 1 { &EIGHTHS[..] } else { &[u64::MAX] };
+        level.together.clear();
+        level.together.extend(
+            neighbours
+                .iter()
+                .flat_map(|cells| [away & near & cells, away & !near & cells])
+                .filter(|cells| *cells != 0),
+        );
+        level.decisions.decide(program, structure, &level.rows, own, near, &level.together);
+        level.decisions.groups(&level.rows, &[near, own & !near], &mut level.groups);
         for index in 0..level.groups.len() {
             let group = level.groups[index];
             let with_object = group & near != 0;
@@ -320,7 +335,7 @@ impl Builder<'_> {
                 }
             }
             if divided != 0 {
-                let structure = Structure::of(&level.short);
+                level.structure.look_at(&level.short);
                 for cell in cells_of(divided) {
                     if self.texels.len() + CELLS > self.options.texels_max {
                         let second = self.write_tape(&level.short, 1);
@@ -331,7 +346,9 @@ impl Builder<'_> {
                     self.texels.resize(brick + CELLS, [0; 4]);
                     self.texels[texel_of(cell)] = [DIVIDED, brick as u32, 0, 0];
                     let inner = block.child(place_in(cell));
-                    self.write_cells(&level.short, &structure, inner, depth + 1, &|child| brick + child);
+                    self.write_cells(&level.short, &level.structure, inner, depth + 1, &|child| {
+                        brick + child
+                    });
                 }
             }
         }
@@ -477,6 +494,18 @@ const fn eighth_of(cell: usize) -> u64 {
     let first = cell & 0b10_10_10;
     0b11_0011 << first | 0b11_0011 << (first + 16)
 }
+
+/// The eight 2x2x2 of 64 cells.
+const EIGHTHS: [u64; 8] = [
+    eighth_of(0),
+    eighth_of(2),
+    eighth_of(8),
+    eighth_of(10),
+    eighth_of(32),
+    eighth_of(34),
+    eighth_of(40),
+    eighth_of(42),
+];
 
 /// The cells of a mask.
 fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {

@@ -60,9 +60,14 @@ pub struct Cost {
 impl Program {
     fn build(graph: &Graph, roots: &[NodeId]) -> Result<Self, TapeError> {
         let (graph, roots, textures) = without_coordinates(graph, roots)?;
+        let mut read: Vec<NodeId> =
+            roots.iter().chain(textures.iter().flat_map(|(_, place)| place)).copied().collect();
+        let graph = graph.fused(&mut read)?;
+        let (roots, places) = read.split_at(roots.len());
         let tape = |roots: &[NodeId]| Tape::build(&graph, roots, &TapeOptions::default());
-        let textures = textures.iter().map(|(picture, place)| Ok((*picture, tape(place)?)));
-        Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(&roots)? })
+        let textures = textures.iter().zip(places.as_chunks::<2>().0);
+        let textures = textures.map(|((picture, _), place)| Ok((*picture, tape(place)?)));
+        Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(roots)? })
     }
 
     fn tapes(&self) -> impl Iterator<Item = &Tape> {

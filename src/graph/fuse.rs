@@ -1,0 +1,220 @@
+//! Fewer clauses: pairs of operators become one where nothing else reads what stands between them.
+//!
+//! Most of a distance is lengths, boxes and balls, whose squares, sums, differences and roots follow each other. What an
+//! interpreter pays for is the clause, so each pair made one saves half of its work. The value stays the same bit for
+//! bit: a fused operator rounds as both did.
+
+use super::node::{Node, NodeId};
+use super::op::Op;
+use super::{Graph, GraphError};
+
+impl Graph {
+    /// What the roots need, with pairs of operators fused, as a graph of its own. The roots become those of that graph.
+    ///
+    /// # Errors
+    /// What [`Graph::check`] says; the roots stay.
+    pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
+        let order = self.order(roots)?.nodes;
+        let readers = self.readers(&order, roots);
+        // From the roots down: what is read after all, and as what.
+        let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
+        let mut read = vec![false; self.len()];
+        for root in roots.iter() {
+            read[root.index()] = true;
+        }
+        for id in order.iter().rev().filter(|id| !self.is_input_of_point(**id)) {
+            if !read[id.index()] {
+                continue;
+            }
+            let tile = self.tile(*id, &readers);
+            for operand in operands(tile) {
+                read[operand.index()] = true;
+            }
+            tiles[id.index()] = Some(tile);
+        }
+        let mut fused = Graph { nodes_max: self.nodes_max, ..Graph::new() };
+        let mut moved = vec![NodeId::default(); self.len()];
+        for id in order {
+            let at = |id: NodeId| moved[id.index()];
+            let node = match tiles[id.index()] {
+                Some(Node::Unary(op, a)) => Node::Unary(op, at(a)),
+                Some(Node::Binary(op, a, b)) => Node::Binary(op, at(a), at(b)),
+                Some(Node::Texture { texture, channel, u, v }) => {
+                    Node::Texture { texture, channel, u: at(u), v: at(v) }
+                }
+                Some(leaf) => leaf,
+                None if read[id.index()] => self.node(id),
+                None => continue,
+            };
+            moved[id.index()] = match node {
+                Node::Constant(value) => fused.constant(value),
+                Node::Input(input) => fused.input(input),
+                node => fused.raw(node),
+            };
+        }
+        fused.check()?;
+        for root in roots {
+            *root = moved[root.index()];
+        }
+        Ok(fused)
+    }
+
+    fn is_input_of_point(&self, id: NodeId) -> bool {
+        matches!(self.node(id), Node::Input(input) if input.of_point().is_some())
+    }
+
+    /// How often each node is read: 0, 1, or 2 for more and for roots.
+    fn readers(&self, order: &[NodeId], roots: &[NodeId]) -> Vec<u8> {
+        let mut readers = vec![0u8; self.len()];
+        for root in roots {
+            readers[root.index()] = 2;
+        }
+        for id in order {
+            for operand in operands(self.node(*id)) {
+                let count = &mut readers[operand.index()];
+                *count = (*count + 1).min(2);
+            }
+        }
+        readers
+    }
+
+    /// The largest operator of which a node is the result.
+    fn tile(&self, id: NodeId, readers: &[u8]) -> Node {
+        // What is only read here.
+        let own = |id: NodeId| (readers[id.index()] == 1).then(|| self.node(id));
+        let own_square = |id: NodeId| match own(id) {
+            Some(Node::Unary(Op::Square, a)) => Some(a),
+            _ => None,
+        };
+        // a and 0 where max(a, 0) is only read here.
+        let own_outside = |id: NodeId| match own(id) {
+            Some(Node::Binary(Op::Max, a, b)) if self.as_constant(b) == Some(0.0) => Some((a, b)),
+            Some(Node::Binary(Op::Max, a, b)) if self.as_constant(a) == Some(0.0) => Some((b, a)),
+            _ => None,
+        };
+        let square_and_rest = |a: NodeId, b: NodeId| {
+            let second = own_square(b).map(|square| (square, a));
+            second.or_else(|| own_square(a).map(|square| (square, b)))
+        };
+        match self.node(id) {
+            Node::Unary(Op::Square, a) => match (own(a), own_outside(a)) {
+                (Some(Node::Binary(Op::Sub, a, b)), _) => Node::Binary(Op::SquareDifference, a, b),
+                (_, Some((outside, zero))) => Node::Binary(Op::OutsideAdd, outside, zero),
+                _ => self.node(id),
+            },
+            Node::Unary(Op::Abs, a) => match own(a) {
+                Some(Node::Binary(Op::Sub, a, b)) => Node::Binary(Op::AbsDifference, a, b),
+                _ => self.node(id),
+            },
+            Node::Unary(Op::Sqrt, a) => match own(a) {
+                Some(Node::Binary(Op::Add, a, b)) => match square_and_rest(a, b) {
+                    Some((square, rest)) => Node::Binary(Op::Length, square, rest),
+                    None => self.node(id),
+                },
+                _ => self.node(id),
+            },
+            Node::Binary(Op::Add, a, b) => match square_and_rest(a, b) {
+                Some((square, rest)) => match own_outside(square) {
+                    Some((outside, _)) => Node::Binary(Op::OutsideAdd, outside, rest),
+                    None => Node::Binary(Op::SquareAdd, square, rest),
+                },
+                None => self.node(id),
+            },
+            Node::Binary(Op::Sub, a, b) => match own(a) {
+                Some(Node::Unary(Op::Abs, a)) => Node::Binary(Op::AbsSub, a, b),
+                Some(Node::Unary(Op::Sqrt, a)) => Node::Binary(Op::SqrtSub, a, b),
+                _ => self.node(id),
+            },
+            node => node,
+        }
+    }
+}
+
+/// What a node reads.
+fn operands(node: Node) -> impl Iterator<Item = NodeId> {
+    let (a, b) = match node {
+        Node::Constant(_) | Node::Input(_) => (None, None),
+        Node::Unary(_, a) => (Some(a), None),
+        Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => (Some(a), Some(b)),
+    };
+    a.into_iter().chain(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::super::{Input, Point, random};
+    use super::*;
+
+    fn operators(graph: &Graph, root: NodeId) -> Vec<Op> {
+        let nodes = graph.order(&[root]).unwrap().nodes.into_iter().map(|id| graph.node(id));
+        nodes
+            .filter_map(|node| match node {
+                Node::Unary(op, _) | Node::Binary(op, ..) => Some(op),
+                _ => None,
+            })
+            .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn fused_values_are_the_same_bit_for_bit(
+            steps in random::steps(40), at in proptest::array::uniform3(random::number()),
+        ) {
+            let mut graph = Graph::new();
+            let built = random::build(&mut graph, &steps, true);
+            let mut roots: Vec<NodeId> = built.iter().rev().take(2).copied().collect();
+            let before = roots.clone();
+            let fused = graph.fused(&mut roots).unwrap();
+            let frame = random::frame();
+            let point = Point { position: at, normal: [0.6, -0.8, 0.0] };
+            let whole = graph.evaluate(&before, &point, &frame).unwrap();
+            let short = fused.evaluate(&roots, &point, &frame).unwrap();
+            for (whole, short) in whole.iter().zip(&short) {
+                prop_assert!(random::same(*whole, *short), "{whole:?} {short:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ball_and_a_corner_have_fewer_operators() {
+        let mut g = Graph::new();
+        let [x, y, z] = [Input::X, Input::Y, Input::Z].map(|input| g.input(input));
+        let one = g.constant(1.0);
+        let zero = g.constant(0.0);
+        let away = g.sub(x, one);
+        let squares = [away, y, z].map(|side| g.square(side));
+        let sum = g.add(squares[0], squares[1]);
+        let sum = g.add(sum, squares[2]);
+        let length = g.sqrt(sum);
+        let mut ball = [g.sub(length, one)];
+        let fused = g.fused(&mut ball).unwrap();
+        assert_eq!(
+            operators(&fused, ball[0]),
+            [Op::SquareDifference, Op::SquareAdd, Op::SquareAdd, Op::SqrtSub]
+        );
+        let sides = [x, y].map(|side| {
+            let size = g.abs(side);
+            let beyond = g.sub(size, one);
+            g.max(beyond, zero)
+        });
+        let squares = sides.map(|side| g.square(side));
+        let mut corner = [g.add(squares[0], squares[1])];
+        let fused = g.fused(&mut corner).unwrap();
+        let found = operators(&fused, corner[0]);
+        assert_eq!(found, [Op::AbsSub, Op::OutsideAdd, Op::AbsSub, Op::OutsideAdd]);
+    }
+
+    #[test]
+    fn what_is_read_twice_stays() {
+        let mut g = Graph::new();
+        let x = g.input(Input::X);
+        let one = g.constant(1.0);
+        let away = g.sub(x, one);
+        let square = g.square(away);
+        let mut roots = [g.add(square, away)];
+        let fused = g.fused(&mut roots).unwrap();
+        assert_eq!(operators(&fused, roots[0]), [Op::Sub, Op::SquareAdd]);
+    }
+}
