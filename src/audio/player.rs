@@ -304,3 +304,5 @@ impl Drop for Player {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod track_tests;

@@ -11,27 +11,24 @@ use crate::audio::source::{FrameSource, SourceError};
 use crate::audio::track::{Found, Wanted};
 use crate::dsp::StereoFrame;
 
-#[path = "track_tests.rs"]
-mod track_tests;
-
-const RATE: u32 = 48_000;
+pub(super) const RATE: u32 = 48_000;
 
 /// A song whose samples tell their index: `(first + index) / 2^24`, exactly.
 #[derive(Clone)]
-struct Ramp {
-    first: usize,
-    rate: u32,
-    frames: usize,
-    next: usize,
-    block: usize,
+pub(super) struct Ramp {
+    pub(super) first: usize,
+    pub(super) rate: u32,
+    pub(super) frames: usize,
+    pub(super) next: usize,
+    pub(super) block: usize,
     /// Fails when it reaches this frame.
-    broken_at: usize,
+    pub(super) broken_at: usize,
     /// Refuses to be sought after this time.
-    seek_limit: f64,
+    pub(super) seek_limit: f64,
 }
 
 impl Ramp {
-    fn new(frames: usize) -> Self {
+    pub(super) fn new(frames: usize) -> Self {
         Self {
             first: 0,
             rate: RATE,
@@ -74,21 +71,21 @@ impl FrameSource for Ramp {
 }
 
 /// A list of songs; one without frames stands for a file that cannot be opened.
-struct Ramps {
-    songs: Vec<Ramp>,
-    repeat: Repeat,
+pub(super) struct Ramps {
+    pub(super) songs: Vec<Ramp>,
+    pub(super) repeat: Repeat,
     /// How long it takes to find one.
-    delay: Duration,
+    pub(super) delay: Duration,
     /// Whether none can be opened, for now.
-    gone: Arc<AtomicBool>,
+    pub(super) gone: Arc<AtomicBool>,
 }
 
 impl Ramps {
-    fn new(songs: Vec<Ramp>, repeat: Repeat) -> Self {
+    pub(super) fn new(songs: Vec<Ramp>, repeat: Repeat) -> Self {
         Self { songs, repeat, delay: Duration::ZERO, gone: Arc::default() }
     }
 
-    fn track(&self, entry: usize) -> Track {
+    pub(super) fn track(&self, entry: usize) -> Track {
         let mut track = Track::alone(Box::new(self.songs[entry].clone()));
         let info = Arc::make_mut(&mut track.info);
         (info.entry, info.count) = (entry, self.songs.len());
@@ -130,40 +127,40 @@ impl TrackList for Ramps {
     }
 }
 
-fn repeat_of(looping: bool) -> Repeat {
+pub(super) fn repeat_of(looping: bool) -> Repeat {
     if looping { Repeat::All } else { Repeat::Off }
 }
 
 /// The decoding thread and a callback in the test's hands.
-struct Stepped {
-    feeder: Feeder,
-    history: Arc<SpanHistory>,
-    commands: Sender<Command>,
-    timeline: SharedTimeline,
-    troubles: SharedTroubles,
-    worker: Worker,
-    now: Instant,
+pub(super) struct Stepped {
+    pub(super) feeder: Feeder,
+    pub(super) history: Arc<SpanHistory>,
+    pub(super) commands: Sender<Command>,
+    pub(super) timeline: SharedTimeline,
+    pub(super) troubles: SharedTroubles,
+    pub(super) worker: Worker,
+    pub(super) now: Instant,
 }
 
 /// What was heard, and what the clock and the timeline say about it.
 #[derive(Clone, Copy)]
-struct Heard {
+pub(super) struct Heard {
     /// Index of the frame in the song, if the sample is not faded.
-    index: Option<f64>,
-    told_index: f64,
+    pub(super) index: Option<f64>,
+    pub(super) told_index: f64,
     /// Entry of the list.
-    entry: usize,
-    lap: u32,
-    segment: u64,
+    pub(super) entry: usize,
+    pub(super) lap: u32,
+    pub(super) segment: u64,
 }
 
 impl Stepped {
-    fn new(source: Ramp, looping: bool) -> Self {
+    pub(super) fn new(source: Ramp, looping: bool) -> Self {
         Self::of(Ramps::new(vec![source], repeat_of(looping)), RATE)
     }
 
     /// Plays a list from its first song on, on a device of that rate.
-    fn of(list: Ramps, rate: u32) -> Self {
+    pub(super) fn of(list: Ramps, rate: u32) -> Self {
         let timeline = SharedTimeline::default();
         let troubles = SharedTroubles::default();
         let (to_analysis, inbox) = sync_channel(1);
@@ -182,12 +179,12 @@ impl Stepped {
         Self { feeder, history, commands, timeline, troubles, worker, now: Instant::now() }
     }
 
-    fn send(&self, command: Command) {
+    pub(super) fn send(&self, command: Command) {
         self.commands.send(command).expect("the thread runs");
     }
 
     /// Plays `frames` frames, but slowly enough for the decoding thread.
-    fn play(&mut self, frames: usize) -> Vec<Heard> {
+    pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
         let timeline = self.timeline.clone();
@@ -216,8 +213,31 @@ impl Stepped {
         heard
     }
 
+    /// The left samples of the next `frames` frames, from the first one on that is heard.
+    pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
+        let mut samples = Vec::new();
+        while samples.len() < frames {
+            let mut data = [0.0_f32; 960];
+            self.feeder.fill(&mut data, 2, self.now, Some(Duration::ZERO));
+            let left = data.iter().step_by(2).skip_while(|sample| samples.is_empty() && **sample == 0.0);
+            samples.extend(left.collect::<Vec<_>>());
+            self.now += Duration::from_millis(10);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        samples.truncate(frames);
+        samples
+    }
+
+    /// Another device of that rate, in the place of the one so far.
+    pub(super) fn change_device(&mut self, rate: u32) {
+        let (feeder, link) = Feeder::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
+        self.history = link.history.clone();
+        self.feeder = feeder;
+        self.send(Command::Output(link));
+    }
+
     /// Plays until the first segment sounds.
-    fn begin(&mut self) {
+    pub(super) fn begin(&mut self) {
         let start = Instant::now();
         while self.play(480).is_empty() {
             assert!(start.elapsed() < Duration::from_secs(5), "nothing plays");

@@ -1,6 +1,11 @@
 //! From track to track, with a callback called by hand.
 
-use super::*;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use super::decoding::Command;
+use super::tests::{Heard, RATE, Ramp, Ramps, Stepped};
+use crate::audio::track::Repeat;
 
 /// Songs of these lengths, whose samples go on counting from one to the next.
 fn songs(lengths: &[usize]) -> Vec<Ramp> {
@@ -200,4 +205,42 @@ fn nothing_that_can_be_played_is_silence_and_a_skip_tries_again() {
     stepped.send(Command::Skip { forward: true });
     let heard = stepped.play(9_600);
     assert!(heard.iter().filter(|heard| heard.index.is_some()).count() > 4_800, "no song is heard again");
+}
+
+#[test]
+fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
+    let mut stepped = Stepped::of(Ramps::new(songs(&[48_000, 48_000]), Repeat::Off), RATE);
+    stepped.begin();
+    while stepped.play(480).last().is_some_and(|heard| heard.told_index < 43_000.0) {}
+    stepped.change_device(44_100);
+    let mut heard = Vec::new();
+    let start = Instant::now();
+    while heard.last().is_none_or(|heard: &Heard| heard.entry == 0) {
+        assert!(start.elapsed() < Duration::from_secs(10), "the next track does not come");
+        heard.extend(stepped.play(480));
+    }
+    assert!(
+        heard[0].entry == 0 && heard[0].segment == 2,
+        "{} of segment {}",
+        heard[0].entry,
+        heard[0].segment
+    );
+    // Never a step back, nor over more than the callbacks that nobody looked at.
+    let times: Vec<f64> =
+        heard.iter().filter(|heard| heard.entry == 0).map(|heard| heard.told_index).collect();
+    assert!(times.windows(2).all(|pair| pair[1] >= pair[0]));
+    assert!(times.last().is_some_and(|last| *last > 44_000.0), "{:?}", times.last());
+}
+
+#[test]
+fn parts_of_a_song_are_resampled_as_the_whole() {
+    let parts = |lengths: &[usize]| {
+        let songs = songs(lengths).into_iter();
+        let songs = songs.map(|song| Ramp { rate: 44_100, first: song.first + 10_000, ..song });
+        Stepped::of(Ramps::new(songs.collect(), Repeat::Off), RATE).samples(60_000)
+    };
+    let (whole, joined) = (parts(&[60_000]), parts(&[20_011, 17, 39_972]));
+    let other = whole.iter().zip(&joined).position(|(whole, joined)| whole != joined);
+    assert_eq!(other, None, "of {} frames", whole.len());
+    assert!(whole[50_000] > whole[10_000] && whole[10_000] > 0.0);
 }

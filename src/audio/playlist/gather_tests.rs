@@ -127,7 +127,7 @@ fn pipes_and_what_may_not_be_read_are_told() {
     let folder = folder_of(&[("secret.m3u", "a.mp3"), ("ok.m3u", "a.mp3")]);
     let made = std::process::Command::new("mkfifo").arg(folder.path().join("pipe.m3u")).status().unwrap();
     assert!(made.success());
-    fs::set_permissions(folder.path().join("secret.m3u"), fs::Permissions::from_mode(0)).unwrap();
+    fs::set_permissions(folder.path().join("secret.m3u"), fs::Permissions::from_mode(0o000)).unwrap();
     let (names, troubles) = gathered(folder.path(), &["pipe.m3u", "secret.m3u", "ok.m3u"]);
     assert!(troubles[0].contains("pipe.m3u is not a regular file"), "{troubles:?}");
     // Whoever may read everything reads it.

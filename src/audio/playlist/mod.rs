@@ -29,6 +29,9 @@ use super::song::{Song, one_line, track_name};
 use super::source::SourceError;
 use super::track::{Found, Repeat, Track, TrackList, Wanted};
 
+/// Sentences that are kept of what is wrong before the first track that can be played, and the last one.
+const TROUBLES_KEPT: usize = 20;
+
 /// A list of entries and where it goes from each.
 pub struct Playlist {
     entries: Vec<Entry>,
@@ -76,7 +79,17 @@ impl Playlist {
             return Err(trouble.unwrap_or(PlaylistError::Empty { name }));
         };
         let mut troubles: Vec<String> = gathered.troubles.iter().map(ToString::to_string).collect();
-        let found = list.search(first, true, None, &mut |trouble| troubles.push(trouble));
+        let mut more = 0;
+        let mut last = None;
+        let found = list.search(first, true, None, &mut |trouble| {
+            more += usize::from(troubles.len() > TROUBLES_KEPT && last.is_some());
+            let earlier = last.replace(trouble);
+            troubles.extend(earlier.filter(|_| more == 0));
+        });
+        if more > 0 {
+            troubles.push(format!("{more} more tracks cannot be played; check the list"));
+        }
+        troubles.extend(last);
         let (first, playable) = match found {
             Found::Track(track) => (track, true),
             _ => (Track::silence(first, list.entries.len()), false),

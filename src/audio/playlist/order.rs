@@ -9,6 +9,8 @@ use crate::audio::track::Repeat;
 pub struct Order {
     /// Every entry once.
     sequence: Vec<usize>,
+    /// Where in the sequence each entry stands.
+    places: Vec<usize>,
     shuffled: bool,
     repeat: Repeat,
     random: u64,
@@ -19,7 +21,13 @@ impl Order {
     pub fn new(count: usize) -> Self {
         // The standard library seeds its hashers by chance.
         let random = RandomState::new().build_hasher().finish();
-        Self { sequence: (0..count).collect(), shuffled: false, repeat: Repeat::All, random }
+        Self {
+            sequence: (0..count).collect(),
+            places: (0..count).collect(),
+            shuffled: false,
+            repeat: Repeat::All,
+            random,
+        }
     }
 
     /// The same manner for `count` other entries.
@@ -48,15 +56,21 @@ impl Order {
         }
         self.shuffled = shuffled;
         self.sequence = (0..self.sequence.len()).collect();
-        if !shuffled {
-            return;
+        if shuffled {
+            self.shuffle(first);
         }
+        for (place, entry) in self.sequence.iter().enumerate() {
+            self.places[*entry] = place;
+        }
+    }
+
+    fn shuffle(&mut self, first: Option<usize>) {
         // Fisher and Yates.
         for last in (1..self.sequence.len()).rev() {
             let other = self.below(last as u64 + 1) as usize;
             self.sequence.swap(last, other);
         }
-        if let Some(place) = first.and_then(|first| self.place(first)) {
+        if let Some(place) = self.sequence.iter().position(|entry| Some(*entry) == first) {
             self.sequence.swap(0, place);
         }
     }
@@ -64,7 +78,7 @@ impl Order {
     /// The entry after (or before) `entry`; around the ends only where `around`.
     pub fn beside(&self, entry: usize, forward: bool, around: bool) -> Option<usize> {
         let count = self.sequence.len();
-        let Some(place) = self.place(entry) else { return self.first() };
+        let Some(place) = self.places.get(entry).copied() else { return self.first() };
         let beside = match forward {
             true if place + 1 < count => place + 1,
             true => around.then_some(0)?,
@@ -72,10 +86,6 @@ impl Order {
             false => around.then_some(count - 1)?,
         };
         self.sequence.get(beside).copied()
-    }
-
-    fn place(&self, entry: usize) -> Option<usize> {
-        self.sequence.iter().position(|other| *other == entry)
     }
 
     /// A random number below `end` (SplitMix64; its bias is some 1e-15 here).

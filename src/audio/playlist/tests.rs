@@ -108,6 +108,13 @@ fn one_file_is_refused_with_its_own_words_and_several_leave_silence() {
         assert!(!opened.playable && opened.troubles.len() == 3, "{:?}", opened.troubles);
         assert_eq!(opened.first.source.next_block(&mut Vec::new()).unwrap(), 1024);
     }
+    // Of very many the first are told, how many more there are, and the last.
+    std::fs::write(folder.path().join("long.m3u"), "nowhere.wav\n".repeat(5000)).unwrap();
+    let opened = Playlist::open(&paths(&folder, &["long.m3u"]), Repeat::All, true).unwrap();
+    let [.., more, none] = &opened.troubles[..] else { panic!("{:?}", opened.troubles) };
+    let told = opened.troubles.len() - 2;
+    assert!(told < 30 && more.starts_with(&format!("{} more", 5000 - told)), "{told} and {more}");
+    assert!(none.contains("none of the 5000 tracks"), "{none}");
 }
 
 #[test]
