@@ -17,6 +17,7 @@ mod natural;
 mod order;
 mod text;
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -36,6 +37,8 @@ const TROUBLES_KEPT: usize = 20;
 pub struct Playlist {
     entries: Vec<Entry>,
     order: Order,
+    /// What was told of entries last: the same is not told again.
+    told: HashMap<usize, String>,
 }
 
 /// A playlist with its first track, and what had to be skipped on the way to it.
@@ -99,7 +102,7 @@ impl Playlist {
 
     fn new(entries: Vec<Entry>) -> Self {
         let order = Order::new(entries.len());
-        Self { entries, order }
+        Self { entries, order, told: HashMap::new() }
     }
 
     fn open_entry(&self, index: usize) -> Result<Track, SourceError> {
@@ -123,7 +126,7 @@ impl Playlist {
     /// Opens entry `first` or the nearest one after (or before) it that can be, around the end where the list repeats;
     /// not `open`, which is open already.
     fn search(
-        &self,
+        &mut self,
         first: usize,
         forward: bool,
         open: Option<usize>,
@@ -141,8 +144,11 @@ impl Playlist {
             match self.open_entry(entry) {
                 Ok(track) => return Found::Track(track),
                 Err(error) => {
-                    failed.push(error.to_string());
-                    tell(error.to_string());
+                    let error = error.to_string();
+                    if self.told.insert(entry, error.clone()).as_ref() != Some(&error) {
+                        tell(error.clone());
+                    }
+                    failed.push(error);
                 }
             }
             next = self.order.beside(entry, forward, around);
@@ -194,7 +200,8 @@ impl Playlist {
     fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
         let gathered = gather(paths);
         gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));
-        let list = Self { order: self.order.of(gathered.entries.len()), entries: gathered.entries };
+        let mut list = Self::new(gathered.entries);
+        list.order = self.order.of(list.entries.len());
         let Some(first) = list.order.first() else { return Found::Nothing };
         let found = list.search(first, true, None, tell);
         if matches!(found, Found::Track(_)) {
