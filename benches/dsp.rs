@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use mariana::dsp::{Analyzer, FeatureTrack, StereoFrame};
+use mariana::dsp::{Alignment, Analyzer, FeatureTrack, StereoFrame};
 
 const RATE: u32 = 48_000;
 
@@ -26,7 +26,7 @@ fn music() -> Vec<StereoFrame> {
 
 fn analysis(criterion: &mut Criterion) {
     let frames = music();
-    let mut analyzer = Analyzer::new(RATE);
+    let mut analyzer = Analyzer::new(RATE, Alignment::Centred);
     let mut track = FeatureTrack::default();
     criterion.bench_function("analysis of 10 s at 48 kHz stereo", |bencher| {
         bencher.iter(|| {

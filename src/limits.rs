@@ -44,6 +44,8 @@ pub struct Limits {
     pub seconds_max: f64,
     /// Largest shift of the picture against the sound, in milliseconds, either way.
     pub latency_ms_max: f64,
+    /// Most bytes of the file of settings.
+    pub settings_bytes_max: usize,
     /// Deepest nesting of shader includes.
     pub include_depth_max: usize,
     /// Largest shader source after its includes were resolved, in bytes.
@@ -115,6 +117,7 @@ pub const LIMITS: Limits = Limits {
     fps_max: 1_000.0,
     seconds_max: 86_400.0,
     latency_ms_max: 5_000.0,
+    settings_bytes_max: 1 << 20,
     include_depth_max: 16,
     shader_bytes_max: 1 << 20,
     graph_nodes_max: 1 << 21,

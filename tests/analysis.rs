@@ -7,7 +7,8 @@ use std::f64::consts::TAU;
 
 use assert_no_alloc::assert_no_alloc;
 use mariana::dsp::{
-    Analyzer, BAND_COUNT, FeatureTrack, Features, LEVEL_FLOOR_DB, StereoFrame, TimedFeatures, band_edge,
+    Alignment, Analyzer, BAND_COUNT, FeatureTrack, Features, LEVEL_FLOOR_DB, StereoFrame, TimedFeatures,
+    band_edge,
 };
 use mariana::limits::LIMITS;
 use proptest::prelude::*;
@@ -19,7 +20,7 @@ static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisable
 
 /// All features of a whole stream.
 fn analyze(rate: u32, frames: &[StereoFrame]) -> Vec<TimedFeatures> {
-    let mut analyzer = Analyzer::new(rate);
+    let mut analyzer = Analyzer::new(rate, Alignment::Centred);
     let mut moments = Vec::new();
     analyzer.push(frames, &mut |moment| moments.push(moment));
     analyzer.finish(&mut |moment| moments.push(moment));
@@ -98,7 +99,7 @@ fn a_tone_stands_in_the_same_band_at_every_rate() {
         for band in (0..BAND_COUNT).filter(|&band| band_edge(band) > f64::from(rate) / 2.0) {
             assert_eq!(features.band_levels_db[band], LEVEL_FLOOR_DB, "band {band} at {rate} Hz");
         }
-        let hop = Analyzer::new(rate).hop() as f64 / f64::from(rate);
+        let hop = Analyzer::new(rate, Alignment::Centred).hop() as f64 / f64::from(rate);
         assert!((0.0075..0.0152).contains(&hop), "hop of {hop} s at {rate} Hz");
     }
 }
@@ -111,7 +112,7 @@ fn rates_beyond_the_limits_are_taken_as_the_nearest_inside() {
         (LIMITS.sample_rate_max + 1, LIMITS.sample_rate_max),
         (u32::MAX, LIMITS.sample_rate_max),
     ] {
-        assert_eq!(Analyzer::new(asked).sample_rate(), taken);
+        assert_eq!(Analyzer::new(asked, Alignment::Centred).sample_rate(), taken);
     }
 }
 
@@ -226,7 +227,7 @@ fn a_click_stands_at_its_time() {
         let mut frames = vec![[0.0; 2]; 2 * rate as usize];
         frames[rate as usize] = [1.0, 1.0];
         let moments = analyze(rate, &frames);
-        let hop = Analyzer::new(rate).hop() as f64 / f64::from(rate);
+        let hop = Analyzer::new(rate, Alignment::Centred).hop() as f64 / f64::from(rate);
         let peak = |value: &dyn Fn(&Features) -> f32| {
             moments
                 .iter()
@@ -258,6 +259,21 @@ fn the_window_is_centred_to_the_frame() {
 }
 
 #[test]
+fn a_trailing_window_ends_at_its_moment() {
+    let mut analyzer = Analyzer::new(48_000, Alignment::Trailing);
+    assert_eq!(analyzer.lookahead(), 0);
+    let mut moments = Vec::new();
+    let mut frames = vec![[0.0; 2]; 5 * 512];
+    frames.extend([[0.5; 2]; 512]);
+    analyzer.push(&frames, &mut |moment| moments.push(moment));
+    // A moment for each hop, that at 0 among them; only the last saw the sound, and without waiting.
+    let times: Vec<f64> = (0..=6).map(|n| f64::from(n * 512) / 48_000.0).collect();
+    assert_eq!(moments.iter().map(|moment| moment.time).collect::<Vec<_>>(), times);
+    assert_eq!(moments[5].features, Features::SILENCE);
+    assert!(moments[6].features.volume[0] > 0.1, "{:?}", moments[6].features);
+}
+
+#[test]
 fn before_and_after_the_stream_there_is_silence() {
     let mut state = 9;
     let frames = signal(48_000, 0.31, |_| [noise(&mut state), noise(&mut state)]);
@@ -267,7 +283,7 @@ fn before_and_after_the_stream_there_is_silence() {
     assert_eq!(moments, analyze(48_000, &padded)[..moments.len()]);
 
     // Neither the end nor a restart leaves anything behind.
-    let mut analyzer = Analyzer::new(48_000);
+    let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
     analyzer.push(&padded, &mut |_| ());
     analyzer.finish(&mut |_| ());
     for leave_in_the_middle in [false, true] {
@@ -296,7 +312,7 @@ fn analysis_after_a_seek_meets_the_uninterrupted_one() {
     let frames = signal(44_100, 6.0, |_| [noise(&mut state), 0.3 * noise(&mut state)]);
     let whole = analyze(44_100, &frames);
     let start = 100_003;
-    let mut analyzer = Analyzer::new(44_100);
+    let mut analyzer = Analyzer::new(44_100, Alignment::Centred);
     let mut later = Vec::new();
     analyzer.push(&frames[..30_000], &mut |_| ());
     analyzer.restart(start as u64);
@@ -320,7 +336,7 @@ fn analysis_after_a_seek_meets_the_uninterrupted_one() {
 
 #[test]
 fn a_restart_at_an_absurd_position_is_survived() {
-    let mut analyzer = Analyzer::new(48_000);
+    let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
     analyzer.restart(u64::MAX);
     let mut times = Vec::new();
     analyzer.push(&[[0.5; 2]; 10_000], &mut |moment| times.push(moment.time));
@@ -358,7 +374,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
 #[test]
 fn nothing_is_allocated_once_all_stands() {
     let frames = signal(48_000, 1.0, |t| [(TAU * 300.0 * t).sin(), 0.2]);
-    let mut analyzer = Analyzer::new(48_000);
+    let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
     let mut track = FeatureTrack::new(0.5);
     let shown = assert_no_alloc(|| {
         analyzer.push(&frames, &mut |moment| track.push(moment));
@@ -391,7 +407,7 @@ proptest! {
         let mut state = seed;
         let frames: Vec<StereoFrame> =
             (0..length).map(|_| [noise(&mut state) as f32, noise(&mut state) as f32]).collect();
-        let mut analyzer = Analyzer::new(rate);
+        let mut analyzer = Analyzer::new(rate, Alignment::Centred);
         let mut pieces = Vec::new();
         let mut rest = &frames[..];
         for block in blocks {

@@ -5,7 +5,6 @@
 
 mod support;
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use mariana::audio::devices::list_devices;
@@ -13,53 +12,8 @@ use mariana::audio::source::{FrameSource, SourceError};
 use mariana::audio::track::{Found, Repeat, Track, TrackList, Wanted};
 use mariana::audio::{Player, PlayerOptions, PlayerStatus};
 use mariana::dsp::StereoFrame;
-use support::process::{private_folder, session_environment, wait_until};
-use support::sound_server::{Recorder, SINK_RATE as RATE, SoundServer};
-use tempfile::TempDir;
-
-/// The server is found by an environment variable, which belongs to the whole process: one test at a time.
-static ENVIRONMENT: Mutex<()> = Mutex::new(());
-
-/// A folder that stands for the user's session, maybe with a PulseAudio server.
-struct Session {
-    server: Option<SoundServer>,
-    folder: TempDir,
-    _alone: MutexGuard<'static, ()>,
-}
-
-impl Session {
-    fn without_server() -> Self {
-        let alone = ENVIRONMENT.lock().unwrap_or_else(PoisonError::into_inner);
-        let folder = private_folder();
-        for (name, value) in session_environment(folder.path()) {
-            set_environment(name, &value);
-        }
-        Self { server: None, folder, _alone: alone }
-    }
-
-    fn with_server() -> Self {
-        let mut session = Self::without_server();
-        session.server = Some(SoundServer::start(session.folder.path()));
-        wait_until("the sink in the list", || {
-            list_devices().hosts.iter().flat_map(|host| &host.outputs).any(|output| output.id.contains("viz"))
-        });
-        session
-    }
-
-    fn kill_server(&mut self) {
-        self.server.take().expect("a server").kill();
-    }
-
-    fn record(&self) -> Recorder {
-        Recorder::start(self.folder.path())
-    }
-}
-
-#[allow(unsafe_code)]
-fn set_environment(name: &str, value: &str) {
-    // SAFETY: every test holds `ENVIRONMENT` while its threads run, and nothing else in this program writes the environment.
-    unsafe { std::env::set_var(name, value) }
-}
+use support::sound_server::SINK_RATE as RATE;
+use support::sound_session::Session;
 
 /// A song, or the parts of one, once or again and again.
 struct Songs {

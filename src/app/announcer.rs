@@ -89,12 +89,14 @@ pub fn next_repeat(repeat: Repeat) -> Repeat {
     }
 }
 
-/// A way to repeat, in words.
-pub fn words_of(repeat: Repeat) -> &'static str {
-    match repeat {
-        Repeat::All => "repeat all tracks",
-        Repeat::One => "repeat this track",
-        Repeat::Off => "end after the last track",
+/// Another order in words: how it repeats, or whether it is random, whichever is new.
+pub fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
+    match after {
+        (_, true) if !before.1 => "tracks in random order",
+        (_, false) if before.1 => "tracks in their own order",
+        (Repeat::All, _) => "repeat all tracks",
+        (Repeat::One, _) => "repeat this track",
+        (Repeat::Off, _) => "end after the last track",
     }
 }
 

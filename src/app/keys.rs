@@ -22,6 +22,10 @@ pub enum Action {
     ToggleShuffle,
     /// Repeat all tracks, one, or none.
     ChangeRepeat,
+    /// Show the picture later by so many steps.
+    Shift(f64),
+    /// Listen to the next source.
+    ChangeSource,
     /// Change between the interpreted and the compiled scene.
     ToggleMode,
     /// Use the cells of regions, or the whole tape everywhere.
@@ -135,6 +139,27 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::ChangeRepeat,
         meaning: "repeat all tracks, this one, or none",
         repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("d")],
+        written: "D",
+        action: Action::ChangeSource,
+        meaning: "listen to the next source: the song, what the computer plays, inputs",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("[")],
+        written: "[",
+        action: Action::Shift(-1.0),
+        meaning: "the picture 5 ms sooner; remembered of the device",
+        repeats: true,
+    },
+    Binding {
+        keys: &[Key::Character("]")],
+        written: "]",
+        action: Action::Shift(1.0),
+        meaning: "the picture 5 ms later, for headphones or a TV that lag",
+        repeats: true,
     },
     Binding {
         keys: &[Key::Character("n")],

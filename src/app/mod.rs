@@ -11,6 +11,7 @@ mod region_builder;
 mod scene_regions;
 mod scene_stage;
 mod show;
+mod sound;
 mod window;
 
 pub use error::AppError;

@@ -15,14 +15,16 @@ use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
 use super::media_controls::{Asked, MediaControls};
-use super::overlay::Overlay;
+use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
+use super::sound::{Sound, Start};
 use super::window::GlWindowContext;
+use crate::audio::input::LiveStatus;
 use crate::audio::playlist::Opened;
 use crate::audio::track::Repeat;
-use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
+use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
@@ -37,18 +39,22 @@ const FPS_DEFAULT: f64 = 60.0;
 const COMPILERS: usize = 2;
 /// How often a show that stands still looks around.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+/// How often it does while it waits for a sound that it could show.
+const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Two clicks within this time and distance in pixels are a double click.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 
-/// Opens the window and plays `tracks` until the user quits, or until they end if they play once.
+/// Opens the window and plays `tracks` until the user quits, or until they end if they play once; without tracks it
+/// listens to what the settings tell.
 ///
 /// # Errors
 /// There is nothing to be played once, or the window cannot show it.
-pub fn run(tracks: Opened, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
+pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
-    if let (true, false, Some(trouble)) = (settings.once, tracks.playable, tracks.troubles.last()) {
+    let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
+    if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
         return Err(AppError::SongLost(trouble.clone()).into());
     }
     let waker = Waker::default();
@@ -67,7 +73,7 @@ pub fn run(tracks: Opened, settings: PlaySettings, scene: SceneChoice) -> anyhow
     let mut show = Show {
         waker,
         loader: Some((loader, first)),
-        tracks: Some(tracks),
+        tracks,
         dropped: Vec::new(),
         settings,
         scene,
@@ -138,7 +144,7 @@ struct Show {
 
 /// Everything that lives as long as the window.
 struct Stage {
-    player: Player,
+    sound: Sound,
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     renderer: Renderer,
@@ -170,28 +176,74 @@ impl Stage {
     fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
         if self.shown.is_some() {
-            self.player.set_paused(paused);
+            self.sound.set_paused(paused);
         }
     }
 
-    fn set_repeat(&mut self, repeat: Repeat) {
-        let shuffled = self.player.status().shuffled;
-        self.player.set_order(repeat, shuffled);
-        self.announcer.answer(words_of(repeat).to_owned());
+    /// Changes what follows what; nothing while another source is listened to.
+    fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
+        let Some(player) = self.sound.player() else { return };
+        let status = player.status();
+        let before = (status.repeat, status.shuffled);
+        let (repeat, shuffled) = change(before.0, before.1);
+        player.set_order(repeat, shuffled);
+        self.announcer.answer(words_of(before, (repeat, shuffled)).to_owned());
     }
 
-    fn set_shuffled(&mut self, shuffled: bool) {
-        let repeat = self.player.status().repeat;
-        self.player.set_order(repeat, shuffled);
-        let words = if shuffled { "tracks in random order" } else { "tracks in their own order" };
-        self.announcer.answer(words.to_owned());
+    /// Plays files that were dropped onto the window.
+    fn play_files(&mut self, files: Vec<PathBuf>) {
+        match self.sound.player() {
+            Some(player) => player.play_files(files),
+            None => {
+                self.announcer.answer("files play only while the song is listened to: press D".to_owned())
+            }
+        }
     }
+
+    /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
+    fn moment(&mut self) -> Option<Moment> {
+        let now = self.sound.now()?;
+        let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
+        Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
+    }
+
+    /// How long a show that stands still sleeps: in silence it listens.
+    fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.paused { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        if let Some(player) = self.sound.player() {
+            act(player);
+        }
+    }
+
+    fn set_title(&mut self, title: String) {
+        if title != self.title {
+            self.window.window().set_title(&title);
+            self.title = title;
+        }
+    }
+}
+
+/// Adds what there is to tell of the sound and the tracks.
+fn show_sound<'a>(
+    sound: &'a Sound,
+    announcer: &'a Announcer,
+    content: &mut OverlayContent<'a>,
+    now: Instant,
+) {
+    content.add(sound.notice());
+    content.add(announcer.notice());
+    content.hint = sound.hint();
+    content.sources = sound.list(now);
 }
 
 impl Show {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let settings = &self.settings;
-        let name = self.tracks.as_ref().map_or("", |tracks| tracks.first.info.name.as_str());
+        let name = self.tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
         let title = format!("{name} - Mariana");
         let window =
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
@@ -217,26 +269,35 @@ impl Show {
             first,
             wake,
         )?;
-        let Some(tracks) = self.tracks.take() else { return Ok(()) };
-        let mut announcer = Announcer::default();
-        for trouble in tracks.troubles {
-            tell(&trouble);
-            announcer.say(trouble);
-        }
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
-            repeat: tracks.repeat,
-            shuffled: tracks.shuffled,
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+            ..PlayerOptions::default()
         };
-        let player = Player::start(tracks.first, Box::new(tracks.list), options)?;
+        let mut announcer = Announcer::default();
+        let mut player = None;
+        if let Some(tracks) = self.tracks.take() {
+            for trouble in tracks.troubles {
+                tell(&trouble);
+                announcer.say(trouble);
+            }
+            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
+            let options = PlayerOptions { repeat, shuffled, ..options };
+            player = Some(Player::start(tracks.first, Box::new(tracks.list), options)?);
+        }
+        let sound = Sound::start(Start {
+            player,
+            listen: settings.listen,
+            device: settings.device.clone(),
+            latency: settings.latency,
+        })?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         self.stage = Some(Stage {
-            player,
+            sound,
             paused: false,
             renderer,
             scene,
@@ -271,7 +332,7 @@ impl Show {
             stage.pacing.begun(begun);
         }
         let Some(size) = stage.window.size() else { return Ok(()) };
-        let moment = stage.player.now(self.settings.latency);
+        let Some(moment) = stage.moment() else { return Ok(()) };
         // A window beyond the driver's textures is drawn smaller and enlarged.
         let limit = stage.window.gl().info().texture_side_max;
         let drawn = (size.0.min(limit), size.1.min(limit));
@@ -285,7 +346,7 @@ impl Show {
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
-        content.add(stage.announcer.notice());
+        show_sound(&stage.sound, &stage.announcer, &mut content, begun);
         let Some(shown) = new.or(stage.shown) else { return Ok(()) };
         // Without a new picture there is something to show only if what stands over it changes, or the window.
         let waits = new.is_none() && shown != wanted && shown.size == drawn;
@@ -305,7 +366,7 @@ impl Show {
         }
         if first {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
-            stage.player.set_paused(stage.paused);
+            stage.sound.set_paused(stage.paused);
         }
         Ok(())
     }
@@ -314,18 +375,14 @@ impl Show {
         let Some(stage) = &mut self.stage else { return };
         match action {
             Action::TogglePause => stage.set_paused(!stage.paused),
-            Action::Seek(seconds) => stage.player.seek_by(seconds),
-            Action::ChangeVolume(delta) => stage.player.change_volume(delta),
-            Action::ToggleMute => stage.player.toggle_mute(),
-            Action::SkipTrack { forward } => stage.player.skip(forward),
-            Action::ToggleShuffle => {
-                let shuffled = !stage.player.status().shuffled;
-                stage.set_shuffled(shuffled);
-            }
-            Action::ChangeRepeat => {
-                let repeat = next_repeat(stage.player.status().repeat);
-                stage.set_repeat(repeat);
-            }
+            Action::Seek(seconds) => stage.with_song(|player| player.seek_by(seconds)),
+            Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
+            Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
+            Action::SkipTrack { forward } => stage.with_song(|player| player.skip(forward)),
+            Action::ToggleShuffle => stage.set_order(|repeat, shuffled| (repeat, !shuffled)),
+            Action::ChangeRepeat => stage.set_order(|repeat, shuffled| (next_repeat(repeat), shuffled)),
+            Action::Shift(steps) => stage.sound.shift(steps),
+            Action::ChangeSource => stage.sound.next_source(),
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
@@ -351,12 +408,12 @@ impl Show {
             match asked {
                 Asked::Play(play) => stage.set_paused(!play),
                 Asked::TogglePause => stage.set_paused(!stage.paused),
-                Asked::Skip { forward } => stage.player.skip(forward),
-                Asked::SeekBy(seconds) => stage.player.seek_by(seconds),
-                Asked::SeekTo(seconds) => stage.player.seek_to(seconds),
-                Asked::Volume(volume) => stage.player.set_volume(volume),
-                Asked::Repeat(repeat) => stage.set_repeat(repeat),
-                Asked::Shuffle(shuffled) => stage.set_shuffled(shuffled),
+                Asked::Skip { forward } => stage.with_song(|player| player.skip(forward)),
+                Asked::SeekBy(seconds) => stage.with_song(|player| player.seek_by(seconds)),
+                Asked::SeekTo(seconds) => stage.with_song(|player| player.seek_to(seconds)),
+                Asked::Volume(volume) => stage.with_song(|player| player.set_volume(volume)),
+                Asked::Repeat(repeat) => stage.set_order(|_, shuffled| (repeat, shuffled)),
+                Asked::Shuffle(shuffled) => stage.set_order(|repeat, _| (repeat, shuffled)),
                 Asked::Fullscreen(on) => stage.window.set_fullscreen(on),
                 Asked::Raise => stage.window.window().focus_window(),
                 Asked::Quit => event_loop.exit(),
@@ -373,7 +430,15 @@ impl Show {
             return;
         }
         stage.status_due = now + STATUS_INTERVAL;
-        let status = PlayerStatus { paused: stage.paused, ..stage.player.status() };
+        if let Some(live) = stage.sound.live_status() {
+            return stage.set_title(live_title(
+                &live,
+                stage.scene.name().zip(stage.scene.mode()),
+                stage.paused,
+            ));
+        }
+        let Some(status) = stage.sound.song_status() else { return };
+        let status = PlayerStatus { paused: stage.paused, ..status };
         if status.silent != stage.told_silent {
             if let Some(reason) = status.silent.as_ref().filter(|_| !self.settings.silent) {
                 tell(&format!("the song runs without sound: {reason}"));
@@ -389,10 +454,7 @@ impl Show {
         stage.controls.show(&status, stage.window.is_fullscreen());
         let scene = stage.scene.name().zip(stage.scene.mode());
         let title = title(scene, &status, self.settings.silent);
-        if title != stage.title {
-            stage.window.window().set_title(&title);
-            stage.title = title;
-        }
+        stage.set_title(title);
         if status.ended && self.settings.once {
             event_loop.exit();
         }
@@ -446,6 +508,17 @@ fn title(scene: Option<(String, Mode)>, status: &PlayerStatus, silence_asked: bo
     title
 }
 
+/// The same while an input is listened to.
+fn live_title(status: &LiveStatus, scene: Option<(String, Mode)>, paused: bool) -> String {
+    let mut notes: Vec<String> =
+        scene.into_iter().flat_map(|(scene, mode)| [scene, mode.to_string()]).collect();
+    if paused {
+        notes.push("paused".to_owned());
+    }
+    notes.push(if status.silent.is_some() { "no sound".to_owned() } else { "live".to_owned() });
+    format!("{} - Mariana ({})", status.name, notes.join(", "))
+}
+
 impl ApplicationHandler for Show {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if self.stage.is_none()
@@ -495,10 +568,9 @@ impl ApplicationHandler for Show {
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         self.obey_controls(event_loop);
         self.look_at_status(event_loop);
-        let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };
         if !self.dropped.is_empty() {
-            stage.player.play_files(std::mem::take(&mut self.dropped));
+            stage.play_files(std::mem::take(&mut self.dropped));
         }
         if let Err(error) = stage.scene.update() {
             return self.fail(error.into(), event_loop);
@@ -507,18 +579,18 @@ impl ApplicationHandler for Show {
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
         stage.announcer.update(now);
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
-        content.add(stage.announcer.notice());
+        show_sound(&stage.sound, &stage.announcer, &mut content, now);
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
-        let moving = stage
-            .shown
-            .is_none_or(|shown| stage.player.now(latency) != shown.moment || shown.revision != revision)
-            || overlay_due.is_some_and(|due| due <= now);
+        let moment = stage.moment();
+        let moving =
+            stage.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision)
+                || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {
-            // Paused, ended or covered: nothing to draw until something happens.
-            let idle = now + IDLE_INTERVAL;
+            // Paused, ended or covered: nothing to draw until something happens. In silence it may happen at any time.
+            let idle = now + stage.idle_interval(seen);
             let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
             event_loop.set_control_flow(ControlFlow::WaitUntil(wake));
         } else if now >= stage.pacing.due() || stage.scene.has_regions() {

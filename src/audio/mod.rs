@@ -22,19 +22,25 @@
 
 pub mod clock;
 pub mod decode;
+mod device;
 pub mod devices;
 mod error;
+mod hosts;
+pub mod input;
 pub mod output;
 pub mod player;
 pub mod playlist;
 #[cfg(target_os = "linux")]
 mod quiet_stderr;
 pub mod resample;
+pub mod roster;
 pub mod song;
 pub mod source;
+mod supervisor;
 pub mod timeline;
 pub mod track;
 mod worker;
 
-pub use error::{OutputError, PlayerError};
+pub use device::Target;
+pub use error::{DeviceError, Direction, PlayerError};
 pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles};

@@ -17,6 +17,7 @@ use super::clock::Clock;
 use super::error::PlayerError;
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
+use super::roster::RosterEntry;
 use super::timeline::SharedTimeline;
 use super::track::{Repeat, Track, TrackInfo, TrackList};
 use super::worker::Worker;
@@ -83,6 +84,8 @@ pub struct PlayerStatus {
     pub ended: bool,
     /// The output in words.
     pub output: String,
+    /// The output device, if one is open.
+    pub device: Option<RosterEntry>,
     /// Why there is no sound, if the song runs on the silent clock.
     pub silent: Option<String>,
     /// Stretches of silence because samples came too late.
@@ -91,6 +94,8 @@ pub struct PlayerStatus {
     pub callbacks: u64,
     /// Longest call relative to the duration of its buffer: 0.1 is a tenth.
     pub worst_callback_load: f64,
+    /// What all but one of a thousand calls stay below, in steps of 0.01.
+    pub usual_callback_load: f64,
     /// What went wrong with tracks.
     pub troubles: Troubles,
 }
@@ -259,10 +264,12 @@ impl Player {
             muted: self.controls.muted(),
             ended,
             output: output.description,
+            device: output.device,
             silent: output.silent,
             underruns: self.counters.underruns.load(Ordering::Relaxed),
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
+            usual_callback_load: self.counters.load_of(0.999),
             troubles: self.troubles.get(),
         }
     }

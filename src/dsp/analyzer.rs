@@ -33,23 +33,33 @@ const BAND_ATTACK: f64 = 0.010;
 /// See [`BAND_ATTACK`].
 const BAND_RELEASE: f64 = 0.200;
 
+/// Where the window of a moment lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Alignment {
+    /// Centred on the moment, for files: what comes after is known. The picture is not late by half a window.
+    Centred,
+    /// Ending at the moment, for live input, whose future is not known: features are emitted with the last frame.
+    Trailing,
+}
+
 /// Turns frames into features, one set per hop.
 ///
 /// The hop is 512 frames and the window 4096 at 44.1 and 48 kHz, scaled by the nearest power of two at other rates
 /// (hop 7.5 to 15.1 ms, window 60 to 121 ms). Moments lie at whole multiples of the hop, counted from frame 0 of
-/// the stream. The window of a moment is CENTRED on it: it reads half a window ([`Analyzer::lookahead`]) of what
-/// comes after. Before the first frame and after the last there is silence.
+/// the stream. The [`Alignment`] says where the window lies: centred on its moment it reads half a window
+/// ([`Analyzer::lookahead`]) of what comes after. Before the first frame and after the last there is silence.
 ///
 /// What is emitted depends on the frames alone, bit for bit, not on how they were cut into blocks. Nothing is
 /// allocated after `new`.
 pub struct Analyzer {
     sample_rate: u32,
     hop: usize,
-    /// The window being filled; `history[window / 2]` is the frame at `centre`.
+    lookahead: usize,
+    /// The window being filled; its end is the frame at `moment + lookahead`.
     history: Vec<StereoFrame>,
     filled: usize,
     /// Stream index of the next moment.
-    centre: u64,
+    moment: u64,
     /// Stream index of the next frame to be pushed.
     position: u64,
     /// Whether frames were pushed since the (re)start.
@@ -66,24 +76,29 @@ pub struct Analyzer {
 impl Analyzer {
     /// For a stream of `sample_rate` frames per second, that starts at frame 0. A rate outside the limits'
     /// `sample_rate_min..=sample_rate_max` is taken as the nearest one inside.
-    pub fn new(sample_rate: u32) -> Self {
+    pub fn new(sample_rate: u32, alignment: Alignment) -> Self {
         let sample_rate = sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max);
         let rate = f64::from(sample_rate);
         let hop = (REFERENCE_HOP * (rate / REFERENCE_RATE).log2().round().exp2()) as usize;
         let window = hop * HOPS_PER_WINDOW;
         let hop_seconds = hop as f64 / rate;
         let stretch = stretch_length(sample_rate);
+        let (lookahead, stretch_end) = match alignment {
+            Alignment::Centred => (window / 2, (window + stretch) / 2),
+            Alignment::Trailing => (0, window),
+        };
         let mut analyzer = Self {
             sample_rate,
             hop,
+            lookahead,
             history: vec![[0.0; 2]; window],
             filled: 0,
-            centre: 0,
+            moment: 0,
             position: 0,
             any: false,
             spectrum: Spectrum::new(window),
             bands: Bands::new(window / 2, rate / window as f64),
-            volume_stretch: (window - stretch) / 2..(window + stretch) / 2,
+            volume_stretch: stretch_end - stretch..stretch_end,
             volume_follower: Follower::new(VOLUME_ATTACK, VOLUME_RELEASE, hop_seconds),
             band_follower: Follower::new(BAND_ATTACK, BAND_RELEASE, hop_seconds),
             features: Features::SILENCE,
@@ -102,9 +117,9 @@ impl Analyzer {
         self.hop
     }
 
-    /// Frames that must follow a moment before its features are emitted: half a window, 43 ms at 48 kHz.
+    /// Frames that must follow a moment before its features are emitted: centred half a window, 43 ms at 48 kHz; else none.
     pub fn lookahead(&self) -> usize {
-        self.history.len() / 2
+        self.lookahead
     }
 
     /// Forgets everything; the next frame pushed is frame `position` of the stream (0 is its start).
@@ -113,12 +128,12 @@ impl Analyzer {
     /// silence. To meet the features of an uninterrupted analysis after a seek, start a second earlier.
     pub fn restart(&mut self, position: u64) {
         let position = position.min(POSITION_MAX);
-        self.centre = position.next_multiple_of(self.hop as u64);
+        self.moment = position.next_multiple_of(self.hop as u64);
         self.position = position;
         self.any = false;
         self.history.fill([0.0; 2]);
-        // The window starts half its length before the centre, and the centre is less than a hop ahead.
-        self.filled = self.lookahead() - (self.centre - position) as usize;
+        // A moment is less than a hop ahead, and the window behind it is longer than a hop.
+        self.filled = self.history.len() - self.lookahead - (self.moment - position) as usize;
         self.features = Features::SILENCE;
     }
 
@@ -144,7 +159,7 @@ impl Analyzer {
     /// end of the stream. Emits nothing if nothing was pushed. Then the analyzer is as new.
     pub fn finish(&mut self, emit: &mut dyn FnMut(TimedFeatures)) {
         // A moment before `position + hop` is the last one to be before or the first one to be at the end.
-        while self.any && self.centre < self.position + self.hop as u64 {
+        while self.any && self.moment < self.position + self.hop as u64 {
             self.history[self.filled..].fill([0.0; 2]);
             self.filled = self.history.len();
             self.emit_if_full(emit);
@@ -166,11 +181,11 @@ impl Analyzer {
         for (value, level) in self.features.bands.iter_mut().zip(levels) {
             self.band_follower.follow(value, height(level));
         }
-        let time = self.centre as f64 / f64::from(self.sample_rate);
+        let time = self.moment as f64 / f64::from(self.sample_rate);
         emit(TimedFeatures { time, features: self.features });
         self.history.copy_within(self.hop.., 0);
         self.filled -= self.hop;
-        self.centre += self.hop as u64;
+        self.moment += self.hop as u64;
     }
 }
 

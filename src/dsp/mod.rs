@@ -18,7 +18,7 @@ mod track;
 mod volume;
 mod window;
 
-pub use analyzer::Analyzer;
+pub use analyzer::{Alignment, Analyzer};
 pub use bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, band_edge};
 pub use features::{BAND_COUNT, Features, LEVEL_FLOOR_DB, TimedFeatures};
 pub use track::FeatureTrack;

@@ -4,7 +4,7 @@ use crate::audio::decode::{DecodeError, Decoder};
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
 use crate::audio::track::scale;
-use crate::dsp::{Analyzer, FeatureTrack, Features, StereoFrame};
+use crate::dsp::{Alignment, Analyzer, FeatureTrack, Features, StereoFrame};
 
 use super::error::ExportError;
 
@@ -32,7 +32,7 @@ impl SongFeatures {
     pub fn open(song: &Song, start: f64) -> Result<Self, DecodeError> {
         let mut decoder = song.open()?;
         let name = display_name(&decoder);
-        let mut analyzer = Analyzer::new(decoder.sample_rate());
+        let mut analyzer = Analyzer::new(decoder.sample_rate(), Alignment::Centred);
         let mut frames = 0;
         if start > PRE_ROLL {
             let reached = decoder.seek(start - PRE_ROLL)?;

@@ -19,5 +19,7 @@ pub mod session_bus;
 pub mod shader_folder;
 #[cfg(unix)]
 pub mod sound_server;
+#[cfg(unix)]
+pub mod sound_session;
 pub mod studio;
 pub mod wave;

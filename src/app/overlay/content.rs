@@ -16,6 +16,19 @@ pub struct OverlayContent<'a> {
     pub params: Option<&'a mut [Slider]>,
     /// The table of keys.
     pub help: bool,
+    /// A line that stays as long as it is given.
+    pub hint: Option<&'a str>,
+    /// What can be listened to.
+    pub sources: Option<SourceList>,
+}
+
+/// What can be listened to.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct SourceList {
+    /// In the order in which they follow each other.
+    pub names: Vec<String>,
+    /// The place of the present one.
+    pub present: Option<usize>,
 }
 
 /// A compiler's messages.
@@ -129,6 +142,8 @@ impl OverlayContent<'_> {
             && self.problem.is_none()
             && !self.has_params()
             && !self.help
+            && self.hint.is_none()
+            && self.sources.is_none()
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
@@ -141,6 +156,7 @@ impl OverlayContent<'_> {
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help).hash(&mut hasher);
+        (self.hint, &self.sources).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
@@ -182,13 +198,17 @@ mod tests {
         let now = Instant::now();
         let mut sliders = [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0 }];
         let mut seen = std::collections::BTreeSet::new();
-        let contents: [OverlayContent<'_>; 6] = [
+        let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
+        let contents: [OverlayContent<'_>; 9] = [
             OverlayContent::default(),
             OverlayContent { corner: Some("a"), ..Default::default() },
             OverlayContent { corner: Some("b"), ..Default::default() },
             OverlayContent { problem: Some(Problem { heading: "a", text: "b" }), ..Default::default() },
             OverlayContent { notice: Some(Notice { text: "a", since: now }), ..Default::default() },
             OverlayContent { help: true, ..Default::default() },
+            OverlayContent { hint: Some("a"), ..Default::default() },
+            OverlayContent { sources: Some(list(None)), ..Default::default() },
+            OverlayContent { sources: Some(list(Some(1))), ..Default::default() },
         ];
         for content in &contents {
             assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");

@@ -4,7 +4,7 @@ use std::sync::mpsc::Receiver;
 
 use crate::audio::timeline::SharedTimeline;
 use crate::audio::track::scale;
-use crate::dsp::{Analyzer, StereoFrame};
+use crate::dsp::{Alignment, Analyzer, StereoFrame};
 
 /// What the decoding thread sends, in order.
 pub(crate) enum AnalysisInput {
@@ -19,7 +19,7 @@ pub(crate) enum AnalysisInput {
 
 /// Works until the decoding thread ends.
 pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, timeline: &SharedTimeline) {
-    let mut analyzer = Analyzer::new(sample_rate);
+    let mut analyzer = Analyzer::new(sample_rate, Alignment::Centred);
     let (mut rate, mut gain) = (sample_rate, 1.0);
     let mut passage = 0;
     for input in inbox {
@@ -27,7 +27,7 @@ pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, timeline: &
         match input {
             AnalysisInput::Begin { passage: next, sample_rate, position, gain: factor } => {
                 if sample_rate != rate {
-                    analyzer = Analyzer::new(sample_rate);
+                    analyzer = Analyzer::new(sample_rate, Alignment::Centred);
                 }
                 (passage, rate, gain) = (next, sample_rate, factor);
                 analyzer.restart(position);
