@@ -150,6 +150,10 @@ const ROWS: &[Row] = &[
     Row { op: Op::Pow, relative: 1e-5, absolute: 0.0, trusted: finite },
     // llvmpipe clamps a NaN to the least cell.
     Row { op: Op::Hash, relative: 0.0, absolute: 0.0, trusted: numbers },
+    // A square below the normal numbers is 0 in a driver.
+    Row { op: Op::SquareAdd, relative: 0.0, absolute: 0.0, trusted: square },
+    Row { op: Op::OutsideAdd, relative: 0.0, absolute: 0.0, trusted: square },
+    Row { op: Op::Length, relative: 0.0, absolute: 0.0, trusted: square },
 ];
 
 fn any(_: f32, _: f32) -> bool {
@@ -170,6 +174,10 @@ fn finite(a: f32, b: f32) -> bool {
 
 fn quotient(a: f32, b: f32) -> bool {
     (a / b).is_normal() || a == 0.0 || b == 0.0
+}
+
+fn square(a: f32, _: f32) -> bool {
+    !(a * a).is_subnormal()
 }
 
 fn angle(a: f32, _: f32) -> bool {
@@ -306,6 +314,11 @@ fn disturbance(op: Op, a: f32, result: f32) -> f32 {
     const ULPS: f32 = 2.4e-7;
     match op {
         Op::Add | Op::Sub | Op::Mul | Op::Square | Op::Sqrt => ULPS * result.abs(),
+        Op::AbsDifference | Op::AbsSub => ULPS * result.abs(),
+        // What lies between both of a fused operator's is rounded, too.
+        Op::SquareDifference | Op::Length => 2.0 * ULPS * result.abs(),
+        Op::SquareAdd | Op::OutsideAdd => ULPS * (a * a + result.abs()),
+        Op::SqrtSub => ULPS * (a.max(0.0).sqrt() + result.abs()),
         // Small differences of what may be large.
         Op::Fract | Op::Mod => ULPS * a.abs(),
         Op::Spectrum | Op::Waveform | Op::History => ULPS,

@@ -4,7 +4,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use glow::HasContext;
@@ -21,7 +21,7 @@ use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::graph::FrameInputs;
 use crate::limits::LIMITS;
-use crate::region::{RegionKey, RegionOptions, RegionPlan, Regions};
+use crate::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
 use crate::world::{TapeBuffers, World};
 
 /// A world, uploaded.
@@ -76,9 +76,40 @@ impl BuiltRegions {
     /// Builds the tree of a frame.
     pub fn new(plan: &RegionPlan, inputs: &FrameInputs, request: RegionRequest) -> Self {
         let start = Instant::now();
-        let regions = plan.build(inputs, &request.options);
+        let parts = if plan.whole_texels() < SMALL_TAPE { 1 } else { processors() };
+        let regions = plan.build_in_parts(inputs, &request.options, parts, build_side_by_side);
         Self { regions, time: start.elapsed(), request }
     }
+}
+
+/// The tree of a scene of fewer clauses takes less time than starting a thread.
+const SMALL_TAPE: usize = 64;
+/// Most threads that build a tree: each has tapes of its own.
+const THREADS_MAX: usize = 4;
+
+/// How many threads are of use.
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
+}
+
+/// Builds each part on a thread of its own, the first on this one, as those that no thread can be had for.
+fn build_side_by_side(parts: &mut [Part]) {
+    let Some((first, others)) = parts.split_first_mut() else { return };
+    std::thread::scope(|scope| {
+        let mut left = Vec::new();
+        for part in others {
+            let part = Arc::new(Mutex::new(part));
+            let its = part.clone();
+            let work = move || its.lock().unwrap_or_else(PoisonError::into_inner).build();
+            if std::thread::Builder::new().name("regions".into()).spawn_scoped(scope, work).is_err() {
+                left.push(part);
+            }
+        }
+        first.build();
+        for part in left {
+            part.lock().unwrap_or_else(PoisonError::into_inner).build();
+        }
+    });
 }
 
 impl SceneResources {

@@ -99,6 +99,11 @@ impl Encoder {
         Ok(&self.texels)
     }
 
+    /// What was encoded last.
+    pub(super) fn texels(&self) -> &[Texel] {
+        &self.texels
+    }
+
     fn find_last_uses(&mut self, program: &Program, roots: [Arg; 2]) {
         refill(&mut self.last_use, program.values(), 0);
         for root in roots {

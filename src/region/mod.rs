@@ -27,11 +27,13 @@
 mod encode;
 pub mod gradient;
 mod lanes;
+mod part;
 mod program;
 mod prune;
 mod read;
 mod tree;
 
+pub use part::Part;
 pub use read::Cell;
 pub use tree::{RegionOptions, RegionStats, Regions};
 
@@ -173,15 +175,21 @@ impl RegionPlan {
 
     /// The tree of a frame.
     pub fn build(&self, inputs: &FrameInputs, options: &RegionOptions) -> Regions {
+        self.build_in_parts(inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
+    }
+
+    /// The tree of a frame in so many parts: `run` calls [`Part::build`] of each, on threads of its own if it likes. It is
+    /// the same tree, but that equal tapes of different parts are not shared.
+    pub fn build_in_parts(
+        &self,
+        inputs: &FrameInputs,
+        options: &RegionOptions,
+        parts: usize,
+        run: impl FnOnce(&mut [Part]),
+    ) -> Regions {
         let program = self.folded(Some(inputs), inputs);
-        tree::build(
-            program,
-            self.bounds,
-            self.has_rest && (self.runs || self.steep),
-            self.steep,
-            inputs,
-            options,
-        )
+        let has_rest = self.has_rest && (self.runs || self.steep);
+        tree::build(program, self.bounds, [has_rest, self.steep], (inputs, options), parts, run)
     }
 
     /// The program with the numbers of a frame folded in. Where no frame is known, its numbers and tables are values.

@@ -32,9 +32,11 @@ pub(super) struct Decisions {
     needed: Vec<u32>,
     /// Those of them of which something was decided in some cell.
     settled: Vec<u32>,
-    /// Where the values of the program went, while a shorter one is written.
-    moved: Vec<Arg>,
 }
+
+/// Where the values of a program went, while a shorter one is written.
+#[derive(Debug, Default)]
+pub(super) struct Scratch(Vec<Arg>);
 
 /// Cells in which all of an argument lies above these ends.
 #[inline(always)]
@@ -104,8 +106,7 @@ impl Decisions {
         program: &Program,
         structure: &Structure,
         rows: &[Lanes],
-        need: u64,
-        need_object: u64,
+        [need, need_object]: [u64; 2],
         together: &[u64],
     ) {
         let roots = [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)];
@@ -131,24 +132,24 @@ impl Decisions {
         }
     }
 
-    /// The program of the cells of a group.
+    /// The program of the cells of a group, with what the object needs or without.
     pub(super) fn shortened(
-        &mut self,
+        &self,
         program: &Program,
         rows: &[Lanes],
-        group: u64,
-        with_object: bool,
+        (group, with_object): (u64, bool),
         frame: &FrameInputs,
+        Scratch(places): &mut Scratch,
         short: &mut Program,
     ) {
         let cell = (group.trailing_zeros() as usize).min(63);
         let bit = 1u64 << cell;
         short.steps.clear();
         short.steps.reserve(self.needed.len());
-        if self.moved.len() < program.values() {
-            self.moved.resize(program.values(), Arg::Number(0.0));
+        if places.len() < program.values() {
+            places.resize(program.values(), Arg::Number(0.0));
         }
-        for (input, moved) in self.moved.iter_mut().enumerate().take(INPUTS) {
+        for (input, moved) in places.iter_mut().enumerate().take(INPUTS) {
             *moved = Arg::Value(input as u32);
         }
         let moved = |args: &[Arg], arg: Arg| match arg {
@@ -162,26 +163,26 @@ impl Decisions {
                 continue;
             }
             let step = &program.steps[*index as usize];
-            self.moved[at] = if (number | left | right) & bit == 0 {
-                match (self.moved[step.a as usize], self.moved[step.b as usize]) {
+            places[at] = if (number | left | right) & bit == 0 {
+                match (places[step.a as usize], places[step.b as usize]) {
                     // Most steps stay what they are. Of a negation another may be left.
                     (Arg::Value(a), Arg::Value(b)) if step.op != Op::Sub || step.form != Form::NumberLeft => {
                         short.push_step(Step { a, b, ..*step })
                     }
                     _ => {
-                        let (a, b) = (moved(&self.moved, step.first()), moved(&self.moved, step.second()));
+                        let (a, b) = (moved(places, step.first()), moved(places, step.second()));
                         short.push(step.op, a, b, frame)
                     }
                 }
             } else if number & bit != 0 {
                 Arg::Number(rows[at].lo[cell] + 0.0)
             } else if left & bit != 0 {
-                moved(&self.moved, step.first())
+                moved(places, step.first())
             } else {
-                moved(&self.moved, step.second())
+                moved(places, step.second())
             };
         }
-        short.roots = program.roots.map(|root| moved(&self.moved, root));
+        short.roots = program.roots.map(|root| moved(places, root));
         if !with_object {
             short.roots[OBJECT] = Arg::Number(f32::NAN);
         }

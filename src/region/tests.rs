@@ -105,6 +105,41 @@ fn a_tree_without_room_is_right_and_says_so() {
 }
 
 #[test]
+fn a_tree_in_parts_is_the_same_tree() {
+    for (text, center) in
+        [(MANY, [0.0; 3]), ("object land { shape = (p.y - 0.6 * sin(p.x) * cos(p.z)) * 0.5 }", [3.0; 3])]
+    {
+        let world = world_of(text);
+        let inputs = inputs_of(&world, 3.0, 0.7);
+        let plan = RegionPlan::new(&world);
+        let options = RegionOptions { texels_max: 1 << 22, center, ..Default::default() };
+        let whole = plan.build(&inputs, &options);
+        for count in [2, 3] {
+            let tree = plan.build_in_parts(&inputs, &options, count, |parts| {
+                assert_eq!(parts.len(), count);
+                parts.iter_mut().rev().for_each(Part::build);
+            });
+            assert_eq!((tree.stats.cells, tree.stats.passes), (whole.stats.cells, whole.stats.passes));
+            for number in 0..3_000 {
+                let at = point(&tree, number);
+                let known =
+                    |tree: &Regions| tree.cell_at(at).map(|cell| (cell.bound, cell.object, cell.slopes));
+                assert_eq!(known(&tree), known(&whole), "{at:?}");
+                assert_eq!(tree.distance(at, 0.1, &inputs), whole.distance(at, 0.1, &inputs), "{at:?}");
+                assert_eq!(tree.object(at, &inputs), whole.object(at, &inputs), "{at:?}");
+            }
+        }
+        let narrow = RegionOptions { texels_max: 17_000, ..options };
+        let tree = plan.build_in_parts(&inputs, &narrow, 2, |parts| parts.iter_mut().for_each(Part::build));
+        assert!(tree.texels.len() <= narrow.texels_max, "{:?}", tree.stats);
+        for number in 0..3_000 {
+            let at = point(&tree, number);
+            assert_eq!(tree.distance(at, 0.1, &inputs), whole.distance(at, 0.1, &inputs), "{at:?}");
+        }
+    }
+}
+
+#[test]
 fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
     // More than are hoisted, so that the choice stands in the program.
     let text = "let ball = union(for i in 0..100: sphere(p - vec3(sin(t+i), sin(2*t+i), sin(3*t+i)), 0.1))\n\

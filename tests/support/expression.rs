@@ -143,10 +143,16 @@ pub fn spread(
         // Jumps are near where a larger disturbance meets them; what is smooth grows in proportion.
         let size = if attempt % 2 == 0 { 1.0 } else { 4.0 };
         for &id in order {
-            let disturb = |op: Op, a: f32, value: f32, random: &mut Random| match random.below(2) {
-                _ if attempt == 0 => value,
-                0 => value + size * disturbance(op, a, value),
-                _ => value - size * disturbance(op, a, value),
+            // A driver may meet a whole number exactly where another stays beside it, as at the end of a TANH.
+            let disturb = |op: Op, a: f32, value: f32, random: &mut Random| {
+                let by = size * disturbance(op, a, value);
+                match random.below(2) {
+                    _ if attempt == 0 => value,
+                    _ if attempt == 1 && (value.round() - value).abs() <= by => value.round(),
+                    _ if attempt == 1 => value,
+                    0 => value + by,
+                    _ => value - by,
+                }
             };
             let value = |id: NodeId| values[id.index()];
             values[id.index()] = match graph.node(id) {

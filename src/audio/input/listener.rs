@@ -79,8 +79,10 @@ pub(super) struct Listener {
     rest: f64,
     /// Of the last moment.
     last_time: f64,
-    /// Frames of the stream that were analysed.
+    /// Frames of the stream that have come.
     position: u64,
+    /// Nothing is analysed: there is no signal, and every feature has come to rest.
+    resting: bool,
     batch: Vec<StereoFrame>,
 }
 
@@ -97,6 +99,7 @@ impl Listener {
             rest: 0.0,
             last_time: 0.0,
             position: 0,
+            resting: false,
             batch: Vec::new(),
         }
     }
@@ -116,7 +119,7 @@ impl Listener {
     fn attach(&mut self, link: Option<TapLink>) {
         if let Some(link) = &link {
             self.stream += 1;
-            self.position = 0;
+            (self.position, self.resting) = (0, false);
             if self.analyzer.sample_rate() == link.rate {
                 self.analyzer.restart(0);
             } else {
@@ -158,8 +161,15 @@ impl Listener {
 
     /// Analyses the batch, whose last frame came at `now`.
     fn analyse(&mut self, now: f64) {
+        let was_resting = std::mem::replace(&mut self.resting, self.ear.flat_for() > REST);
+        if was_resting && !self.resting {
+            self.analyzer.restart(self.position);
+        }
         let Self { batch, analyzer, moments, stream, last_time, .. } = self;
         self.position += batch.len() as u64;
+        if self.resting {
+            return;
+        }
         let (end, rate) = (self.position, f64::from(analyzer.sample_rate()));
         analyzer.push(batch, &mut |TimedFeatures { time, features }| {
             let position = (time * rate).round() as u64;
@@ -249,6 +259,27 @@ mod tests {
         }
         assert_eq!(listener.batch.len(), 0, "it never rests");
         assert!(made > 10 && listener.rest <= 0.0);
+    }
+
+    #[test]
+    fn long_silence_is_not_analysed_and_the_next_sound_is_at_its_place() {
+        let (mut listener, mut heard) = listener();
+        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        listener.attach(Some(link));
+        tap.take(&tone(1_000), 1, None);
+        listener.listen();
+        // As if that had been long ago.
+        listener.ear = Arc::new(Ear { epoch: Instant::now() - Duration::from_secs(10), ..Ear::new() });
+        assert!(!all(&mut heard).is_empty());
+        tap.take(&[0.0; 1_000], 1, None);
+        listener.listen();
+        assert!(all(&mut heard).is_empty(), "silence was analysed");
+        tap.take(&tone(1_000), 1, None);
+        listener.listen();
+        let moments = all(&mut heard);
+        let hop = listener.analyzer.hop() as u64;
+        assert_eq!(moments.first().map(|moment| moment.position), Some(2_000_u64.next_multiple_of(hop)));
+        assert!(moments.last().is_some_and(|last| last.features.volume[0] > 0.1));
     }
 
     #[test]

@@ -18,8 +18,9 @@ use crate::audio::error::{DeviceError, Direction};
 use crate::audio::hosts::hush_sound_library;
 use crate::audio::roster::RosterEntry;
 
-/// Frames per callback that are asked for at 44.1 and 48 kHz: 5 ms, half a hop of the analysis.
-const BUFFER_FRAMES: u32 = 256;
+/// Frames per callback that are asked for at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller ones bring nothing sooner,
+/// as features come with the hops, and each costs the client of PulseAudio some 0.1 ms.
+const BUFFER_FRAMES: u32 = 512;
 
 /// Most channels that a sound server is trusted to mix down to two.
 const MIXED_CHANNELS_MAX: u16 = 8;

@@ -1,0 +1,359 @@
+//! A part of a tree: the blocks of the root that one thread works on, cells of 64 at once, down to the bricks, and what is
+//! written for each.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use super::encode::{Encoder, Texel};
+use super::gradient::Gradients;
+use super::lanes::{CELLS, Lanes, mask};
+use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
+use super::prune::{Decisions, Scratch};
+use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, cells_of, place_in};
+use super::{DIVIDED, OBJECT_UNKNOWN};
+use crate::graph::Interval;
+
+/// Programs up to this length are not divided further.
+const UNDIVIDED_MAX: usize = 16;
+/// Of a scene without bounds that needs gradients, cells are divided whose side is more than this share of the way from
+/// the middle.
+const FINE_SHARE: f32 = 0.3;
+/// Farther from surfaces than this no ray asks for the object.
+const OBJECT_REACH: f32 = 0.25;
+
+/// The bits of a cell's second word that are an address.
+const ADDRESS: u32 = (1 << 24) - 1;
+
+/// The cells of a block.
+type Cells = [Texel; CELLS];
+
+/// What a level of the tree works with.
+#[derive(Debug, Default)]
+struct Level {
+    rows: Vec<Lanes>,
+    decisions: Decisions,
+    groups: Vec<u64>,
+    /// Cells that share their decisions.
+    together: Vec<u64>,
+    short: Program,
+    /// Of `short`.
+    structure: Structure,
+}
+
+/// Blocks of a tree's root, every so-many-th of them. Parts know nothing of each other, so that each may have a thread.
+#[derive(Debug)]
+pub struct Part<'a> {
+    trunk: &'a Trunk<'a>,
+    number: usize,
+    parts: usize,
+    /// Texels there is room for.
+    room: usize,
+    /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.
+    texels: Vec<Texel>,
+    /// Where in them bricks begin, and where the texels before tapes stand.
+    bricks: Vec<usize>,
+    heads: Vec<usize>,
+    /// Blocks of the root by their numbers.
+    blocks: Vec<(usize, Cells)>,
+    encoder: Encoder,
+    scratch: Scratch,
+    /// Second words of cells by the hash of their programs.
+    known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+    levels: [Level; 3],
+    /// Of scenes whose distance is none.
+    gradients: Option<Gradients>,
+    stats: RegionStats,
+}
+
+impl<'a> Part<'a> {
+    /// The part with a number of so many.
+    pub(super) fn new(trunk: &'a Trunk<'a>, number: usize, parts: usize) -> Self {
+        Self {
+            trunk,
+            number,
+            parts,
+            room: trunk.options.texels_max.saturating_sub(trunk.texels.len()) / parts.max(1),
+            texels: Vec::new(),
+            bricks: Vec::new(),
+            heads: Vec::new(),
+            blocks: Vec::new(),
+            encoder: Encoder::default(),
+            scratch: Scratch::default(),
+            known: HashMap::default(),
+            levels: Default::default(),
+            gradients: trunk.steep.then(Gradients::default),
+            stats: RegionStats::default(),
+        }
+    }
+
+    /// Builds the cells of this part.
+    pub fn build(&mut self) {
+        let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
+        let trunk = self.trunk;
+        for &group in &trunk.groups {
+            // Neighbours, which take about as long as each other, go to different parts.
+            let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
+            let own: Vec<usize> = cells_of(group).filter(own).collect();
+            if own.is_empty() {
+                continue;
+            }
+            trunk.decisions.shortened(
+                &trunk.program,
+                &trunk.rows,
+                (group, true),
+                trunk.frame,
+                &mut self.scratch,
+                &mut level.short,
+            );
+            level.structure.look_at(&level.short);
+            for cell in own {
+                let inner = trunk.block.child(place_in(cell));
+                let cells = self.cells(&level.short, &level.structure, inner, 1);
+                self.blocks.push((cell, cells));
+            }
+        }
+    }
+
+    /// Takes what was built: the blocks of the root and the texels, for a tree in which `before` texels of other parts
+    /// come first.
+    pub(super) fn finish(mut self, before: usize) -> (Vec<(usize, Cells)>, Vec<Texel>, RegionStats) {
+        let (start, shift) = (self.trunk.texels.len() as u32, before as u32);
+        if shift > 0 {
+            let moved = |address: u32| if address & ADDRESS >= start { address + shift } else { address };
+            for (_, cells) in &mut self.blocks {
+                for cell in cells {
+                    cell[1] = moved(cell[1]);
+                }
+            }
+            for brick in &self.bricks {
+                for cell in self.texels.iter_mut().skip(*brick).take(CELLS) {
+                    cell[1] = moved(cell[1]);
+                }
+            }
+            for head in &self.heads {
+                if let Some(head) = self.texels.get_mut(*head) {
+                    head[0] = moved(head[0]);
+                }
+            }
+        }
+        (self.blocks, self.texels, self.stats)
+    }
+
+    /// The 64 cells of a block. Those of the root that may hold a surface are divided.
+    fn cells(&mut self, program: &Program, structure: &Structure, block: Block, depth: usize) -> Cells {
+        let mut cells = [[0; 4]; CELLS];
+        let trunk = self.trunk;
+        let Some(mut level) = self.levels.get_mut(depth).map(std::mem::take) else { return cells };
+        self.stats.passes += 1;
+        bound_cells(program, block, trunk.overlap, &mut level.rows, trunk.frame);
+        let bounds = match program.roots[BOUND] {
+            Arg::Value(value) => level.rows[value as usize],
+            Arg::Number(number) => Lanes::splat(Interval::point(number)),
+        };
+        // What may be a NaN may be a surface; what is solid all through is none.
+        let outside = mask(|cell| bounds.lo[cell] > trunk.margin);
+        let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.margin);
+        // Few rays ask for a distance far from the surfaces: there the whole tape will do.
+        let (near, own) = match depth {
+            1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
+            _ => (u64::MAX, u64::MAX),
+        };
+        for cell in cells_of(!own) {
+            cells[cell] = self.cell(bounds.lo[cell], trunk.whole_tape | OBJECT_UNKNOWN << 24, [0; 2]);
+        }
+        // Away from surfaces only penumbras and occlusion ask: neighbours share a tape there.
+        let away = own & !surface;
+        let neighbours = if depth == 1 { &EIGHTHS[..] } else { &[u64::MAX] };
+        let shares = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
+        level.together.clear();
+        level.together.extend(shares.filter(|cells| *cells != 0));
+        level.decisions.decide(program, structure, &level.rows, [own, near], &level.together);
+        level.decisions.groups(&level.rows, &[near, own & !near], &mut level.groups);
+        for index in 0..level.groups.len() {
+            let group = level.groups[index];
+            level.decisions.shortened(
+                program,
+                &level.rows,
+                (group, group & near != 0),
+                trunk.frame,
+                &mut self.scratch,
+                &mut level.short,
+            );
+            let slopes = self.slopes(&level, depth, group & surface);
+            let mut divided =
+                if depth == 1 { group & surface & self.divisible(&level.short, &block) } else { 0 };
+            if divided != 0 {
+                level.structure.look_at(&level.short);
+            }
+            for cell in cells_of(divided) {
+                if self.texels.len() + CELLS > self.room {
+                    divided &= !(1 << cell);
+                    continue;
+                }
+                let inner = block.child(place_in(cell));
+                let children = self.cells(&level.short, &level.structure, inner, depth + 1);
+                cells[cell] = self.brick(&children).unwrap_or_else(|| {
+                    let second = self.tape(&level.short, 1);
+                    self.cell(bounds.lo[cell], second, slopes[cell])
+                });
+            }
+            let whole = group & !divided;
+            if whole != 0 {
+                let second = self.tape(&level.short, whole.count_ones() as usize);
+                for cell in cells_of(whole) {
+                    cells[cell] = self.cell(bounds.lo[cell], second, slopes[cell]);
+                }
+            }
+        }
+        if let Some(kept) = self.levels.get_mut(depth) {
+            *kept = level;
+        }
+        cells
+    }
+
+    /// The cells of a block that are worth dividing, whose program this is.
+    fn divisible(&self, program: &Program, block: &Block) -> u64 {
+        match &self.gradients {
+            None if program.steps.len() > UNDIVIDED_MAX => u64::MAX,
+            None => 0,
+            Some(_) => mask(|cell| self.is_close(block, cell)),
+        }
+    }
+
+    /// A cell that is divided into these; none where there is no room.
+    fn brick(&mut self, children: &Cells) -> Option<Texel> {
+        let at = self.address(CELLS)?;
+        self.bricks.push(self.texels.len());
+        self.texels.extend_from_slice(children);
+        Some([DIVIDED, at, 0, 0])
+    }
+
+    /// Where the next texels come to stand, if there is room for so many.
+    fn address(&self, texels: usize) -> Option<u32> {
+        let at = self.trunk.texels.len() + self.texels.len();
+        let fits = self.texels.len() + texels <= self.room && at + texels < ADDRESS as usize / self.parts;
+        fits.then_some(at as u32)
+    }
+
+    /// Whether a cell of a block looks large from the middle of a tree without bounds. Gradients take too long to have
+    /// them for small cells everywhere.
+    fn is_close(&self, block: &Block, cell: usize) -> bool {
+        let place = place_in(cell);
+        let away = (0..3).map(|axis| {
+            let low = block.low[axis] + place[axis] as f32 * block.cell[axis];
+            let center = self.trunk.options.center[axis];
+            (low - center).max(center - low - block.cell[axis]).max(0.0)
+        });
+        let side = block.cell.into_iter().fold(0.0, f32::max);
+        !self.trunk.unbounded || side > FINE_SHARE * away.fold(0.0, f32::hypot)
+    }
+
+    /// The words of the gradient for a group of the level's cells, 0 where no surface may be or nobody asks. In bricks
+    /// eight neighbours share one: finding it costs as much as thousands of clauses.
+    fn slopes(&mut self, level: &Level, depth: usize, cells: u64) -> [[u32; 2]; CELLS] {
+        let mut words = [[0; 2]; CELLS];
+        let Some(gradients) = &mut self.gradients else { return words };
+        let mut left = cells;
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            let sharing = if depth == 1 { 1 << first } else { left & eighth_of(first) };
+            left &= !sharing;
+            let sides = std::array::from_fn(|axis| {
+                let ends = cells_of(sharing).map(|cell| level.rows[axis].at(cell));
+                ends.fold(level.rows[axis].at(first), Interval::hull)
+            });
+            let found = gradients.words(&level.short, sides, self.trunk.frame);
+            for cell in cells_of(sharing) {
+                words[cell] = found;
+            }
+        }
+        words
+    }
+
+    /// A cell that is not divided.
+    fn cell(&mut self, lowest: f32, second: u32, [z, w]: [u32; 2]) -> Texel {
+        let bound = lowest - self.trunk.margin;
+        // No number is no bound.
+        let bound = if bound > 0.0 { bound.min(1e9) } else { 0.0 };
+        self.stats.cells += 1;
+        [bound.to_bits(), second, z, w]
+    }
+
+    /// A tape and the object's number as the second word of so many cells. Equal programs share one.
+    fn tape(&mut self, program: &Program, cells: usize) -> u32 {
+        let hash = program.hash();
+        if let Some(second) = self.known.get(&hash) {
+            return *second;
+        }
+        let Some(second) = self.new_tape(program) else {
+            self.stats.overflowed += cells;
+            return self.trunk.whole_tape | OBJECT_UNKNOWN << 24;
+        };
+        self.known.insert(hash, second);
+        second
+    }
+
+    /// None if there is no room.
+    fn new_tape(&mut self, program: &Program) -> Option<u32> {
+        let (object, object_tape) = match program.roots[OBJECT] {
+            Arg::Number(number) if (0.0..OBJECT_UNKNOWN as f32).contains(&number) => {
+                (number as u32, self.trunk.whole_object)
+            }
+            Arg::Value(_) => (OBJECT_UNKNOWN, self.stored(program, [OBJECT, OBJECT], None)?),
+            Arg::Number(_) => (OBJECT_UNKNOWN, self.trunk.whole_object),
+        };
+        let tape = self.stored(program, [BOUND, ESTIMATE], Some(object_tape))?;
+        self.stats.tapes += 1;
+        self.stats.clauses += self.encoder.clauses;
+        Some(tape | object << 24)
+    }
+
+    /// The address of a tape of its own, which stands after the texel that names the tape of its object.
+    fn stored(&mut self, program: &Program, roots: [usize; 2], object_tape: Option<u32>) -> Option<u32> {
+        let before = usize::from(object_tape.is_some());
+        let count = self.encoder.encode(program, roots).ok()?.len();
+        let at = self.address(before + count)?;
+        if let Some(object) = object_tape {
+            self.heads.push(self.texels.len());
+            self.texels.push([object, 0, 0, 0]);
+        }
+        self.texels.extend_from_slice(self.encoder.texels());
+        Some(at + before as u32)
+    }
+}
+
+/// Keys that are hashes already.
+#[derive(Debug, Default)]
+struct Hashed(u64);
+
+impl Hasher for Hashed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        self.0 = bytes.iter().fold(self.0, |hash, byte| hash << 8 | u64::from(*byte));
+    }
+
+    fn write_u64(&mut self, hash: u64) {
+        self.0 = hash;
+    }
+}
+
+/// The cells of the same 2x2x2 as one of 64.
+const fn eighth_of(cell: usize) -> u64 {
+    let first = cell & 0b10_10_10;
+    0b11_0011 << first | 0b11_0011 << (first + 16)
+}
+
+/// The eight 2x2x2 of 64 cells.
+const EIGHTHS: [u64; 8] = [
+    eighth_of(0),
+    eighth_of(2),
+    eighth_of(8),
+    eighth_of(10),
+    eighth_of(32),
+    eighth_of(34),
+    eighth_of(40),
+    eighth_of(42),
+];
