@@ -15,15 +15,12 @@ use mariana::dsp::StereoFrame;
 use support::sound_server::SINK_RATE as RATE;
 use support::sound_session::Session;
 
-/// A song, or the parts of one, once or again and again.
-struct Songs {
-    parts: Vec<Song>,
-    repeat: Repeat,
-}
+/// The parts of a song, once.
+struct Songs(Vec<Song>);
 
 impl Songs {
     fn track(&self, entry: usize) -> Option<Track> {
-        let mut track = Track::alone(Box::new(self.parts.get(entry)?.clone()));
+        let mut track = Track::alone(Box::new(self.0.get(entry)?.clone()));
         std::sync::Arc::make_mut(&mut track.info).entry = entry;
         Some(track)
     }
@@ -32,15 +29,12 @@ impl Songs {
 impl TrackList for Songs {
     fn find(&mut self, wanted: &Wanted, _: &mut dyn FnMut(String)) -> Found {
         match *wanted {
-            Wanted::Following { .. } if self.repeat == Repeat::One => Found::Again,
             Wanted::Following { after, .. } => self.track(after + 1).map_or(Found::End, Found::Track),
             _ => Found::Nothing,
         }
     }
 
-    fn set_order(&mut self, repeat: Repeat, _: bool, _: usize) {
-        self.repeat = repeat;
-    }
+    fn set_order(&mut self, _: Repeat, _: bool, _: usize) {}
 }
 
 /// A sound without repetition: noise on the left, a rising tone on the right.
@@ -123,14 +117,15 @@ fn compare(a: impl Iterator<Item = f32> + Clone, b: impl Iterator<Item = f32> + 
 }
 
 fn play(song: Song, looping: bool) -> Player {
-    play_parts(vec![song], if looping { Repeat::One } else { Repeat::Off })
+    let repeat = if looping { Repeat::All } else { Repeat::Off };
+    let options = PlayerOptions { repeat, ..PlayerOptions::default() };
+    Player::start_alone(Box::new(song), options).expect("it starts")
 }
 
-fn play_parts(parts: Vec<Song>, repeat: Repeat) -> Player {
-    let list = Songs { parts, repeat };
+fn play_parts(parts: Vec<Song>) -> Player {
+    let list = Songs(parts);
     let first = list.track(0).expect("a part");
-    Player::start(first, Box::new(list), PlayerOptions { repeat, ..PlayerOptions::default() })
-        .expect("it starts")
+    Player::start(first, Box::new(list), PlayerOptions::default()).expect("it starts")
 }
 
 fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> bool) -> PlayerStatus {
@@ -153,7 +148,7 @@ fn played_is_recorded(rate: u32, parts: usize) {
     // Not at whole blocks or seconds.
     let cuts: Vec<usize> = (0..=parts).map(|part| song.frames.len() * part / parts).collect();
     let part = |ends: &[usize]| Song { frames: song.frames[ends[0]..ends[1]].to_vec(), rate, next: 0 };
-    let mut player = play_parts(cuts.windows(2).map(part).collect(), Repeat::Off);
+    let mut player = play_parts(cuts.windows(2).map(part).collect());
     let status = wait_for(&mut player, "the end", |status| status.ended);
     std::thread::sleep(Duration::from_millis(200));
     let recorded = recorder.finish();

@@ -162,7 +162,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
                 Direction::Output => device.supports_output(),
                 Direction::Input => device.supports_input(),
             });
-            best_match(fitting.collect(), name, |device| RosterEntry::of(device))
+            best_match(fitting.collect(), name, RosterEntry::of)
                 .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))
         }
     }

@@ -18,8 +18,9 @@ use super::error::PlayerError;
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
 use super::roster::RosterEntry;
+use super::source::FrameSource;
 use super::timeline::SharedTimeline;
-use super::track::{Repeat, Track, TrackInfo, TrackList};
+use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
 use super::worker::Worker;
 use crate::dsp::Features;
 use crate::limits::LIMITS;
@@ -193,6 +194,14 @@ impl Player {
             moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
             shift: 0.0,
         })
+    }
+
+    /// Starts to play a source that is not of a list.
+    ///
+    /// # Errors
+    /// See [`Player::start`].
+    pub fn start_alone(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
+        Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
     }
 
     /// Pauses (true) or goes on (false).

@@ -164,3 +164,22 @@ pub trait TrackList: Send {
     /// Changes what follows what. A new random order begins with entry `current`.
     fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: usize);
 }
+
+/// A list of the one track that is open, which repeats in any way but [`Repeat::Off`].
+pub struct OneTrack(pub Repeat);
+
+impl TrackList for OneTrack {
+    fn find(&mut self, wanted: &Wanted, _: &mut dyn FnMut(String)) -> Found {
+        match wanted {
+            Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
+            Wanted::Following { anew: false, .. } => Found::End,
+            Wanted::Skip { .. } => Found::Again,
+            // It is known by nothing but its source.
+            Wanted::Following { .. } | Wanted::Files(_) => Found::Nothing,
+        }
+    }
+
+    fn set_order(&mut self, repeat: Repeat, _: bool, _: usize) {
+        self.0 = repeat;
+    }
+}

@@ -84,6 +84,7 @@ fn everything_shows_at_once_and_inside_the_window() {
             notice: Some(Notice { text: "compiled", since: Instant::now() }),
             params: Some(&mut sliders),
             help: true,
+            ..Default::default()
         };
         let mut stage = Stage::new(screen);
         let laid_out = stage.frame(Vec::new(), content);

@@ -268,7 +268,7 @@ mod tests {
             (entry("a.monitor", "A"), entry("b.monitor", "B"), entry("mic", "M"), entry("usb", "U"));
         let inputs = vec![mic.clone(), a.clone(), usb.clone(), b.clone()];
         let roster = Roster { known: true, inputs, ..Roster::default() };
-        assert_eq!(candidates(&roster, &a), [b.clone()]);
+        assert_eq!(candidates(&roster, &a), std::slice::from_ref(&b));
         assert_eq!(candidates(&roster, &mic), [a, b, usb]);
     }
 
