@@ -45,7 +45,7 @@ impl FrameSource for Tone {
 
 fn play(device: Option<&str>) -> Player {
     let options = PlayerOptions { device: device.map(Into::into), ..PlayerOptions::default() };
-    Player::start(Box::new(Tone(0)), options).expect("it starts")
+    Player::start_alone(Box::new(Tone(0)), options).expect("it starts")
 }
 
 fn listen(target: Target) -> Live {

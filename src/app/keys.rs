@@ -13,6 +13,15 @@ pub enum Action {
     ChangeVolume(f32),
     /// Mute or unmute.
     ToggleMute,
+    /// The next track, or the previous one.
+    SkipTrack {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// Play the tracks in random order, or in the list's.
+    ToggleShuffle,
+    /// Repeat all tracks, one, or none.
+    ChangeRepeat,
     /// Show the picture later by so many steps.
     Shift(f64),
     /// Listen to the next source.
@@ -101,6 +110,34 @@ pub const BINDINGS: &[Binding] = &[
         written: "M",
         action: Action::ToggleMute,
         meaning: "mute, or unmute; the picture goes on",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext)],
+        written: "Page down",
+        action: Action::SkipTrack { forward: true },
+        meaning: "the next track",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::PageUp), Key::Named(NamedKey::MediaTrackPrevious)],
+        written: "Page up",
+        action: Action::SkipTrack { forward: false },
+        meaning: "the track's start, or the previous track",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("s")],
+        written: "S",
+        action: Action::ToggleShuffle,
+        meaning: "tracks in random order, or in their own",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("l")],
+        written: "L",
+        action: Action::ChangeRepeat,
+        meaning: "repeat all tracks, this one, or none",
         repeats: false,
     },
     Binding {
