@@ -12,6 +12,7 @@ mod scene_regions;
 mod scene_stage;
 mod show;
 mod sound;
+mod title;
 mod window;
 
 pub use error::AppError;

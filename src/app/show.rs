@@ -20,8 +20,8 @@ use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::sound::{Sound, Start};
+use super::title::{live_title, title};
 use super::window::GlWindowContext;
-use crate::audio::input::LiveStatus;
 use crate::audio::playlist::Opened;
 use crate::audio::track::Repeat;
 use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
@@ -30,7 +30,6 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::Mode;
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
 /// Frame cap where the monitor tells no rate.
@@ -477,46 +476,6 @@ impl Show {
         self.error.get_or_insert(error);
         event_loop.exit();
     }
-}
-
-/// The window's title: the track, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
-/// was asked for.
-fn title(scene: Option<(String, Mode)>, status: &PlayerStatus, silence_asked: bool) -> String {
-    let track = &status.track;
-    let mut title = format!("{} - Mariana", track.name);
-    let mut notes = Vec::new();
-    if track.count > 1 {
-        notes.push(format!("{}/{}", track.entry + 1, track.count));
-    }
-    if let Some((scene, mode)) = scene {
-        notes.extend([scene, mode.to_string()]);
-    }
-    if status.paused {
-        notes.push("paused".to_owned());
-    }
-    if status.muted {
-        notes.push("muted".to_owned());
-    } else if status.volume < 0.995 {
-        notes.push(format!("volume {:.0} %", status.volume * 100.0));
-    }
-    if status.silent.is_some() && !silence_asked {
-        notes.push("no sound device".to_owned());
-    }
-    if !notes.is_empty() {
-        title.push_str(&format!(" ({})", notes.join(", ")));
-    }
-    title
-}
-
-/// The same while an input is listened to.
-fn live_title(status: &LiveStatus, scene: Option<(String, Mode)>, paused: bool) -> String {
-    let mut notes: Vec<String> =
-        scene.into_iter().flat_map(|(scene, mode)| [scene, mode.to_string()]).collect();
-    if paused {
-        notes.push("paused".to_owned());
-    }
-    notes.push(if status.silent.is_some() { "no sound".to_owned() } else { "live".to_owned() });
-    format!("{} - Mariana ({})", status.name, notes.join(", "))
 }
 
 impl ApplicationHandler for Show {
