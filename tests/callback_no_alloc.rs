@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
+use mariana::audio::input::Tap;
 use mariana::audio::output::{Controls, Counters, Feeder, Segment};
 
 // In debug builds it ends the process at the first allocation or release inside `assert_no_alloc`.
@@ -77,4 +78,40 @@ fn a_storm_of_events_allocates_nothing_in_the_callback() {
     }
     assert!(segments > 50 && counters.underruns.load(Ordering::Relaxed) > 50, "too little happened");
     assert!(loudest > 0.5 && loudest <= 1.0, "{loudest}");
+}
+
+/// Calls of the input's callback.
+const CALLS: usize = 1_000_000;
+
+#[test]
+fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
+    let (mut tap, mut link) = Tap::new(48_000, std::thread::current());
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let samples: Vec<f32> = (0..4096).map(|n| (n as f32 * 0.01).sin()).collect();
+    let integers: Vec<i16> = (0..4096).map(|n| (n * 7) as i16).collect();
+    let bytes: Vec<u8> = (0..4096).map(|n| n as u8).collect();
+    let (mut sent, mut read) = (0, 0);
+    for _ in 0..CALLS {
+        let channels = 1 + random.below(8);
+        // Mostly small, so that a million of them end soon; sometimes more than the ring has room for, and no whole number
+        // of frames.
+        let length = if random.below(50) == 0 { random.below(4097) } else { random.below(65) };
+        let age = [None, Some(Duration::from_millis(5)), Some(Duration::MAX)][random.below(3)];
+        assert_no_alloc(|| match length % 3 {
+            0 => tap.take(&integers[..length], channels, age),
+            1 => tap.take(&samples[..length], channels, age),
+            _ => tap.take(&bytes[..length], channels, age),
+        });
+        sent += (length / channels) as u64;
+        if random.below(300) == 0 {
+            let chunk = link.ring.read_chunk(link.ring.slots()).expect("they are there");
+            read += chunk.len() as u64;
+            chunk.commit_all();
+        }
+    }
+    read += link.ring.slots() as u64;
+    let lost = link.counters.lost.load(Ordering::Relaxed);
+    assert_eq!(link.counters.calls.load(Ordering::Relaxed), CALLS as u64);
+    assert_eq!(link.counters.frames.load(Ordering::Relaxed), sent);
+    assert_eq!(read + lost, sent);
 }

@@ -27,6 +27,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::graph::Input;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
@@ -47,6 +48,8 @@ struct Cast {
     compiled: Option<Program>,
     /// Whether no compiler has refused it so far.
     compilable: bool,
+    /// Whether it moves without sound, too.
+    moves: bool,
     sliders: Vec<Slider>,
 }
 
@@ -241,6 +244,7 @@ impl SceneStage {
             default: param.default,
         });
         let sliders = sliders.collect();
+        let moves = ready.world.scene.graph.holds(Input::T);
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
         let id = self.fresh_id();
@@ -252,6 +256,7 @@ impl SceneStage {
             interpreted: None,
             compiled: None,
             compilable: true,
+            moves,
             sliders,
         });
         self.forget_obsolete();
@@ -532,6 +537,11 @@ impl SceneStage {
         self.revision
     }
 
+    /// Whether the scene on the stage moves without sound, too.
+    pub fn moves_by_itself(&self) -> bool {
+        self.on_stage.as_ref().is_none_or(|cast| cast.moves)
+    }
+
     /// The name of the scene on the stage.
     pub fn name(&self) -> Option<String> {
         self.on_stage.as_ref().map(|cast| cast.source.title())
@@ -561,6 +571,7 @@ impl SceneStage {
             notice: notice.map(|(text, since)| Notice { text, since: *since }),
             params: sliders.filter(|sliders| with_sliders && !sliders.is_empty()),
             help,
+            ..OverlayContent::default()
         }
     }
 }

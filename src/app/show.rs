@@ -1,5 +1,6 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -9,24 +10,27 @@ use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
+use super::announcer::{Announcer, next_repeat, words_of};
 use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
-use super::overlay::Overlay;
+use super::media_controls::{Asked, MediaControls};
+use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
+use super::sound::{Sound, Start};
+use super::title::{live_title, title};
 use super::window::GlWindowContext;
-use crate::audio::song::{Song, display_name};
-use crate::audio::source::FrameSource;
+use crate::audio::playlist::Opened;
+use crate::audio::track::Repeat;
 use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
-use crate::dsp::{Sound, TapTempo};
+use crate::dsp::{self, TapTempo};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::Mode;
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
 /// Frame cap where the monitor tells no rate.
@@ -35,18 +39,24 @@ const FPS_DEFAULT: f64 = 60.0;
 const COMPILERS: usize = 2;
 /// How often a show that stands still looks around.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+/// How often it does while it waits for a sound that it could show.
+const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Two clicks within this time and distance in pixels are a double click.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 
-/// Opens the window and plays `song` until the user quits, or until it ends if it plays once.
+/// Opens the window and plays `tracks` until the user quits, or until they end if they play once; without tracks it
+/// listens to what the settings tell.
 ///
 /// # Errors
-/// The song cannot be opened or the window cannot show it.
-pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
+/// There is nothing to be played once, or the window cannot show it.
+pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
-    let decoder = song.open()?;
+    let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
+    if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
+        return Err(AppError::SongLost(trouble.clone()).into());
+    }
     let waker = Waker::default();
     let (loader, first) = load_first(&scene, &waker)?;
     let event_loop = match EventLoop::new() {
@@ -63,8 +73,8 @@ pub fn run(song: &Song, settings: PlaySettings, scene: SceneChoice) -> anyhow::R
     let mut show = Show {
         waker,
         loader: Some((loader, first)),
-        name: display_name(&decoder),
-        source: Some(Box::new(decoder)),
+        tracks,
+        dropped: Vec::new(),
         settings,
         scene,
         started,
@@ -118,9 +128,10 @@ fn reason(text: &str) -> &str {
 
 /// Everything that lives as long as the event loop.
 struct Show {
-    name: String,
     /// Taken by the player when the window stands.
-    source: Option<Box<dyn FrameSource>>,
+    tracks: Option<Opened>,
+    /// Files that were dropped onto the window and are not played yet.
+    dropped: Vec<PathBuf>,
     settings: PlaySettings,
     scene: SceneChoice,
     /// Taken by the stage when the window stands, with the first scene.
@@ -133,7 +144,7 @@ struct Show {
 
 /// Everything that lives as long as the window.
 struct Stage {
-    player: Player,
+    sound: Sound,
     /// The tempo by hand.
     taps: TapTempo,
     /// What the user wants; until the first picture the player waits in any case.
@@ -146,7 +157,8 @@ struct Stage {
     frame_times: FrameTimes,
     status_due: Instant,
     told_silent: Option<String>,
-    told_source: Option<String>,
+    announcer: Announcer,
+    controls: MediaControls,
     title: String,
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     cursor: PhysicalPosition<f64>,
@@ -163,18 +175,89 @@ struct Stage {
 }
 
 impl Stage {
-    /// What is audible now, with the tempo that was tapped.
-    fn now(&mut self, latency: f64) -> Moment {
-        let mut moment = self.player.now(latency);
-        self.taps.apply(moment.song_time, &mut moment.features);
-        moment
+    fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
+        if self.shown.is_some() {
+            self.sound.set_paused(paused);
+        }
     }
+
+    /// Changes what follows what; nothing while another source is listened to.
+    fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
+        let Some(player) = self.sound.player() else { return };
+        let status = player.status();
+        let before = (status.repeat, status.shuffled);
+        let (repeat, shuffled) = change(before.0, before.1);
+        player.set_order(repeat, shuffled);
+        self.announcer.answer(words_of(before, (repeat, shuffled)).to_owned());
+    }
+
+    /// Plays files that were dropped onto the window.
+    fn play_files(&mut self, files: Vec<PathBuf>) {
+        match self.sound.player() {
+            Some(player) => player.play_files(files),
+            None => {
+                self.announcer.answer("files play only while the song is listened to: press D".to_owned())
+            }
+        }
+    }
+
+    /// Takes this moment as a beat.
+    fn tap(&mut self) {
+        let Some(Moment { song_time, .. }) = self.sound.now() else { return };
+        self.taps.tap(song_time);
+        self.announcer.answer(match self.taps.at(song_time) {
+            Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
+            None => "tap again to set the tempo".to_owned(),
+        });
+    }
+
+    /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
+    fn moment(&mut self) -> Option<Moment> {
+        let mut now = self.sound.now()?;
+        self.taps.apply(now.song_time, &mut now.features);
+        let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
+        Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
+    }
+
+    /// How long a show that stands still sleeps: in silence it listens.
+    fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.paused { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        if let Some(player) = self.sound.player() {
+            act(player);
+        }
+    }
+
+    fn set_title(&mut self, title: String) {
+        if title != self.title {
+            self.window.window().set_title(&title);
+            self.title = title;
+        }
+    }
+}
+
+/// Adds what there is to tell of the sound and the tracks.
+fn show_sound<'a>(
+    sound: &'a Sound,
+    announcer: &'a Announcer,
+    content: &mut OverlayContent<'a>,
+    now: Instant,
+) {
+    content.add(sound.notice());
+    content.add(announcer.notice());
+    content.hint = sound.hint();
+    content.sources = sound.list(now);
 }
 
 impl Show {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let settings = &self.settings;
-        let title = title(&self.name, None, None, settings.silent);
+        let name = self.tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
+        let title = format!("{name} - Mariana");
         let window =
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
         if settings.gl_info {
@@ -199,21 +282,37 @@ impl Show {
             first,
             wake,
         )?;
-        let Some(source) = self.source.take() else { return Ok(()) };
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
-            looping: !settings.once,
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
             gain: settings.gain,
+            ..PlayerOptions::default()
         };
-        let player = Player::start(source, options)?;
+        let mut announcer = Announcer::default();
+        let mut player = None;
+        if let Some(tracks) = self.tracks.take() {
+            for trouble in tracks.troubles {
+                tell(&trouble);
+                announcer.say(trouble);
+            }
+            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
+            let options = PlayerOptions { repeat, shuffled, ..options };
+            player = Some(Player::start(tracks.first, Box::new(tracks.list), options)?);
+        }
+        let sound = Sound::start(Start {
+            player,
+            listen: settings.listen,
+            device: settings.device.clone(),
+            latency: settings.latency,
+            gain: settings.gain,
+        })?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         self.stage = Some(Stage {
-            player,
+            sound,
             taps: TapTempo::default(),
             paused: false,
             renderer,
@@ -223,7 +322,11 @@ impl Show {
             frame_times: FrameTimes::default(),
             status_due: now,
             told_silent: None,
-            told_source: None,
+            announcer,
+            controls: {
+                let waker = self.waker.clone();
+                MediaControls::start(move || waker.wake())
+            },
             title,
             last_click: None,
             cursor: PhysicalPosition::default(),
@@ -245,7 +348,7 @@ impl Show {
             stage.pacing.begun(begun);
         }
         let Some(size) = stage.window.size() else { return Ok(()) };
-        let moment = stage.now(self.settings.latency);
+        let Some(moment) = stage.moment() else { return Ok(()) };
         // A window beyond the driver's textures is drawn smaller and enlarged.
         let limit = stage.window.gl().info().texture_side_max;
         let drawn = (size.0.min(limit), size.1.min(limit));
@@ -255,11 +358,12 @@ impl Show {
         let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) {
-            let sound = Sound { features: moment.features, ..stage.player.sound() };
+            let sound = dsp::Sound { features: moment.features, ..stage.sound.heard() };
             new = stage.scene.draw(&mut stage.renderer, (moment, sound), drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
-        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        show_sound(&stage.sound, &stage.announcer, &mut content, begun);
         let Some(shown) = new.or(stage.shown) else { return Ok(()) };
         // Without a new picture there is something to show only if what stands over it changes, or the window.
         let waits = new.is_none() && shown != wanted && shown.size == drawn;
@@ -279,7 +383,7 @@ impl Show {
         }
         if first {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
-            stage.player.set_paused(stage.paused);
+            stage.sound.set_paused(stage.paused);
         }
         Ok(())
     }
@@ -287,23 +391,16 @@ impl Show {
     fn act(&mut self, action: Action, event_loop: &ActiveEventLoop) {
         let Some(stage) = &mut self.stage else { return };
         match action {
-            Action::TogglePause => {
-                stage.paused = !stage.paused;
-                if stage.shown.is_some() {
-                    stage.player.set_paused(stage.paused);
-                }
-            }
-            Action::Seek(seconds) => stage.player.seek_by(seconds),
-            Action::ChangeVolume(delta) => stage.player.change_volume(delta),
-            Action::ToggleMute => stage.player.toggle_mute(),
-            Action::Tap => {
-                let time = stage.player.now(self.settings.latency).song_time;
-                stage.taps.tap(time);
-                stage.scene.tell(match stage.taps.at(time) {
-                    Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
-                    None => "tap again to set the tempo".to_owned(),
-                });
-            }
+            Action::TogglePause => stage.set_paused(!stage.paused),
+            Action::Seek(seconds) => stage.with_song(|player| player.seek_by(seconds)),
+            Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
+            Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
+            Action::Tap => stage.tap(),
+            Action::SkipTrack { forward } => stage.with_song(|player| player.skip(forward)),
+            Action::ToggleShuffle => stage.set_order(|repeat, shuffled| (repeat, !shuffled)),
+            Action::ChangeRepeat => stage.set_order(|repeat, shuffled| (next_repeat(repeat), shuffled)),
+            Action::Shift(steps) => stage.sound.shift(steps),
+            Action::ChangeSource => stage.sound.next_source(),
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
@@ -322,6 +419,27 @@ impl Show {
         stage.status_due = Instant::now();
     }
 
+    /// Does what media keys and the desktop ask for.
+    fn obey_controls(&mut self, event_loop: &ActiveEventLoop) {
+        while let Some(asked) = self.stage.as_ref().and_then(|stage| stage.controls.poll()) {
+            let Some(stage) = &mut self.stage else { return };
+            match asked {
+                Asked::Play(play) => stage.set_paused(!play),
+                Asked::TogglePause => stage.set_paused(!stage.paused),
+                Asked::Skip { forward } => stage.with_song(|player| player.skip(forward)),
+                Asked::SeekBy(seconds) => stage.with_song(|player| player.seek_by(seconds)),
+                Asked::SeekTo(seconds) => stage.with_song(|player| player.seek_to(seconds)),
+                Asked::Volume(volume) => stage.with_song(|player| player.set_volume(volume)),
+                Asked::Repeat(repeat) => stage.set_order(|_, shuffled| (repeat, shuffled)),
+                Asked::Shuffle(shuffled) => stage.set_order(|repeat, _| (repeat, shuffled)),
+                Asked::Fullscreen(on) => stage.window.set_fullscreen(on),
+                Asked::Raise => stage.window.window().focus_window(),
+                Asked::Quit => event_loop.exit(),
+            }
+            stage.status_due = Instant::now();
+        }
+    }
+
     /// Title and messages, and the end of a song that plays once.
     fn look_at_status(&mut self, event_loop: &ActiveEventLoop) {
         let Some(stage) = &mut self.stage else { return };
@@ -330,29 +448,32 @@ impl Show {
             return;
         }
         stage.status_due = now + STATUS_INTERVAL;
-        let status = PlayerStatus { paused: stage.paused, ..stage.player.status() };
+        if let Some(live) = stage.sound.live_status() {
+            return stage.set_title(live_title(
+                &live,
+                stage.scene.name().zip(stage.scene.mode()),
+                stage.paused,
+            ));
+        }
+        let Some(status) = stage.sound.song_status() else { return };
+        let status = PlayerStatus { paused: stage.paused, ..status };
         if status.silent != stage.told_silent {
             if let Some(reason) = status.silent.as_ref().filter(|_| !self.settings.silent) {
                 tell(&format!("the song runs without sound: {reason}"));
             }
             stage.told_silent.clone_from(&status.silent);
         }
-        if let (true, false, Some(error)) = (status.ended, self.settings.once, &status.source_error) {
+        if let (true, true, 1, Some(error)) =
+            (status.ended, self.settings.once, status.track.count, &status.troubles.last)
+        {
             return self.fail(AppError::SongLost(error.clone()), event_loop);
         }
-        if status.source_error != stage.told_source {
-            if let Some(error) = &status.source_error {
-                tell(error);
-            }
-            stage.told_source.clone_from(&status.source_error);
-        }
+        stage.announcer.look(&status);
+        stage.controls.show(&status, stage.window.is_fullscreen());
         let scene = stage.scene.name().zip(stage.scene.mode());
-        let title = title(&self.name, scene, Some(&status), self.settings.silent);
-        if title != stage.title {
-            stage.window.window().set_title(&title);
-            stage.title = title;
-        }
-        if status.ended {
+        let title = title(scene, &status, self.settings.silent);
+        stage.set_title(title);
+        if status.ended && self.settings.once {
             event_loop.exit();
         }
     }
@@ -374,37 +495,6 @@ impl Show {
         self.error.get_or_insert(error);
         event_loop.exit();
     }
-}
-
-/// The window's title: the song, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
-/// was asked for.
-fn title(
-    name: &str,
-    scene: Option<(String, Mode)>,
-    status: Option<&PlayerStatus>,
-    silence_asked: bool,
-) -> String {
-    let mut title = format!("{name} - Mariana");
-    let Some(status) = status else { return title };
-    let mut notes = Vec::new();
-    if let Some((scene, mode)) = scene {
-        notes.extend([scene, mode.to_string()]);
-    }
-    if status.paused {
-        notes.push("paused".to_owned());
-    }
-    if status.muted {
-        notes.push("muted".to_owned());
-    } else if status.volume < 0.995 {
-        notes.push(format!("volume {:.0} %", status.volume * 100.0));
-    }
-    if status.silent.is_some() && !silence_asked {
-        notes.push("no sound device".to_owned());
-    }
-    if !notes.is_empty() {
-        title.push_str(&format!(" ({})", notes.join(", ")));
-    }
-    title
 }
 
 impl ApplicationHandler for Show {
@@ -429,6 +519,7 @@ impl ApplicationHandler for Show {
                 stage.window.resize();
                 stage.window.window().request_redraw();
             }
+            WindowEvent::DroppedFile(path) => self.dropped.push(path),
             WindowEvent::Occluded(occluded) => stage.occluded = occluded,
             WindowEvent::CursorMoved { position, .. } => stage.cursor = position,
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
@@ -453,25 +544,31 @@ impl ApplicationHandler for Show {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.obey_controls(event_loop);
         self.look_at_status(event_loop);
-        let latency = self.settings.latency;
         let Some(stage) = &mut self.stage else { return };
+        if !self.dropped.is_empty() {
+            stage.play_files(std::mem::take(&mut self.dropped));
+        }
         if let Err(error) = stage.scene.update() {
             return self.fail(error.into(), event_loop);
         }
         let now = Instant::now();
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
-        let content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        stage.announcer.update(now);
+        let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
+        show_sound(&stage.sound, &stage.announcer, &mut content, now);
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
-        let moment = stage.now(latency);
-        let moving = stage.shown.is_none_or(|shown| moment != shown.moment || shown.revision != revision)
-            || overlay_due.is_some_and(|due| due <= now);
+        let moment = stage.moment();
+        let moving =
+            stage.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision)
+                || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {
-            // Paused, ended or covered: nothing to draw until something happens.
-            let idle = now + IDLE_INTERVAL;
+            // Paused, ended or covered: nothing to draw until something happens. In silence it may happen at any time.
+            let idle = now + stage.idle_interval(seen);
             let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
             event_loop.set_control_flow(ControlFlow::WaitUntil(wake));
         } else if now >= stage.pacing.due() || stage.scene.has_regions() {

@@ -8,7 +8,7 @@ use cpal::SupportedBufferSize;
 use cpal::traits::{DeviceTrait, HostTrait};
 use serde::Serialize;
 
-use super::output::{hosts_by_preference, hush_sound_library};
+use super::hosts::{self, hosts_by_preference, hush_sound_library, monitored_output};
 use super::worker::Worker;
 
 /// How long a host may take to answer.
@@ -43,6 +43,8 @@ pub struct DeviceEntry {
     pub id: String,
     /// The host's default for this direction.
     pub default: bool,
+    /// Id of the output whose sound it records, for an input that is a monitor.
+    pub monitor_of: Option<String>,
     /// What is used unless asked otherwise, if the device tells.
     pub usual: Option<FormatReport>,
     /// Everything that is supported, alike entries joined.
@@ -103,7 +105,7 @@ fn report_host(id: cpal::HostId) -> HostReport {
     hush_sound_library();
     let mut report =
         HostReport { name: id.name().into(), problem: None, outputs: Vec::new(), inputs: Vec::new() };
-    let devices = cpal::host_from_id(id).and_then(|host| {
+    let devices = hosts::host(id).and_then(|host| {
         let defaults = [host.default_output_device(), host.default_input_device()];
         Ok((defaults.map(|device| device.and_then(|device| device.id().ok())), host.devices()?))
     });
@@ -136,6 +138,8 @@ fn entry(
         return None;
     }
     let id = device.id().ok();
+    let is_default = id.is_some() && id.as_ref() == default;
+    let id = id.map(|id| id.to_string());
     let name = device.description().map_or_else(|_| "unnamed".into(), |about| about.name().to_owned());
     let usual = usual.map(|config| FormatReport {
         formats: vec![config.sample_format().to_string()],
@@ -145,8 +149,9 @@ fn entry(
     });
     Some(DeviceEntry {
         name,
-        default: id.is_some() && id.as_ref() == default,
-        id: id.map(|id| id.to_string()).unwrap_or_default(),
+        default: is_default,
+        monitor_of: id.as_deref().and_then(monitored_output).map(str::to_owned),
+        id: id.unwrap_or_default(),
         usual,
         supported: join(ranges.into_iter().map(|range| FormatReport {
             formats: vec![range.sample_format().to_string()],
@@ -215,6 +220,9 @@ impl fmt::Display for DeviceEntry {
         let mark = if self.default { "*" } else { " " };
         writeln!(f, "  {mark} {}{}", self.name, if self.default { " (default)" } else { "" })?;
         writeln!(f, "      id        {}", self.id)?;
+        if let Some(output) = &self.monitor_of {
+            writeln!(f, "      monitor   records what {output} plays")?;
+        }
         if let Some(usual) = &self.usual {
             writeln!(f, "      usual     {usual}")?;
         }
@@ -280,11 +288,20 @@ mod tests {
             name: "Loud Box".into(),
             id: "alsa:hw0".into(),
             default: true,
+            monitor_of: None,
             usual: Some(format("f32", 2, (48_000, 48_000), None)),
             supported,
         };
+        let monitor = DeviceEntry {
+            name: "Monitor of Loud Box".into(),
+            id: "alsa:hw0.monitor".into(),
+            default: false,
+            monitor_of: Some("alsa:hw0".into()),
+            usual: None,
+            supported: Vec::new(),
+        };
         let hosts = vec![
-            HostReport { name: "ALSA".into(), problem: None, outputs: vec![output], inputs: Vec::new() },
+            HostReport { name: "ALSA".into(), problem: None, outputs: vec![output], inputs: vec![monitor] },
             HostReport {
                 name: "Other".into(),
                 problem: Some("asleep".into()),
@@ -300,7 +317,7 @@ mod tests {
             "usual     48000 Hz, 2 channels, f32\n",
             "supports  8000..96000 Hz, 1..8 channels, f32 i16, buffer 8..512 frames\n",
             "supports  192000 Hz, 2 channels, i16\n",
-            "  inputs: none\n",
+            "  inputs\n    Monitor of Loud Box\n      id        alsa:hw0.monitor\n      monitor   records what alsa:hw0 plays\n",
             "Other\n  asleep\n",
         ] {
             assert!(text.contains(part), "no {part:?} in\n{text}");

@@ -1,8 +1,8 @@
 //! A thread whose end is waited for, but never longer than a limit.
 
 use std::io;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::thread::{Builder, JoinHandle};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
+use std::thread::{Builder, JoinHandle, Thread};
 use std::time::Duration;
 
 /// A named thread.
@@ -21,6 +21,23 @@ impl Worker {
             work();
         })?;
         Ok(Self { handle: Some(handle), done })
+    }
+
+    /// Wakes the thread if it is parked.
+    pub(crate) fn wake(&self) {
+        if let Some(handle) = &self.handle {
+            handle.thread().unpark();
+        }
+    }
+
+    /// The thread, to be woken by others. None once its end was waited for.
+    pub(crate) fn thread(&self) -> Option<&Thread> {
+        self.handle.as_ref().map(JoinHandle::thread)
+    }
+
+    /// Whether it has ended.
+    pub(crate) fn has_ended(&self) -> bool {
+        matches!(self.done.try_recv(), Err(TryRecvError::Disconnected))
     }
 
     /// Waits for the thread's end, `limit` at most; true if it ended. After that it is left to itself.

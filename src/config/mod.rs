@@ -1,4 +1,8 @@
-//! Settings of a run: what the command line chooses, with the defaults. A settings file comes later.
+//! Settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
+
+mod settings;
+
+pub use settings::{Settings, SettingsError, SettingsFile};
 
 use crate::dsp::Gain;
 
@@ -14,10 +18,19 @@ pub enum SdfChoice {
     Auto,
 }
 
-/// How the window plays and shows a song.
+/// What to listen to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ListenChoice {
+    /// A microphone or another input.
+    Microphone,
+    /// What the computer plays.
+    System,
+}
+
+/// How the window plays and shows a song, or what it listens to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaySettings {
-    /// Output device by id, name or part of a name; none is the default.
+    /// Output device, or input device to listen to, by id, name or part of a name; none is the default.
     pub device: Option<String>,
     /// No sound: the song runs on the silent clock.
     pub silent: bool,
@@ -25,10 +38,12 @@ pub struct PlaySettings {
     pub once: bool,
     /// Volume at the start, 0..1.
     pub volume: f32,
-    /// The sound is heard this much later than the device says, in seconds.
-    pub latency: f64,
+    /// The sound is heard this much later than the device says, in seconds; none is what is remembered of the device.
+    pub latency: Option<f64>,
     /// Whether quiet and loud sound move the picture alike.
     pub gain: Gain,
+    /// Listen to this instead of playing a song.
+    pub listen: Option<ListenChoice>,
     /// Most frames per second; none is the monitor's rate.
     pub fps_cap: Option<f64>,
     /// Start in full screen.

@@ -105,6 +105,11 @@ impl Graph {
         self.nodes[id.index()]
     }
 
+    /// Whether any expression built so far, used or not, reads an input.
+    pub fn holds(&self, input: Input) -> bool {
+        self.nodes.contains(&Node::Input(input))
+    }
+
     /// The constant that a node is, if it is one.
     #[inline(always)]
     pub fn as_constant(&self, id: NodeId) -> Option<f32> {

@@ -80,10 +80,22 @@ impl Desktop {
         self.open_printing_to(Stdio::piped(), song, options)
     }
 
-    /// The same with another standard output.
+    /// The program that listens instead of playing a song, when its window shows.
+    pub fn listen(&self, options: &[&str]) -> App<'_> {
+        let mut command = self.command(PROGRAM);
+        command.args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+        self.show(command, Path::new(""))
+    }
+
+    /// The same as [`Desktop::open`] with another standard output.
     pub fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.arg(song).args(options).stdout(stdout).stderr(Stdio::piped());
+        self.show(command, song)
+    }
+
+    /// Runs the program until its window shows.
+    fn show(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
         let told = collect(process.child().stderr.take().unwrap());
@@ -109,7 +121,14 @@ impl Desktop {
 pub fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
     let mut command = Command::new(name);
     command.stdin(Stdio::null()).envs(session_environment(folder));
-    for other in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"] {
+    for other in [
+        "DISPLAY",
+        "WAYLAND_DISPLAY",
+        "WAYLAND_SOCKET",
+        "XDG_CONFIG_HOME",
+        "XDG_CACHE_HOME",
+        "DBUS_SESSION_BUS_ADDRESS",
+    ] {
         command.env_remove(other);
     }
     if let Some(display) = display {

@@ -14,8 +14,12 @@ pub mod oracle;
 pub mod process;
 #[cfg(target_os = "linux")]
 pub mod program;
+#[cfg(unix)]
+pub mod session_bus;
 pub mod shader_folder;
 #[cfg(unix)]
 pub mod sound_server;
+#[cfg(unix)]
+pub mod sound_session;
 pub mod studio;
 pub mod wave;

@@ -1,7 +1,7 @@
 //! A PulseAudio server of the test's own, whose null sink can be recorded.
 
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -13,7 +13,10 @@ use super::process::{Process, output_of, session_environment, wait_until};
 pub const SINK_RATE: u32 = 48_000;
 
 /// The server; it ends when dropped.
-pub struct SoundServer(Process);
+pub struct SoundServer {
+    process: Process,
+    folder: PathBuf,
+}
 
 impl SoundServer {
     /// Starts the server of the session in `folder`, with a null sink named viz.
@@ -29,7 +32,7 @@ impl SoundServer {
             .envs(session_environment(folder))
             .stdout(Stdio::null())
             .stderr(Stdio::null());
-        let server = Self(Process::start(&mut command, "pulseaudio"));
+        let server = Self { process: Process::start(&mut command, "pulseaudio"), folder: folder.to_owned() };
         wait_until("the sound server's sink", || {
             let mut list = Command::new("pactl");
             list.args(["list", "short", "sinks"]).envs(session_environment(folder));
@@ -41,7 +44,56 @@ impl SoundServer {
 
     /// Ends the server as a crash would.
     pub fn kill(mut self) {
-        self.0.kill();
+        self.process.kill();
+    }
+
+    /// The number under which the system knows it.
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
+    /// Asks the server for something, and gives what it says.
+    pub fn ask(&self, arguments: &[&str]) -> String {
+        let mut command = Command::new("pactl");
+        command.args(arguments).envs(session_environment(&self.folder));
+        let said = output_of(&mut command, "pulseaudio-utils").unwrap_or_else(|error| panic!("{error}"));
+        String::from_utf8_lossy(&said).trim().to_owned()
+    }
+
+    /// Plugs in another output that nothing hears; what pulls it out again.
+    pub fn plug(&self, name: &str, options: &[&str]) -> String {
+        let name = format!("sink_name={name}");
+        self.ask(&[&["load-module", "module-null-sink", &name, "norewinds=1"], options].concat())
+    }
+
+    /// Pulls out what [`SoundServer::plug`] plugged in.
+    pub fn unplug(&self, plugged: &str) {
+        self.ask(&["unload-module", plugged]);
+    }
+
+    /// Makes an output the default.
+    pub fn set_default(&self, name: &str) {
+        self.ask(&["set-default-sink", name]);
+    }
+
+    /// Plays a tone of `hz` on an output until what is given is dropped, one minute at most.
+    pub fn play_tone(&self, output: &str, hz: f64) -> Process {
+        let path = self.folder.join(format!("tone-{hz}.raw"));
+        let samples = (0..60 * SINK_RATE).flat_map(|n| {
+            let sample = (std::f64::consts::TAU * hz * f64::from(n) / f64::from(SINK_RATE)).sin() as f32;
+            (0.5 * sample).to_le_bytes()
+        });
+        std::fs::write(&path, samples.collect::<Vec<u8>>()).unwrap();
+        let mut command = Command::new("pacat");
+        command
+            .args(["--playback", "--raw", "--format=float32le", "--channels=1", "--latency-msec=20"])
+            .arg(format!("--rate={SINK_RATE}"))
+            .arg(format!("--device={output}"))
+            .arg(&path)
+            .envs(session_environment(&self.folder))
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        Process::start(&mut command, "pulseaudio-utils")
     }
 }
 

@@ -16,6 +16,19 @@ pub struct OverlayContent<'a> {
     pub params: Option<&'a mut [Slider]>,
     /// The table of keys.
     pub help: bool,
+    /// A line that stays as long as it is given.
+    pub hint: Option<&'a str>,
+    /// What can be listened to.
+    pub sources: Option<SourceList>,
+}
+
+/// What can be listened to.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct SourceList {
+    /// In the order in which they follow each other.
+    pub names: Vec<String>,
+    /// The place of the present one.
+    pub present: Option<usize>,
 }
 
 /// A compiler's messages.
@@ -51,21 +64,36 @@ pub struct Slider {
     pub default: f32,
 }
 
-/// How long a notice stands before it fades.
+/// How long a notice stands before it fades, at least, and for each of its characters.
 const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
+/// See [`NOTICE_STANDS`].
+const CHARACTER_STANDS: Duration = Duration::from_millis(55);
+/// How long even the longest one stands.
+const NOTICE_STANDS_MAX: Duration = Duration::from_secs(9);
 /// How long it takes to fade.
 const NOTICE_FADES: Duration = Duration::from_millis(500);
 
 impl Notice<'_> {
     /// Its opacity, 0..1.
     pub(super) fn opacity(&self, now: Instant) -> f32 {
-        let fading = now.saturating_duration_since(self.since).saturating_sub(NOTICE_STANDS);
+        let fading = now.saturating_duration_since(self.since).saturating_sub(self.stands());
         1.0 - (fading.as_secs_f32() / NOTICE_FADES.as_secs_f32()).min(1.0)
     }
 
     /// When it will look different; never again once it is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
-        (self.opacity(now) > 0.0).then(|| now.max(self.since + NOTICE_STANDS))
+        (self.opacity(now) > 0.0).then(|| now.max(self.since + self.stands()))
+    }
+
+    /// How long it stands: as long as it takes to be read.
+    fn stands(&self) -> Duration {
+        let characters = u32::try_from(self.text.chars().count()).unwrap_or(u32::MAX);
+        CHARACTER_STANDS.saturating_mul(characters).clamp(NOTICE_STANDS, NOTICE_STANDS_MAX)
+    }
+
+    /// Whether it shows no more.
+    pub fn is_gone(&self, now: Instant) -> bool {
+        self.opacity(now) <= 0.0
     }
 }
 
@@ -99,6 +127,14 @@ impl Slider {
     }
 }
 
+impl<'a> OverlayContent<'a> {
+    /// Adds another notice: the newer one shows.
+    pub fn add(&mut self, notice: Option<Notice<'a>>) {
+        let newer = notice.filter(|notice| self.notice.is_none_or(|other| other.since <= notice.since));
+        self.notice = newer.or(self.notice);
+    }
+}
+
 impl OverlayContent<'_> {
     /// Whether nothing shows.
     pub(super) fn is_empty(&self, now: Instant) -> bool {
@@ -106,7 +142,9 @@ impl OverlayContent<'_> {
             && self.problem.is_none()
             && !self.has_params()
             && !self.help
-            && self.notice.is_none_or(|notice| notice.opacity(now) <= 0.0)
+            && self.hint.is_none()
+            && self.sources.is_none()
+            && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
     /// Whether there are sliders.
@@ -118,7 +156,8 @@ impl OverlayContent<'_> {
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help).hash(&mut hasher);
-        let notice = self.notice.filter(|notice| notice.opacity(now) > 0.0);
+        (self.hint, &self.sources).hash(&mut hasher);
+        let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
@@ -146,6 +185,12 @@ mod tests {
         assert_eq!(notice.next_change(at(2_100)), None);
         let content = || OverlayContent { notice: Some(notice), ..Default::default() };
         assert!(!content().is_empty(at(2_099)) && content().is_empty(at(2_100)));
+        // A sentence stands longer, but not for ever.
+        for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
+            let text = "a".repeat(length);
+            let sentence = Notice { text: &text, since };
+            assert_eq!((sentence.opacity(at(ms)), sentence.opacity(at(ms + 500))), (1.0, 0.0));
+        }
     }
 
     #[test]
@@ -153,13 +198,17 @@ mod tests {
         let now = Instant::now();
         let mut sliders = [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0 }];
         let mut seen = std::collections::BTreeSet::new();
-        let contents: [OverlayContent<'_>; 6] = [
+        let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
+        let contents: [OverlayContent<'_>; 9] = [
             OverlayContent::default(),
             OverlayContent { corner: Some("a"), ..Default::default() },
             OverlayContent { corner: Some("b"), ..Default::default() },
             OverlayContent { problem: Some(Problem { heading: "a", text: "b" }), ..Default::default() },
             OverlayContent { notice: Some(Notice { text: "a", since: now }), ..Default::default() },
             OverlayContent { help: true, ..Default::default() },
+            OverlayContent { hint: Some("a"), ..Default::default() },
+            OverlayContent { sources: Some(list(None)), ..Default::default() },
+            OverlayContent { sources: Some(list(Some(1))), ..Default::default() },
         ];
         for content in &contents {
             assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");

@@ -1,4 +1,5 @@
-//! What is shown over the picture: a line in the corner, mistakes of the scene, notices, sliders and the keys.
+//! What is shown over the picture: a line in the corner, mistakes of the scene, notices, hints, what can be listened to,
+//! sliders and the keys.
 //!
 //! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again for
 //! it. What has not changed is painted again as it was laid out; what shows nothing costs nothing.
@@ -9,6 +10,7 @@ mod panels;
 mod params;
 mod pointer;
 mod problem;
+mod sources;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -20,7 +22,7 @@ use egui_glow::Painter;
 use winit::event::WindowEvent;
 use winit::window::Window;
 
-pub use content::{Notice, OverlayContent, Problem, Slider};
+pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
 use panels::Panels;
 use pointer::Pointer;
 

@@ -5,10 +5,12 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, Rect, pos2, vec2};
 
 use super::content::{Notice, OverlayContent};
-use super::{help, params, problem, style};
+use super::{help, params, problem, sources, style};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
+/// Most lines of a sentence at the top.
+const SENTENCE_ROWS_MAX: usize = 4;
 /// Greatest share of the window's height that a problem takes.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// A problem stays beside the parameters if it has this width there, in points.
@@ -85,8 +87,15 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
+    if let Some(list) = &content.sources {
+        sources::draw(&front, space, list);
+    }
+    let mut below = space;
+    if let Some(text) = content.hint {
+        below.min.y = draw_sentence(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+    }
     if let Some(notice) = &content.notice {
-        draw_notice(&front, space, notice, now);
+        draw_notice(&front, below, notice, now);
     }
     changed
 }
@@ -105,10 +114,18 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
 fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
+    draw_sentence(&painter, space, notice.text, style::TEXT);
+}
+
+/// Draws a sentence at the top; where it is.
+fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
-    let galley = style::line(&painter, notice.text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let width = LINE_WIDTH_MAX * space.width();
+    let galley = style::lines(painter, text, font, color, width, SENTENCE_ROWS_MAX);
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
-    style::ground(&painter, rect);
-    painter.galley(rect.center() - 0.5 * galley.size(), galley, style::TEXT);
+    style::ground(painter, rect);
+    // Centred lines stand around the place that they are drawn at.
+    painter.galley(rect.center() - galley.rect.center().to_vec2(), galley, color);
+    rect
 }

@@ -51,6 +51,21 @@ pub fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: 
     painter.layout_job(job)
 }
 
+/// Text in lines of `width` points, `rows` of them at most, centred, the last cut with an ellipsis.
+pub fn lines(
+    painter: &Painter,
+    text: &str,
+    font: FontId,
+    color: Color32,
+    width: f32,
+    rows: usize,
+) -> Arc<Galley> {
+    let mut job = LayoutJob::simple(text.to_owned(), font, color, width.max(1.0));
+    job.wrap.max_rows = rows;
+    job.halign = egui::Align::Center;
+    painter.layout_job(job)
+}
+
 /// The ground of a panel.
 pub fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);

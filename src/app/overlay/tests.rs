@@ -5,7 +5,7 @@ use std::time::Instant;
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
-use super::{Notice, OverlayContent, Problem, Slider, style};
+use super::{Notice, OverlayContent, Problem, Slider, SourceList, style};
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -84,6 +84,8 @@ fn everything_shows_at_once_and_inside_the_window() {
             notice: Some(Notice { text: "compiled", since: Instant::now() }),
             params: Some(&mut sliders),
             help: true,
+            hint: Some("no sound from a long name; the monitor of another long name has signal: press D"),
+            sources: Some(SourceList { names: vec!["the song".into(), "Mic".into()], present: Some(1) }),
         };
         let mut stage = Stage::new(screen);
         let laid_out = stage.frame(Vec::new(), content);
@@ -94,10 +96,11 @@ fn everything_shows_at_once_and_inside_the_window() {
             for panel in &laid_out.panels {
                 assert!(stage.screen.contains_rect(*panel), "{screen:?}: {panel:?}");
             }
-            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "full screen, or back"] {
+            for wanted in ["a.scene has mistakes", "compiled", "knob 0", "full screen, or back", "> Mic"] {
                 assert!(place_of(&texts, wanted).area() > 50.0, "{wanted} does not show");
             }
             assert!(texts.iter().any(|(text, _)| text.contains("more lines")), "{texts:?}");
+            assert!(texts.iter().any(|(text, _)| text.ends_with("press D")), "{texts:?}");
         }
     }
 }

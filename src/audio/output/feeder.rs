@@ -90,8 +90,10 @@ impl Controls {
     }
 }
 
+/// Places of the histogram of loads, a percent each.
+const LOADS: usize = 64;
+
 /// What the callback counts, over all outputs of a playback.
-#[derive(Default)]
 pub struct Counters {
     /// Calls.
     pub callbacks: AtomicU64,
@@ -101,6 +103,35 @@ pub struct Counters {
     pub underruns: AtomicU64,
     /// Longest time of a call relative to the duration of its buffer, in millionths.
     pub worst_load_millionths: AtomicU64,
+    /// How many calls took so many percent of their buffer's duration; the last place holds all above.
+    loads: [AtomicU64; LOADS],
+}
+
+impl Default for Counters {
+    fn default() -> Self {
+        Self {
+            callbacks: AtomicU64::new(0),
+            frames: AtomicU64::new(0),
+            underruns: AtomicU64::new(0),
+            worst_load_millionths: AtomicU64::new(0),
+            loads: std::array::from_fn(|_| AtomicU64::new(0)),
+        }
+    }
+}
+
+impl Counters {
+    /// What a share of the calls (0.999 is all but one of a thousand) stays below: the time of a call relative to the
+    /// duration of its buffer, in steps of 0.01. Infinite if that is beyond what is counted.
+    pub fn load_of(&self, share: f64) -> f64 {
+        let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
+        let wanted = share * counts.iter().sum::<u64>() as f64;
+        let mut sum = 0;
+        let place = counts.iter().position(|count| {
+            sum += count;
+            sum as f64 >= wanted
+        });
+        place.filter(|place| place + 1 < LOADS).map_or(f64::INFINITY, |place| (place + 1) as f64 / 100.0)
+    }
 }
 
 /// An unbroken run of frames; see [`crate::audio`].
@@ -247,6 +278,10 @@ impl Feeder {
         if frames > 0 {
             let load = called_at.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
             counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
+            // Never out of range; asked for in a way that cannot panic.
+            if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
+                count.fetch_add(1, Ordering::Relaxed);
+            }
         }
     }
 

@@ -203,6 +203,17 @@ fn the_volume_is_a_third_power_and_stays_in_range() {
     }
 }
 
+#[test]
+fn the_share_of_slow_calls_is_counted() {
+    let counters = Counters::default();
+    let put = |percent: usize, count| counters.loads[percent].store(count, Ordering::Relaxed);
+    put(0, 990);
+    put(7, 9);
+    put(63, 1);
+    assert_eq!([0.5, 0.99, 0.995, 0.999].map(|share| counters.load_of(share)), [0.01, 0.01, 0.08, 0.08]);
+    assert_eq!(counters.load_of(1.0), f64::INFINITY);
+}
+
 proptest! {
     /// A constant signal makes every click a step that is larger than the ramps allow.
     #[test]

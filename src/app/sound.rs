@@ -1,0 +1,377 @@
+//! What the show listens to: the song, or a live input, and how much later the picture is shown.
+
+use std::time::{Duration, Instant};
+
+use super::error::AppError;
+use super::overlay::{Notice, SourceList};
+use crate::audio::input::{Live, LiveOptions, LiveStatus};
+use crate::audio::roster::{Roster, RosterEntry, RosterWatch};
+use crate::audio::{Moment, Player, PlayerStatus, Target};
+use crate::config::{ListenChoice, Settings, SettingsFile};
+use crate::dsp::{self, Gain};
+use crate::export::print::tell;
+use crate::limits::LIMITS;
+
+/// How much `[` and `]` shift the picture, in milliseconds.
+pub const SHIFT_STEP_MS: f64 = 5.0;
+
+/// How long the list of sources stands after it was asked for.
+const LIST_STANDS: Duration = Duration::from_secs(4);
+
+/// Something to listen to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Source {
+    Song,
+    Live(Target),
+}
+
+/// See the module.
+pub struct Sound {
+    player: Option<Player>,
+    live: Option<Live>,
+    /// What the user wants.
+    paused: bool,
+    file: SettingsFile,
+    /// The shift of this run, in milliseconds, which was asked for on the command line.
+    asked_ms: Option<f64>,
+    gain: Gain,
+    /// Id of the device in use, as far as is known, and its name.
+    device: Option<RosterEntry>,
+    watch: Option<std::sync::Arc<RosterWatch>>,
+    list: Option<(Vec<(Source, String)>, Instant)>,
+    notice: Option<(String, Instant)>,
+    /// What stays over the picture as long as it is so.
+    hint: Option<String>,
+    suggestion: Option<RosterEntry>,
+    told: Option<String>,
+}
+
+/// What the show starts with.
+pub struct Start {
+    /// The song; none if only an input is listened to.
+    pub player: Option<Player>,
+    /// An input.
+    pub listen: Option<ListenChoice>,
+    /// The input's id, name, or a part of one.
+    pub device: Option<String>,
+    /// The shift of this run, in seconds.
+    pub latency: Option<f64>,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
+}
+
+impl Sound {
+    /// Starts to listen; a song waits until it is let go.
+    ///
+    /// # Errors
+    /// A thread cannot be started.
+    pub fn start(start: Start) -> Result<Self, AppError> {
+        let (file, error) = SettingsFile::of_user();
+        let mut sound = Self {
+            player: start.player,
+            live: None,
+            paused: true,
+            file,
+            asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
+            gain: start.gain,
+            device: None,
+            watch: None,
+            list: None,
+            notice: None,
+            hint: None,
+            suggestion: None,
+            told: None,
+        };
+        if let Some(error) = error {
+            sound.complain(&error.to_string());
+        }
+        if let Some(choice) = start.listen {
+            let target = wanted(choice, start.device, sound.file.settings());
+            sound.live = Some(Live::start(LiveOptions { target, gain: start.gain })?);
+        }
+        Ok(sound)
+    }
+
+    /// The song, if it is what is listened to.
+    pub fn player(&mut self) -> Option<&mut Player> {
+        self.player.as_mut().filter(|_| self.live.is_none())
+    }
+
+    /// Pauses or goes on.
+    pub fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
+        if let Some(live) = &mut self.live {
+            live.set_paused(paused);
+        } else if let Some(player) = &self.player {
+            player.set_paused(paused);
+        }
+    }
+
+    /// What is heard now.
+    pub fn now(&mut self) -> Option<Moment> {
+        let shift = self.shift_ms() / 1000.0;
+        match (&mut self.live, &mut self.player) {
+            (Some(live), _) => Some(live.now(shift)),
+            (None, Some(player)) => Some(player.now(shift)),
+            (None, None) => None,
+        }
+    }
+
+    /// The sound of what [`Sound::now`] told last, with its curves.
+    pub fn heard(&self) -> dsp::Sound {
+        match (&self.live, &self.player) {
+            (Some(live), _) => live.sound(),
+            (None, Some(player)) => player.sound(),
+            (None, None) => dsp::Sound::default(),
+        }
+    }
+
+    /// How the song stands, if it is what is listened to. Takes note of its device.
+    pub fn song_status(&mut self) -> Option<PlayerStatus> {
+        let status = self.player()?.status();
+        self.device.clone_from(&status.device);
+        Some(status)
+    }
+
+    /// How the input stands, if one is listened to. Tells on the terminal what is new.
+    pub fn live_status(&mut self) -> Option<LiveStatus> {
+        let status = self.live.as_mut()?.status();
+        self.device.clone_from(&status.device);
+        self.suggestion.clone_from(&status.suggestion);
+        self.hint = status.silent.clone().or_else(|| status.flat.clone());
+        if self.told != status.silent {
+            if let Some(reason) = &status.silent {
+                tell(&format!("nothing is heard: {reason}"));
+            }
+            self.told.clone_from(&status.silent);
+        }
+        Some(status)
+    }
+
+    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers that of the device.
+    pub fn shift(&mut self, steps: f64) {
+        // What is heard live cannot be shown before it comes.
+        let least = if self.live.is_some() { 0.0 } else { -LIMITS.latency_ms_max };
+        let shift = (self.shift_ms() + steps * SHIFT_STEP_MS).clamp(least, LIMITS.latency_ms_max);
+        self.asked_ms = Some(shift);
+        let Some(device) = self.device.clone() else {
+            return self.say(shift_in_words(shift, None));
+        };
+        self.say(shift_in_words(shift, Some(&device.name)));
+        // Remembered of the device from now on; with another device another shift.
+        self.asked_ms = None;
+        self.remember(|settings| {
+            settings.latency_ms.insert(device.id.clone(), shift);
+        });
+    }
+
+    /// How much later than the device says the picture is shown, in milliseconds.
+    fn shift_ms(&self) -> f64 {
+        let remembered = || self.file.latency_ms(&self.device.as_ref()?.id);
+        self.asked_ms.or_else(remembered).unwrap_or(0.0)
+    }
+
+    /// Listens to the next source, or to the one where there is signal, and shows the list of them.
+    pub fn next_source(&mut self) {
+        let roster = match &self.watch {
+            Some(watch) => watch.latest().1,
+            None => match RosterWatch::shared() {
+                Ok(watch) => self.watch.insert(watch).latest().1,
+                Err(error) => return self.complain(&error.to_string()),
+            },
+        };
+        let sources = self.sources(&roster);
+        let present = self.present();
+        let place = sources.iter().position(|(source, _)| *source == present);
+        let suggested = self.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
+        let next = suggested.or_else(|| {
+            let after = place.map_or(0, |place| (place + 1) % sources.len().max(1));
+            sources.get(after).map(|(source, _)| source.clone())
+        });
+        if let Some(next) = next {
+            self.choose(next);
+        }
+        self.list = Some((sources, Instant::now()));
+    }
+
+    fn present(&self) -> Source {
+        self.live.as_ref().map_or(Source::Song, |live| Source::Live(live.target().clone()))
+    }
+
+    /// Everything that can be listened to, with its name.
+    fn sources(&self, roster: &Roster) -> Vec<(Source, String)> {
+        let name_of = |entry: Option<&RosterEntry>| entry.map_or("none now", |entry| &*entry.name).to_owned();
+        let mut sources = Vec::new();
+        if self.player.is_some() {
+            sources.push((Source::Song, "the song".to_owned()));
+        }
+        let monitor = name_of(roster.default_monitor());
+        let input = roster.default_input.as_deref().and_then(|id| roster.input(id));
+        sources.push((Source::Live(Target::Monitor), format!("what the computer plays ({monitor})")));
+        sources.push((Source::Live(Target::Default), format!("the default input ({})", name_of(input))));
+        for entry in &roster.inputs {
+            sources.push((Source::Live(Target::Named(entry.id.clone())), entry.name.clone()));
+        }
+        let present = self.present();
+        if let Source::Live(Target::Named(name)) = &present
+            && !sources.iter().any(|(source, _)| *source == present)
+        {
+            sources.push((present.clone(), name.clone()));
+        }
+        sources
+    }
+
+    fn choose(&mut self, source: Source) {
+        (self.hint, self.device, self.told) = (None, None, None);
+        match source {
+            Source::Song => {
+                self.live = None;
+                if let Some(player) = &self.player {
+                    player.set_paused(self.paused);
+                }
+            }
+            Source::Live(target) => {
+                if let Some(player) = &self.player {
+                    player.set_paused(true);
+                }
+                match &mut self.live {
+                    Some(live) => live.choose(target.clone()),
+                    None => match Live::start(LiveOptions { target: target.clone(), gain: self.gain }) {
+                        Ok(mut live) => {
+                            live.set_paused(self.paused);
+                            self.live = Some(live);
+                        }
+                        Err(error) => return self.complain(&error.to_string()),
+                    },
+                }
+                self.remember(|settings| note_choice(settings, &target));
+            }
+        }
+    }
+
+    /// What comes up over the picture and fades.
+    pub fn notice(&self) -> Option<Notice<'_>> {
+        self.notice.as_ref().map(|(text, since)| Notice { text, since: *since })
+    }
+
+    /// What stays over the picture.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref().filter(|_| self.live.is_some())
+    }
+
+    /// The list of sources, as long as it shows.
+    pub fn list(&self, now: Instant) -> Option<SourceList> {
+        let (sources, since) = self.list.as_ref()?;
+        let present = self.present();
+        (now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
+            names: sources.iter().map(|(_, name)| name.clone()).collect(),
+            present: sources.iter().position(|(source, _)| *source == present),
+        })
+    }
+
+    fn remember(&mut self, change: impl Fn(&mut Settings)) {
+        if let Err(error) = self.file.change(change) {
+            self.complain(&error.to_string());
+        }
+    }
+
+    /// Says what is wrong with the settings, once.
+    fn complain(&mut self, text: &str) {
+        if self.told.as_deref() != Some(text) {
+            tell(text);
+        }
+        self.told = Some(text.to_owned());
+    }
+
+    fn say(&mut self, text: String) {
+        self.notice = Some((text, Instant::now()));
+    }
+}
+
+/// What to listen to: the device that was asked for, or that is remembered, or the default.
+fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> Target {
+    let (remembered, default) = match choice {
+        ListenChoice::Microphone => (&settings.microphone, Target::Default),
+        ListenChoice::System => (&settings.system, Target::Monitor),
+    };
+    let device = device.map(|name| match choice {
+        ListenChoice::Microphone => name,
+        // The monitor of the output that was named.
+        ListenChoice::System if !name.contains("monitor") => format!("{name}.monitor"),
+        ListenChoice::System => name,
+    });
+    device.or_else(|| remembered.clone()).map_or(default, Target::Named)
+}
+
+/// Remembers a choice, by name.
+fn note_choice(settings: &mut Settings, target: &Target) {
+    match target {
+        Target::Default => settings.microphone = None,
+        Target::Monitor => settings.system = None,
+        Target::Named(id) => {
+            let entry = RosterEntry { id: id.clone(), name: String::new() };
+            let place = if entry.is_monitor() { &mut settings.system } else { &mut settings.microphone };
+            *place = Some(id.clone());
+        }
+    }
+}
+
+/// A shift in words.
+fn shift_in_words(shift: f64, device: Option<&str>) -> String {
+    let words = match shift {
+        0.0 => "the picture is shown when the device says that it is heard".to_owned(),
+        later if later > 0.0 => format!("the picture is shown {later:.0} ms later"),
+        sooner => format!("the picture is shown {:.0} ms sooner", -sooner),
+    };
+    match device {
+        Some(device) => format!("{words} · {device}"),
+        None => words,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_is_asked_for_wins_over_one_that_is_remembered() {
+        let settings = Settings {
+            microphone: Some("p:mic".into()),
+            system: Some("p:tv.monitor".into()),
+            ..Settings::default()
+        };
+        let named = |name: &str| Target::Named(name.into());
+        let (mic, system) = (ListenChoice::Microphone, ListenChoice::System);
+        assert_eq!(wanted(mic, None, &settings), named("p:mic"));
+        assert_eq!(wanted(system, None, &settings), named("p:tv.monitor"));
+        assert_eq!(wanted(mic, Some("usb".into()), &settings), named("usb"));
+        assert_eq!(wanted(system, Some("hdmi".into()), &settings), named("hdmi.monitor"));
+        assert_eq!(wanted(system, Some("hdmi.monitor".into()), &settings), named("hdmi.monitor"));
+        let none = Settings::default();
+        assert_eq!(
+            (wanted(mic, None, &none), wanted(system, None, &none)),
+            (Target::Default, Target::Monitor)
+        );
+    }
+
+    #[test]
+    fn choices_are_remembered_where_they_belong() {
+        let mut settings = Settings::default();
+        for name in ["p:mic", "p:tv.monitor"] {
+            note_choice(&mut settings, &Target::Named(name.into()));
+        }
+        assert_eq!(
+            (settings.microphone.as_deref(), settings.system.as_deref()),
+            (Some("p:mic"), Some("p:tv.monitor"))
+        );
+        note_choice(&mut settings, &Target::Monitor);
+        assert_eq!((settings.microphone.as_deref(), settings.system), (Some("p:mic"), None));
+    }
+
+    #[test]
+    fn shifts_are_told_with_their_sign() {
+        assert!(shift_in_words(35.0, Some("TV")).contains("35 ms later · TV"));
+        assert!(shift_in_words(-5.0, None).contains("5 ms sooner"));
+        assert!(!shift_in_words(0.0, None).contains("ms"));
+    }
+}

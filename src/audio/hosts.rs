@@ -1,0 +1,118 @@
+//! The sound systems of this machine, and the connections to a sound server.
+//!
+//! A connection to PulseAudio is a socket and a thread that end with the server, not with the host that opened them, and
+//! a server takes 64 of them. So connections are kept: one for questions and inputs, and one for each stream that plays,
+//! as cpal makes all that play on a connection one group, which PulseAudio keeps on one device.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use cpal::traits::{DeviceTrait, HostTrait};
+
+/// What follows the name of an output in the id of the input that records what it plays (PulseAudio, PipeWire).
+const MONITOR_SUFFIX: &str = ".monitor";
+
+/// The kept connection for questions and inputs.
+static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
+
+/// Connections without a stream that plays.
+static IDLE: Mutex<Vec<Arc<cpal::Host>>> = Mutex::new(Vec::new());
+
+/// The hosts of this system, the sound server first: it reports failures best, and it shares the device.
+pub fn hosts_by_preference() -> Vec<cpal::HostId> {
+    let mut hosts = cpal::available_hosts();
+    hosts.sort_by_key(|host| !is_server(*host));
+    hosts
+}
+
+/// Whether the host is a sound server, which converts rates and channels, lists monitors and may go and come back.
+pub fn is_server(host: cpal::HostId) -> bool {
+    host.name().eq_ignore_ascii_case("pulseaudio")
+}
+
+/// Keeps libasound from printing on stderr what it also returns as an error, for this thread.
+pub fn hush_sound_library() {
+    #[cfg(target_os = "linux")]
+    if let Err(error) = alsa::Output::local_error_handler() {
+        tracing::debug!("libasound goes on printing: {error}");
+    }
+}
+
+/// A host that answers. May block as long as the sound system likes.
+///
+/// # Errors
+/// What the sound system says.
+pub fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
+    if !is_server(id) {
+        return Ok(Arc::new(cpal::host_from_id(id)?));
+    }
+    // Nobody holds the lock while asking: a server that hangs holds up only who asks.
+    let kept = lock().clone();
+    let alive = kept.as_ref().is_some_and(|host| answers(host));
+    if let Some(host) = kept.as_ref().filter(|_| alive) {
+        return Ok(host.clone());
+    }
+    let mut slot = lock();
+    let renewed = match (&*slot, &kept) {
+        (Some(now), Some(before)) => !Arc::ptr_eq(now, before),
+        (now, _) => now.is_some(),
+    };
+    if let Some(host) = slot.as_ref().filter(|_| renewed) {
+        // Another thread was sooner.
+        return Ok(host.clone());
+    }
+    *slot = None;
+    let host = Arc::new(cpal::host_from_id(id)?);
+    *slot = Some(host.clone());
+    Ok(host)
+}
+
+/// A connection that no other stream plays on, as long as it is held.
+pub struct PlaybackConnection(Option<Arc<cpal::Host>>);
+
+impl Drop for PlaybackConnection {
+    fn drop(&mut self) {
+        if let Some(host) = self.0.take() {
+            IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(host);
+        }
+    }
+}
+
+/// The same device on a connection of its own, to be held as long as a stream plays on it; on other hosts than sound
+/// servers just the device.
+///
+/// # Errors
+/// What the sound system says.
+pub fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
+    let id = device.id()?;
+    if !is_server(id.host()) {
+        return Ok((device, PlaybackConnection(None)));
+    }
+    let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    let alive = std::iter::from_fn(idle).find(|host| answers(host));
+    let host = match alive {
+        Some(host) => host,
+        None => Arc::new(cpal::host_from_id(id.host())?),
+    };
+    let connection = PlaybackConnection(Some(host.clone()));
+    let same = host.device_by_id(&id).filter(|device| device.supports_output());
+    let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it has just gone");
+    Ok((same.ok_or_else(gone)?, connection))
+}
+
+fn answers(host: &cpal::Host) -> bool {
+    host.default_output_device().is_some() || host.devices().is_ok()
+}
+
+fn lock() -> std::sync::MutexGuard<'static, Option<Arc<cpal::Host>>> {
+    SERVER.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The id of the input that records what the output plays, on a sound server.
+pub fn monitor_id(output_id: &str) -> String {
+    format!("{output_id}{MONITOR_SUFFIX}")
+}
+
+/// The id of the output whose sound the input records, if it is a monitor.
+pub fn monitored_output(input_id: &str) -> Option<&str> {
+    input_id.strip_suffix(MONITOR_SUFFIX)
+}

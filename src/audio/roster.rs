@@ -1,0 +1,207 @@
+//! Which devices there are right now, looked at several times a second on a thread of its own.
+//!
+//! The sound servers tell of changes, but cpal passes no such news on. A look is four questions to the server.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
+
+use cpal::traits::{DeviceTrait, HostTrait};
+
+use super::hosts::{self, hosts_by_preference, hush_sound_library, is_server, monitored_output};
+use super::worker::Worker;
+
+/// Time between two looks at a sound server.
+const LOOK_PERIOD: Duration = Duration::from_millis(250);
+
+/// How long the end of the thread is waited for: a look at a server that hangs takes for ever.
+const END_LIMIT: Duration = Duration::from_millis(100);
+
+/// A device in one direction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RosterEntry {
+    /// What identifies it, in this session and the next.
+    pub id: String,
+    /// What people call it.
+    pub name: String,
+}
+
+impl RosterEntry {
+    /// Of a device.
+    pub(crate) fn of(device: &cpal::Device) -> Self {
+        let id = device.id().map(|id| id.to_string()).unwrap_or_default();
+        let name = device.description().map_or_else(|_| id.clone(), |about| about.name().to_owned());
+        Self { id, name }
+    }
+
+    /// Whether it is an input that records what an output plays.
+    pub fn is_monitor(&self) -> bool {
+        monitored_output(&self.id).is_some()
+    }
+}
+
+/// The devices of the sound server, or of the system where there is none.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Roster {
+    /// Whether the sound system answered: without an answer nothing is known, which is not to say that nothing is there.
+    pub known: bool,
+    /// What sound can be played on.
+    pub outputs: Vec<RosterEntry>,
+    /// What sound can be taken from, monitors included.
+    pub inputs: Vec<RosterEntry>,
+    /// Id of the default output.
+    pub default_output: Option<String>,
+    /// Id of the default input.
+    pub default_input: Option<String>,
+}
+
+impl Roster {
+    /// The input with this id.
+    pub fn input(&self, id: &str) -> Option<&RosterEntry> {
+        self.inputs.iter().find(|entry| entry.id == id)
+    }
+
+    /// The input that records what the default output plays.
+    pub fn default_monitor(&self) -> Option<&RosterEntry> {
+        self.input(&hosts::monitor_id(self.default_output.as_deref()?))
+    }
+
+    /// Asks the sound system. May block as long as it likes.
+    fn look() -> Self {
+        hush_sound_library();
+        // Listing the devices of ALSA takes long and prints; who wants to know waits for `mariana devices`.
+        let watched =
+            hosts_by_preference().into_iter().find(|id| is_server(*id) || cfg!(not(target_os = "linux")));
+        let Some(host) = watched.and_then(|id| hosts::host(id).ok()) else { return Self::default() };
+        let id_of = |device: Option<cpal::Device>| {
+            device.and_then(|device| device.id().ok()).map(|id| id.to_string())
+        };
+        let (default_output, default_input) =
+            (id_of(host.default_output_device()), id_of(host.default_input_device()));
+        let Ok(devices) = host.devices() else { return Self::default() };
+        let mut roster = Self { known: true, default_output, default_input, ..Self::default() };
+        for device in devices {
+            if device.supports_output() {
+                roster.outputs.push(RosterEntry::of(&device));
+            }
+            if device.supports_input() {
+                roster.inputs.push(RosterEntry::of(&device));
+            }
+        }
+        roster
+    }
+}
+
+#[derive(Default)]
+struct Shared {
+    roster: Mutex<Arc<Roster>>,
+    /// Grows with each change of the roster; 0 before the first look.
+    generation: AtomicU64,
+    looks: AtomicU64,
+    stop: AtomicBool,
+}
+
+/// The thread that looks. There is one for the program, as long as anybody holds it.
+pub struct RosterWatch {
+    shared: Arc<Shared>,
+    worker: Mutex<Worker>,
+}
+
+static WATCH: Mutex<Weak<RosterWatch>> = Mutex::new(Weak::new());
+
+impl RosterWatch {
+    /// The program's watch; it starts when the first asks for it.
+    ///
+    /// # Errors
+    /// The thread cannot be started.
+    pub fn shared() -> std::io::Result<Arc<Self>> {
+        let mut slot = WATCH.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(watch) = slot.upgrade() {
+            return Ok(watch);
+        }
+        let shared = Arc::new(Shared::default());
+        let looking = shared.clone();
+        let worker = Worker::spawn("device watch", move || {
+            while !looking.stop.load(Ordering::Relaxed) {
+                looking.note(Roster::look());
+                looking.looks.fetch_add(1, Ordering::Release);
+                std::thread::park_timeout(LOOK_PERIOD);
+            }
+        })?;
+        let watch = Arc::new(Self { shared, worker: Mutex::new(worker) });
+        *slot = Arc::downgrade(&watch);
+        Ok(watch)
+    }
+
+    /// How many looks have ended. What happened before now is seen when two more have.
+    pub fn looks(&self) -> u64 {
+        self.shared.looks.load(Ordering::Acquire)
+    }
+
+    /// What was there at the last look, and the number of that state: another one means that something changed.
+    pub fn latest(&self) -> (u64, Arc<Roster>) {
+        let generation = self.shared.generation.load(Ordering::Acquire);
+        (generation, self.shared.roster.lock().unwrap_or_else(PoisonError::into_inner).clone())
+    }
+}
+
+impl Shared {
+    fn note(&self, roster: Roster) {
+        let mut slot = self.roster.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.generation.load(Ordering::Relaxed) == 0 || **slot != roster {
+            *slot = Arc::new(roster);
+            self.generation.fetch_add(1, Ordering::Release);
+        }
+    }
+}
+
+impl Drop for RosterWatch {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::Relaxed);
+        let worker = self.worker.get_mut().unwrap_or_else(PoisonError::into_inner);
+        worker.wake();
+        worker.join_within(END_LIMIT);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(id: &str) -> RosterEntry {
+        RosterEntry { id: id.into(), name: id.to_uppercase() }
+    }
+
+    #[test]
+    fn the_monitor_of_the_default_output_is_found() {
+        let mut roster = Roster {
+            known: true,
+            outputs: vec![entry("p:a"), entry("p:b")],
+            inputs: vec![entry("p:a.monitor"), entry("p:mic"), entry("p:b.monitor")],
+            default_output: Some("p:b".into()),
+            default_input: Some("p:mic".into()),
+        };
+        assert_eq!(roster.default_monitor().map(|entry| &*entry.name), Some("P:B.MONITOR"));
+        let monitors: Vec<bool> = roster.inputs.iter().map(RosterEntry::is_monitor).collect();
+        assert_eq!(monitors, [true, false, true]);
+        roster.default_output = None;
+        assert_eq!(roster.default_monitor(), None);
+    }
+
+    #[test]
+    fn only_changes_count() {
+        let shared = Shared::default();
+        shared.note(Roster::default());
+        shared.note(Roster::default());
+        assert_eq!(shared.generation.load(Ordering::Relaxed), 1);
+        shared.note(Roster { known: true, ..Roster::default() });
+        assert_eq!(shared.generation.load(Ordering::Relaxed), 2);
+    }
+
+    #[test]
+    fn there_is_one_watch_for_all() {
+        let first = RosterWatch::shared().expect("a thread");
+        let second = RosterWatch::shared().expect("a thread");
+        assert!(Arc::ptr_eq(&first, &second));
+    }
+}

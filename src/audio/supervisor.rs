@@ -1,0 +1,430 @@
+//! Keeps the sound going, in one direction: opens the device, watches it, follows the default device, puts something
+//! else in its place when it fails, and opens it again as soon as it can be.
+//!
+//! Each device lives on a thread of its own, that opens, holds and drops its stream. None of these calls is trusted to
+//! return: a thread that does not answer in time is left behind. Nothing is opened while another opening is on its way,
+//! so that a sound server that hangs costs one thread, not one for each attempt.
+
+use std::io;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::device::{Failure, OnFailure, Opened, Port, Target, wait_before_retry};
+use super::error::{DeviceError, Direction};
+use super::hosts::monitor_id;
+use super::roster::{Roster, RosterEntry, RosterWatch};
+use super::worker::Worker;
+
+/// How long a device may take to open before silence takes its place.
+const OPEN_LIMIT: Duration = Duration::from_secs(3);
+
+/// How often devices are looked at.
+const WATCH_PERIOD: Duration = Duration::from_millis(100);
+
+/// A device that did not call for so many looks in a row has stalled. Looks are counted, not time: if the whole
+/// machine stood still, the device is not to blame.
+const SILENT_LOOKS: u32 = 10;
+
+/// How long the end of a device's thread is waited for.
+const CLOSE_LIMIT: Duration = Duration::from_millis(500);
+
+/// How one direction of sound stands.
+#[derive(Clone, Default)]
+pub(crate) struct StreamStatus<N> {
+    /// In words.
+    pub(crate) description: String,
+    /// The device, if one is open.
+    pub(crate) device: Option<RosterEntry>,
+    /// Why there is no sound, if there is none.
+    pub(crate) silent: Option<String>,
+    /// What the port notes of what is open.
+    pub(crate) note: N,
+    /// How often a device was opened.
+    pub(crate) openings: u64,
+}
+
+enum Event<L> {
+    Quit,
+    Choose(Target),
+    Opened(Opened<L>),
+    Refused(DeviceError, cpal::ErrorKind),
+    Failed(Failure),
+}
+
+type Numbered<L> = (u64, Event<L>);
+
+/// The thread that watches over one direction. Ends when dropped.
+pub(crate) struct Supervisor<P: Port> {
+    events: Sender<Numbered<P::Link>>,
+    status: Arc<Mutex<StreamStatus<P::Note>>>,
+    worker: Worker,
+}
+
+impl<P: Port> Supervisor<P> {
+    /// Starts; without a target there is silence on purpose.
+    pub(crate) fn start(port: P, target: Option<Target>) -> io::Result<Self> {
+        let (events, inbox) = channel();
+        let status = StreamStatus { description: "opening".into(), ..StreamStatus::default() };
+        let status = Arc::new(Mutex::new(status));
+        let roster = if target.is_some() { Some(RosterWatch::shared()?) } else { None };
+        let mut watch = Watch {
+            port,
+            target,
+            roster,
+            generation: 0,
+            settled_after: None,
+            status: status.clone(),
+            events: events.clone(),
+            last_number: 0,
+            current: Current::None,
+            opening: None,
+            retry_at: None,
+            had: None,
+            superseded: false,
+        };
+        let worker = Worker::spawn("sound devices", move || watch.run(&inbox))?;
+        Ok(Self { events, status, worker })
+    }
+
+    /// How it stands now.
+    pub(crate) fn status(&self) -> StreamStatus<P::Note> {
+        lock(&self.status).clone()
+    }
+
+    /// What the port notes of what is open.
+    pub(crate) fn note(&self) -> P::Note {
+        lock(&self.status).note.clone()
+    }
+
+    /// Changes to another device; the present one goes on until the other is there.
+    pub(crate) fn choose(&self, target: Target) {
+        // If it cannot be sent, the thread has ended.
+        let _ = self.events.send((0, Event::Choose(target)));
+    }
+}
+
+impl<P: Port> Drop for Supervisor<P> {
+    fn drop(&mut self) {
+        let _ = self.events.send((0, Event::Quit));
+        self.worker.join_within(2 * CLOSE_LIMIT);
+    }
+}
+
+fn lock<N>(status: &Mutex<StreamStatus<N>>) -> MutexGuard<'_, StreamStatus<N>> {
+    status.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A device's thread; it closes the device when `_hold` is dropped.
+struct DeviceThread {
+    number: u64,
+    _hold: Sender<()>,
+    worker: Worker,
+}
+
+impl DeviceThread {
+    fn close(self) {
+        let Self { _hold: hold, mut worker, .. } = self;
+        drop(hold);
+        if !worker.join_within(CLOSE_LIMIT) {
+            tracing::warn!("a sound device does not close; it is left behind");
+        }
+    }
+}
+
+enum Current<P: Port> {
+    None,
+    Device {
+        thread: DeviceThread,
+        entry: RosterEntry,
+        calls: Box<dyn Fn() -> u64 + Send>,
+        called: u64,
+        silent_looks: u32,
+    },
+    /// What stands in for a device. Held: it ends when dropped.
+    StandIn(#[allow(dead_code, reason = "held: it ends when dropped")] Option<P::StandIn>),
+}
+
+struct Opening {
+    thread: DeviceThread,
+    since: Instant,
+    /// It took too long; should it succeed later it is welcome.
+    overdue: bool,
+}
+
+struct Watch<P: Port> {
+    port: P,
+    target: Option<Target>,
+    roster: Option<Arc<RosterWatch>>,
+    /// The state of the roster that was seen last.
+    generation: u64,
+    /// After so many looks the roster has seen what was opened last. The default device may have changed and changed back
+    /// between two looks, and what was opened in between is no longer it.
+    settled_after: Option<u64>,
+    status: Arc<Mutex<StreamStatus<P::Note>>>,
+    events: Sender<Numbered<P::Link>>,
+    last_number: u64,
+    current: Current<P>,
+    opening: Option<Opening>,
+    /// When to try again, while there is no device.
+    retry_at: Option<Instant>,
+    /// The device of the target that was open last.
+    had: Option<RosterEntry>,
+    /// What is open was chosen before the target was.
+    superseded: bool,
+}
+
+impl<P: Port> Watch<P> {
+    fn run(&mut self, inbox: &Receiver<Numbered<P::Link>>) {
+        if self.target.is_some() {
+            self.open();
+        } else {
+            self.go_silent("the sound is switched off".into());
+        }
+        loop {
+            match inbox.recv_timeout(WATCH_PERIOD) {
+                Ok((_, Event::Quit)) | Err(RecvTimeoutError::Disconnected) => break,
+                Ok((number, event)) => self.hear(number, event),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            self.look();
+        }
+        if let Some(opening) = self.opening.take() {
+            opening.thread.close();
+        }
+        close::<P>(std::mem::replace(&mut self.current, Current::None));
+    }
+
+    /// Starts to open the target, unless an opening is on its way.
+    fn open(&mut self) {
+        let Some(target) = self.target.clone() else { return };
+        if self.opening.is_some() {
+            return;
+        }
+        self.retry_at = None;
+        self.last_number += 1;
+        let number = self.last_number;
+        let (hold, held) = channel::<()>();
+        let opener = self.port.opener();
+        let events = self.events.clone();
+        let failures = events.clone();
+        let worker = Worker::spawn("sound device", move || {
+            let on_failure: OnFailure =
+                Arc::new(move |failure| drop(failures.send((number, Event::Failed(failure)))));
+            match opener(target, on_failure) {
+                Ok((stream, opened)) => {
+                    if events.send((number, Event::Opened(opened))).is_ok() {
+                        // Nothing is ever sent: it returns when the other end is dropped.
+                        let _ = held.recv();
+                    }
+                    drop(stream);
+                }
+                Err((error, kind)) => drop(events.send((number, Event::Refused(error, kind)))),
+            }
+        });
+        match worker {
+            Ok(worker) => {
+                let thread = DeviceThread { number, _hold: hold, worker };
+                self.opening = Some(Opening { thread, since: Instant::now(), overdue: false });
+            }
+            Err(error) => {
+                let (direction, reason) = (P::DIRECTION, error.to_string());
+                self.lose(&DeviceError::Thread { direction, reason }, cpal::ErrorKind::ResourceExhausted);
+            }
+        }
+    }
+
+    fn hear(&mut self, number: u64, event: Event<P::Link>) {
+        let is_opening = self.opening.as_ref().is_some_and(|opening| opening.thread.number == number);
+        let is_current = matches!(&self.current, Current::Device { thread, .. } if thread.number == number);
+        match event {
+            Event::Choose(target) => {
+                self.target = Some(target);
+                self.had = None;
+                self.superseded = true;
+                if self.roster.is_none() {
+                    self.roster = RosterWatch::shared().ok();
+                }
+                // What was on its way is not wanted any more; should it hang, it is left behind.
+                if let Some(opening) = self.opening.take() {
+                    opening.thread.close();
+                }
+                self.open();
+            }
+            Event::Opened(opened) if is_opening => {
+                if let Some(opening) = self.opening.take() {
+                    self.take(opening.thread, opened);
+                }
+            }
+            Event::Refused(error, kind) if is_opening => {
+                self.opening = None;
+                let error = match (&self.had, error) {
+                    (Some(had), DeviceError::UnknownDevice { direction, .. }) => {
+                        DeviceError::Gone { direction, name: had.name.clone() }
+                    }
+                    (_, error) => error,
+                };
+                self.lose(&error, kind);
+            }
+            Event::Failed(Failure { reason, kind }) if is_current => {
+                self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
+            }
+            // What a device says that was given up is void. One that fails while it opens stalls, and is seen to.
+            _ => {}
+        }
+    }
+
+    /// Puts a device in the place of what is there.
+    fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
+        let Opened { link, entry, description, calls } = opened;
+        tracing::info!("sound {}: {description}", P::DIRECTION);
+        self.had = Some(entry.clone());
+        self.superseded = false;
+        self.settled_after = self.roster.as_ref().map(|watch| watch.looks() + 2);
+        self.retry_at = None;
+        let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
+        let before = std::mem::replace(&mut self.current, device);
+        {
+            let mut status = lock(&self.status);
+            let openings = status.openings + 1;
+            let note = P::note(&link);
+            *status = StreamStatus { description, device: Some(entry), silent: None, note, openings };
+        }
+        self.port.ready(link);
+        close::<P>(before);
+    }
+
+    /// There is no device, or a new one could not be had: silence takes the place of one that failed.
+    fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
+        let stands = match &self.current {
+            // It still plays: the default device changed to one that cannot be opened.
+            Current::Device { silent_looks, .. } => {
+                *silent_looks < SILENT_LOOKS
+                    && !matches!(
+                        error,
+                        DeviceError::Lost { .. } | DeviceError::Stalled(_) | DeviceError::Gone { .. }
+                    )
+            }
+            _ => false,
+        };
+        if !stands {
+            self.go_silent(error.to_string());
+        }
+        self.retry_at = Some(Instant::now() + wait_before_retry(kind));
+    }
+
+    fn look(&mut self) {
+        if let Some(opening) = &mut self.opening
+            && !opening.overdue
+            && opening.since.elapsed() >= OPEN_LIMIT
+        {
+            opening.overdue = true;
+            let error = DeviceError::Timeout { direction: P::DIRECTION, seconds: OPEN_LIMIT.as_secs() };
+            if !matches!(self.current, Current::Device { .. }) {
+                self.go_silent(error.to_string());
+            }
+        }
+        if let Current::Device { calls, called, silent_looks, .. } = &mut self.current {
+            let now = calls();
+            *silent_looks = if now == *called { *silent_looks + 1 } else { 0 };
+            *called = now;
+            if *silent_looks >= SILENT_LOOKS {
+                self.lose(&DeviceError::Stalled(P::DIRECTION), cpal::ErrorKind::StreamInvalidated);
+            }
+        }
+        self.follow();
+        if self.retry_at.is_some_and(|at| at <= Instant::now()) {
+            self.retry_at = None;
+            match self.current {
+                // It plays, on a device that was the default: look again which one is.
+                Current::Device { .. } => self.generation = 0,
+                _ => self.open(),
+            }
+        }
+    }
+
+    /// Compares what is open with what the roster says.
+    fn follow(&mut self) {
+        let Some(watch) = self.roster.as_ref().filter(|_| self.opening.is_none()) else { return };
+        let (generation, roster) = watch.latest();
+        let settled = self.settled_after.is_some_and(|looks| watch.looks() >= looks);
+        if generation == self.generation && !settled {
+            return;
+        }
+        self.generation = generation;
+        if settled {
+            self.settled_after = None;
+        }
+        if !roster.known {
+            return;
+        }
+        match &self.current {
+            Current::Device { .. } if self.superseded => self.open(),
+            Current::Device { entry, .. } => {
+                if let Some(gone) = self.has_gone(&roster, entry) {
+                    self.lose(&gone, cpal::ErrorKind::DeviceNotAvailable);
+                } else if self.default_of(&roster).is_some_and(|wanted| wanted != entry.id) {
+                    self.open();
+                }
+            }
+            Current::StandIn(_) | Current::None => self.open(),
+        }
+    }
+
+    /// The id of the device that should be open, if the target is a default.
+    fn default_of(&self, roster: &Roster) -> Option<String> {
+        match (self.target.as_ref()?, P::DIRECTION) {
+            (Target::Named(_), _) => None,
+            (Target::Monitor, _) => roster.default_output.as_deref().map(monitor_id),
+            (Target::Default, Direction::Output) => roster.default_output.clone(),
+            (Target::Default, Direction::Input) => roster.default_input.clone(),
+        }
+    }
+
+    /// A device that was asked for by name and is no longer there: sound servers move its stream to another one without
+    /// a word.
+    fn has_gone(&self, roster: &Roster, entry: &RosterEntry) -> Option<DeviceError> {
+        let named = matches!(self.target, Some(Target::Named(_)));
+        let list = match P::DIRECTION {
+            Direction::Output => &roster.outputs,
+            Direction::Input => &roster.inputs,
+        };
+        // Only what the roster can know of: a device of another host stands in no roster.
+        let same_host = |other: &RosterEntry| other.id.split(':').next() == entry.id.split(':').next();
+        let hosts_differ = !roster.outputs.iter().chain(&roster.inputs).any(same_host);
+        let gone = named && !hosts_differ && !list.iter().any(|other| other.id == entry.id);
+        gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
+    }
+
+    /// Puts silence in the place of what is there.
+    fn go_silent(&mut self, reason: String) {
+        let told = lock(&self.status).silent.replace(reason.clone());
+        if told.as_ref() != Some(&reason) {
+            tracing::info!("no sound {}: {reason}", P::DIRECTION);
+        }
+        if matches!(self.current, Current::StandIn(_)) {
+            return;
+        }
+        let (stand_in, note) = match self.port.stand_in() {
+            Ok(stood_in) => stood_in,
+            Err(error) => {
+                lock(&self.status).silent = Some(format!("{reason}; and nothing stands in: {error}"));
+                (None, P::Note::default())
+            }
+        };
+        {
+            let mut status = lock(&self.status);
+            status.description = P::STAND_IN.into();
+            status.device = None;
+            status.note = note;
+        }
+        self.port.stood_in();
+        close::<P>(std::mem::replace(&mut self.current, Current::StandIn(stand_in)));
+    }
+}
+
+fn close<P: Port>(current: Current<P>) {
+    if let Current::Device { thread, .. } = current {
+        thread.close();
+    }
+}

@@ -1,0 +1,241 @@
+//! What is remembered from one run to the next, in a small TOML file in the user's folder for settings.
+//!
+//! ```toml
+//! microphone = "pulseaudio:alsa_input.usb-mic"        # what --mic listens to; absent: the default input
+//! system = "pulseaudio:hdmi.monitor"                   # what --system listens to; absent: what the default output plays
+//!
+//! [latency_ms]                                         # by device: how much later the picture is shown
+//! "pulseaudio:bluez_output.headphones" = 180.0
+//! ```
+//!
+//! Devices are remembered by their ids, which are names, not numbers. A file that cannot be read is told once, changes
+//! nothing else, and is kept beside when a new one is written.
+
+use std::collections::BTreeMap;
+use std::fs::{File, create_dir_all};
+use std::io::{ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+
+use directories::ProjectDirs;
+use serde::{Deserialize, Serialize};
+
+use crate::limits::LIMITS;
+
+/// What is remembered.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    /// Id of the input that `--mic` listens to; none is the default input.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub microphone: Option<String>,
+    /// Id of the monitor that `--system` listens to; none is the default output's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub system: Option<String>,
+    /// By id of a device, how much later than the device says the picture is shown, in milliseconds.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub latency_ms: BTreeMap<String, f64>,
+}
+
+/// Why settings are not read or written. The show goes on with what it has.
+#[derive(Debug, thiserror::Error)]
+pub enum SettingsError {
+    /// It holds something else than settings.
+    #[error("the settings in {} cannot be understood, so nothing is remembered ({reason}); correct or delete the file", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// It is larger than settings ever are.
+    #[error("the settings in {} are larger than {} bytes, so nothing is remembered; delete the file", path.display(), LIMITS.settings_bytes_max)]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The system refuses.
+    #[error("the settings in {} cannot be {doing} ({reason}); check who may use that folder", path.display())]
+    System {
+        /// The file.
+        path: PathBuf,
+        /// Read or written.
+        doing: &'static str,
+        /// What the system says.
+        reason: String,
+    },
+}
+
+/// The file, and what it holds.
+#[derive(Debug)]
+pub struct SettingsFile {
+    /// None where the system has no place for settings: then they last as long as the program.
+    path: Option<PathBuf>,
+    settings: Settings,
+}
+
+impl SettingsFile {
+    /// The user's file, and what is wrong with it, if anything is. One that is not there is no mistake.
+    pub fn of_user() -> (Self, Option<SettingsError>) {
+        let path =
+            ProjectDirs::from("", "", "mariana").map(|places| places.config_dir().join("settings.toml"));
+        Self::open(path)
+    }
+
+    fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
+        let read = path.as_deref().map_or_else(|| Ok(Settings::default()), read);
+        let (settings, error) = match read {
+            Ok(settings) => (settings, None),
+            Err(error) => (Settings::default(), Some(error)),
+        };
+        (Self { path, settings }, error)
+    }
+
+    /// What is remembered.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// How much later the picture is shown for a device, in milliseconds; none if nothing is remembered of it.
+    pub fn latency_ms(&self, device: &str) -> Option<f64> {
+        self.settings.latency_ms.get(device).copied()
+    }
+
+    /// Changes what is remembered, here and in the file, which other windows may have changed meanwhile.
+    ///
+    /// # Errors
+    /// The file cannot be written; then the change lasts as long as the program.
+    pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
+        change(&mut self.settings);
+        let Some(path) = &self.path else { return Ok(()) };
+        let mut fresh = match read(path) {
+            Ok(settings) => settings,
+            Err(SettingsError::Malformed { .. } | SettingsError::TooLarge { .. }) => {
+                std::fs::rename(path, path.with_extension("toml.broken"))
+                    .map_err(|error| refused(path, "written", &error))?;
+                self.settings.clone()
+            }
+            Err(error) => return Err(error),
+        };
+        change(&mut fresh);
+        write(path, &fresh)?;
+        self.settings = fresh;
+        Ok(())
+    }
+}
+
+fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SettingsError {
+    SettingsError::System { path: path.to_owned(), doing, reason: error.to_string() }
+}
+
+fn read(path: &Path) -> Result<Settings, SettingsError> {
+    let file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Settings::default()),
+        Err(error) => return Err(refused(path, "read", &error)),
+    };
+    let mut bytes = Vec::new();
+    let limit = LIMITS.settings_bytes_max as u64;
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(|error| refused(path, "read", &error))?;
+    if bytes.len() as u64 > limit {
+        return Err(SettingsError::TooLarge { path: path.to_owned() });
+    }
+    let malformed = |reason: String| SettingsError::Malformed { path: path.to_owned(), reason };
+    let text = std::str::from_utf8(&bytes).map_err(|error| malformed(error.to_string()))?;
+    let mut settings: Settings =
+        toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
+    let range = -LIMITS.latency_ms_max..=LIMITS.latency_ms_max;
+    settings.latency_ms.retain(|_, shift| range.contains(shift));
+    Ok(settings)
+}
+
+fn write(path: &Path, settings: &Settings) -> Result<(), SettingsError> {
+    let failed = |error: &dyn std::fmt::Display| refused(path, "written", error);
+    let text = toml::to_string(settings).map_err(|error| failed(&error))?;
+    let folder = path.parent().unwrap_or(Path::new("."));
+    create_dir_all(folder).map_err(|error| failed(&error))?;
+    // Beside its place and renamed: never half a file.
+    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(|error| failed(&error))?;
+    file.write_all(text.as_bytes())
+        .and_then(|()| file.as_file().sync_all())
+        .map_err(|error| failed(&error))?;
+    file.persist(path).map_err(|error| failed(&error.error))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn folder() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mariana/settings.toml");
+        (folder, path)
+    }
+
+    fn with_text(path: &Path, text: &[u8]) -> (SettingsFile, Option<SettingsError>) {
+        create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, text).unwrap();
+        SettingsFile::open(Some(path.to_owned()))
+    }
+
+    #[test]
+    fn what_is_changed_is_there_in_the_next_run_and_windows_do_not_undo_each_other() {
+        let (_folder, path) = folder();
+        let (mut one, error) = SettingsFile::open(Some(path.clone()));
+        assert!(error.is_none() && *one.settings() == Settings::default());
+        let (mut other, _) = SettingsFile::open(Some(path.clone()));
+        one.change(|settings| settings.microphone = Some("p:\"odd\" mic\n".into())).unwrap();
+        other.change(|settings| settings.latency_ms = [("p:tv".into(), -35.0)].into()).unwrap();
+        let (next, error) = SettingsFile::open(Some(path.clone()));
+        assert!(error.is_none());
+        assert_eq!(next.settings().microphone.as_deref(), Some("p:\"odd\" mic\n"));
+        assert_eq!((next.latency_ms("p:tv"), next.latency_ms("p:else")), (Some(-35.0), None));
+        // Nothing lies beside it.
+        assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_broken_file_is_told_and_kept() {
+        for text in
+            [&b"microphone = 3"[..], b"[latency_ms", b"\xff\xfe", b"unknown = \"key\"", &[b'#'; 1 << 21]]
+        {
+            let (_folder, path) = folder();
+            let (mut file, error) = with_text(&path, text);
+            let told = error.expect("it is broken").to_string();
+            assert!(told.contains("settings.toml") && told.contains("delete"), "{told}");
+            assert_eq!(*file.settings(), Settings::default());
+            assert_eq!(std::fs::read(&path).unwrap(), text, "it was touched");
+            file.change(|settings| settings.system = Some("p:a.monitor".into())).unwrap();
+            assert_eq!(std::fs::read(path.with_extension("toml.broken")).unwrap(), text);
+            let (next, error) = SettingsFile::open(Some(path));
+            assert!(error.is_none());
+            assert_eq!(next.settings().system.as_deref(), Some("p:a.monitor"));
+        }
+    }
+
+    #[test]
+    fn a_place_that_takes_no_file_costs_nothing_but_a_sentence() {
+        let (folder, _) = folder();
+        std::fs::write(folder.path().join("taken"), "").unwrap();
+        let (mut file, error) = SettingsFile::open(Some(folder.path().join("taken/settings.toml")));
+        let told = error.expect("there is no such folder").to_string();
+        assert!(told.contains("cannot be read"), "{told}");
+        assert!(file.change(|settings| settings.system = Some("p:a.monitor".into())).is_err());
+        assert_eq!(file.settings().system.as_deref(), Some("p:a.monitor"));
+        // Nowhere at all.
+        let (mut file, error) = SettingsFile::open(None);
+        assert!(error.is_none());
+        file.change(|settings| settings.microphone = Some("m".into())).unwrap();
+        assert_eq!(file.settings().microphone.as_deref(), Some("m"));
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_make_it_panic_or_leave_the_limits(text in "(microphone|system|\\[latency_ms\\]|\"a\"| |=|\n|\"b\"|1e9|nan|-5.5|\\PC){0,24}") {
+            let (_folder, path) = folder();
+            let (file, _) = with_text(&path, text.as_bytes());
+            prop_assert!(file.settings().latency_ms.values().all(|shift| shift.abs() <= LIMITS.latency_ms_max));
+        }
+    }
+}
