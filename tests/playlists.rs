@@ -58,7 +58,9 @@ fn the_features_of_every_track_are_those_of_its_file_alone_bit_for_bit() {
         let moment = player.now(0.0);
         let track = player.status().track.entry;
         // Between the two looks another track may have begun.
-        if player.now(0.0).lap == moment.lap && moment.segment > 0 {
+        // At the very start the analysis, which runs beside the sound, may not have come to it yet.
+        let begun = track > 0 || moment.song_time > 0.2;
+        if begun && player.now(0.0).lap == moment.lap && moment.segment > 0 {
             let wanted = alone[track].at(moment.song_time).unwrap();
             if let Some(wanted) = wanted {
                 assert_eq!(moment.features, wanted, "track {track} at {} s", moment.song_time);

@@ -14,8 +14,8 @@ use crate::limits::LIMITS;
 /// Segments remembered: the newest and those that may still sound behind it.
 const SEGMENTS_KEPT: usize = 8;
 
-/// Passages of a segment remembered, however short they are.
-const PASSAGES_KEPT: usize = 32;
+/// Passages of a segment remembered, however short they are: more would only be memory.
+const PASSAGES_KEPT: usize = 8;
 
 /// What a passage's track of features holds beyond the largest delay of the picture, in seconds: the ring and a reserve.
 const TRACK_RESERVE: f64 = 2.0;
