@@ -39,6 +39,9 @@ fn analysis(criterion: &mut Criterion) {
     criterion.bench_function("features at one moment", |bencher| {
         bencher.iter(|| black_box(track.at(black_box(5.0012))));
     });
+    criterion.bench_function("features and curves at one moment", |bencher| {
+        bencher.iter(|| black_box(track.sound_at(black_box(9.0012))));
+    });
 }
 
 criterion_group!(benches, analysis);

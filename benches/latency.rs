@@ -27,7 +27,7 @@ use cpal::traits::{DeviceTrait, HostTrait, StreamTrait};
 use mariana::audio::input::{Live, LiveOptions};
 use mariana::audio::source::{FrameSource, SourceError};
 use mariana::audio::{Player, PlayerOptions, Target};
-use mariana::dsp::StereoFrame;
+use mariana::dsp::{Gain, StereoFrame};
 use support::process::wait_until;
 use support::sound_session::Session;
 
@@ -156,7 +156,7 @@ fn milliseconds_after(later: Instant, sooner: Instant) -> f64 {
 /// From a sample that is heard on the output, and so at its monitor, to the begin of the first frame that shows it.
 fn live() {
     let _session = Session::with_server();
-    let mut live = Live::start(LiveOptions { target: Target::Monitor }).expect("it starts");
+    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Off }).expect("it starts");
     wait_until("the monitor", || live.status().device.is_some());
     let (_stream, bursts) = play_bursts();
     let (mut shown, mut heard) = (Vec::new(), Vec::new());
@@ -237,7 +237,7 @@ fn file() {
 fn xruns(seconds: u64) {
     let _session = Session::with_server();
     let mut player = Player::start(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
-    let mut live = Live::start(LiveOptions { target: Target::Monitor }).expect("it starts");
+    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Off }).expect("it starts");
     wait_until("the monitor", || live.status().device.is_some() && player.status().device.is_some());
     let stop = Arc::new(AtomicBool::new(false));
     let count = 2 * std::thread::available_parallelism().map_or(2, usize::from);

@@ -6,14 +6,15 @@ layout(std140) uniform FrameBlock {
     vec4 camera_right;      // xyz to the right edge of the picture
     vec4 camera_up;         // xyz to the upper edge
     vec4 camera_forward;    // xyz into the picture, unit length
-    vec4 frame_clock;       // time in seconds, tempo, phase
-    vec4 frame_levels;      // x left volume, y right volume: mean |sample|, 0..1 (thesis section 5, eq. 1); z lights
+    vec4 frame_clock;       // time in seconds, tempo, phase, bass_drive
+    vec4 frame_levels;      // x left volume, y right volume: mean |sample|, 0..1 (thesis section 5, eq. 1); z lights; w pitch
     vec4 frame_sound;       // bass, mid, treble, beat
     vec4 block_bounds_low;        // xyz lower corner of what is traced; w 1 if there is anything but planes
     vec4 block_bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
+    vec4 frame_stereo;      // xy volumes of mid and side; z the row of the history at age 0, w the rows from it to age 1
     vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
     vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius
     vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not four and a choice
@@ -31,6 +32,8 @@ layout(std140) uniform PassBlock {
 #define frame_tempo frame_clock.y
 #define frame_phase frame_clock.z
 #define frame_volume frame_levels
+#define frame_bass_drive frame_clock.w
+#define frame_pitch frame_levels.w
 
 // What rays read again and again is copied once for each sample: llvmpipe fetches every number of a block for each pixel
 // by itself, thirty instructions where a copy takes none. `scene_load` does the same for a compiled scene's inputs.

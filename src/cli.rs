@@ -14,6 +14,7 @@ use crate::audio::decode::quiet_contained_panics;
 use crate::audio::devices::list_devices;
 use crate::audio::song::Song;
 use crate::config::{ListenChoice, PlaySettings, SdfChoice};
+use crate::dsp::Gain;
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
 use crate::export::painter::SceneChoice;
@@ -105,6 +106,9 @@ struct CommonArguments {
     /// bench measures both]
     #[arg(long, value_name = "ON-OFF")]
     regions: Option<Switch>,
+    /// Whether quiet and loud sound are levelled for the picture; what is told in decibels is as measured either way
+    #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
+    gain: GainChoice,
     /// Read the shaders from this folder, for work on them
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
@@ -122,6 +126,22 @@ enum Sdf {
     Interpreted,
     Compiled,
     Auto,
+}
+
+/// See [`Gain`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum GainChoice {
+    Auto,
+    Off,
+}
+
+impl From<GainChoice> for Gain {
+    fn from(choice: GainChoice) -> Self {
+        match choice {
+            GainChoice::Auto => Gain::Auto,
+            GainChoice::Off => Gain::Off,
+        }
+    }
 }
 
 /// On or off.
@@ -220,6 +240,9 @@ struct AnalyzeArguments {
     /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...
     #[arg(long)]
     json: bool,
+    /// Whether quiet and loud sound are levelled in the values of 0..1
+    #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
+    gain: GainChoice,
     /// Lines per second
     #[arg(long, default_value = "60", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
@@ -303,6 +326,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         volume: f32::from(arguments.volume) / 100.0,
         latency: arguments.latency.map(|milliseconds| milliseconds / 1000.0),
         listen,
+        gain: common.gain.into(),
         fps_cap: arguments.fps_cap,
         fullscreen: arguments.fullscreen,
         size: arguments.size,
@@ -318,6 +342,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
         song: song(arguments.file.as_deref()),
         at: arguments.at,
         size: arguments.size,
+        gain: common.gain.into(),
         output: arguments.output,
         scene: common.scene()?,
     })?;
@@ -332,6 +357,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
         duration: arguments.duration,
         fps: arguments.fps,
         size: arguments.size,
+        gain: common.gain.into(),
         output: arguments.output,
         scene: common.scene()?,
     };
@@ -357,6 +383,7 @@ fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
         fps: arguments.fps,
         start: arguments.start,
         duration: arguments.duration,
+        gain: arguments.gain.into(),
         json: arguments.json,
     };
     print_features(&request, &mut BufWriter::new(std::io::stdout().lock()))?;
@@ -370,6 +397,7 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         at: arguments.at,
         size: arguments.size,
         frames: arguments.frames.into(),
+        gain: common.gain.into(),
         scene: common.scene()?,
         both: common.regions.is_none(),
     })?;

@@ -16,7 +16,7 @@ pub struct Limits {
     pub bad_packets_in_a_row: u32,
     /// Most frames (one sample per channel) that one decoded packet may hold.
     pub packet_frames_max: usize,
-    /// Longest time over which a feature track remembers, in seconds (36 kB for each).
+    /// Longest time over which a feature track remembers, in seconds (0.5 MB for each).
     pub feature_track_seconds_max: f64,
     /// Longest duration of a stream, in seconds, that a container's claim is believed (a year); beyond, it is unknown.
     pub claimed_duration_max: f64,
@@ -94,7 +94,7 @@ pub const LIMITS: Limits = Limits {
     bad_packets_in_a_row: 256,
     packet_frames_max: 1 << 20,
     claimed_duration_max: 31_536_000.0,
-    feature_track_seconds_max: 600.0,
+    feature_track_seconds_max: 60.0,
     picture_side_min: 1,
     picture_side_max: 16_384,
     picture_pixels_max: 1 << 26,

@@ -3,41 +3,24 @@
 // A test ends by a panic; this is one way to it.
 #![allow(clippy::expect_used)]
 
+#[path = "support/signals.rs"]
+mod signals;
+
 use std::f64::consts::TAU;
 
 use assert_no_alloc::assert_no_alloc;
 use mariana::dsp::{
-    Alignment, Analyzer, BAND_COUNT, FeatureTrack, Features, LEVEL_FLOOR_DB, StereoFrame, TimedFeatures,
-    band_edge,
+    Alignment, Analyzer, BAND_COUNT, FeatureTrack, Features, Gain, LEVEL_FLOOR_DB, StereoFrame,
+    TimedFeatures, band_edge,
 };
 use mariana::limits::LIMITS;
 use proptest::prelude::*;
+use signals::{analyze, cents, leveled, nearest, noise, signal};
 
 /// Ends a debug build's test run where [`assert_no_alloc`] finds an allocation.
 #[cfg(debug_assertions)]
 #[global_allocator]
 static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;
-
-/// All features of a whole stream.
-fn analyze(rate: u32, frames: &[StereoFrame]) -> Vec<TimedFeatures> {
-    let mut analyzer = Analyzer::new(rate, Alignment::Centred);
-    let mut moments = Vec::new();
-    analyzer.push(frames, &mut |moment| moments.push(moment));
-    analyzer.finish(&mut |moment| moments.push(moment));
-    moments
-}
-
-/// `seconds` of a signal: `sample(t)` gives both channels at `t` seconds.
-fn signal(rate: u32, seconds: f64, mut sample: impl FnMut(f64) -> [f64; 2]) -> Vec<StereoFrame> {
-    let count = (f64::from(rate) * seconds) as usize;
-    (0..count).map(|n| sample(n as f64 / f64::from(rate)).map(|x| x as f32)).collect()
-}
-
-/// The features at `time`, from the nearest moment.
-fn nearest(moments: &[TimedFeatures], time: f64) -> Features {
-    let distance = |moment: &TimedFeatures| (moment.time - time).abs();
-    moments.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("no moments").features
-}
 
 /// The level of all bands together, in decibels.
 fn total_db(features: &Features) -> f64 {
@@ -49,12 +32,6 @@ fn loudest_band(features: &Features) -> usize {
     (0..BAND_COUNT)
         .max_by(|&a, &b| features.band_levels_db[a].total_cmp(&features.band_levels_db[b]))
         .expect("there are bands")
-}
-
-/// The next number of a plain linear congruential generator, uniform in -1..1.
-fn noise(state: &mut u64) -> f64 {
-    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-    (*state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
 #[test]
@@ -197,6 +174,67 @@ fn loud_music_moves_the_bars_between_a_third_and_nine_tenths() {
 }
 
 #[test]
+fn a_tone_has_its_frequency() {
+    for rate in [44_100, 48_000] {
+        let mut hz = 55.0;
+        while hz < 8_000.0 {
+            let frames = signal(rate, 0.4, |t| [0.3 * (TAU * hz * t + 1.0).sin(); 2]);
+            let found = f64::from(nearest(&analyze(rate, &frames), 0.2).peak_hz);
+            let most = if hz < 440.0 { 5.0 } else { 1.0 };
+            assert!(
+                cents(found, hz).abs() < most,
+                "{hz:.2} Hz at {rate} Hz: {found:.3} Hz, {:.2} cents",
+                cents(found, hz)
+            );
+            hz *= 1.037;
+        }
+    }
+}
+
+#[test]
+fn pink_noise_has_the_same_power_in_every_band() {
+    // Voss's: the sum of noises that change half as often each (McCartney's tree), -3 dB per octave within 0.5 dB.
+    let (mut state, mut rows, mut number) = (5, [0.0; 18], 0_u32);
+    let frames = signal(48_000, 40.0, |_| {
+        number = number.wrapping_add(1);
+        if let Some(row) = rows.get_mut(number.trailing_zeros() as usize) {
+            *row = noise(&mut state);
+        }
+        [0.05 * (rows.iter().sum::<f64>() + noise(&mut state)); 2]
+    });
+    let moments = analyze(48_000, &frames);
+    let level = |band: usize| {
+        let power: f64 =
+            moments.iter().map(|m| 10_f64.powf(f64::from(m.features.band_levels_db[band]) / 10.0)).sum();
+        10.0 * (power / moments.len() as f64).log10()
+    };
+    // The lowest bands scatter by 0.3 dB in 40 s; above 8 kHz this noise is not pink.
+    let levels: Vec<f64> = (2..28).map(level).collect();
+    let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+    assert!(levels.iter().all(|level| (level - mean).abs() < 1.0), "{levels:.2?} around {mean:.2}");
+}
+
+#[test]
+fn mid_and_side_are_told_apart() {
+    let tone = |t: f64| 0.5 * (TAU * 1000.0 * t).sin();
+    let measure = |sides: [f64; 2]| {
+        let features =
+            nearest(&analyze(48_000, &signal(48_000, 3.0, |t| sides.map(|side| side * tone(t)))), 2.5);
+        [features.volume_mid, features.volume_side]
+    };
+    let full = 0.5 * std::f32::consts::FRAC_2_PI;
+    for (sides, [mid, side]) in
+        [([1.0, 1.0], [full, 0.0]), ([1.0, -1.0], [0.0, full]), ([1.0, 0.0], [0.5 * full, 0.5 * full])]
+    {
+        let [found_mid, found_side] = measure(sides);
+        assert!(
+            (found_mid - mid).abs() < 1e-3 && (found_side - side).abs() < 1e-3,
+            "{sides:?}: {found_mid} {found_side}"
+        );
+    }
+}
+
+#[test]
 fn silence_reads_the_floor_and_nothing_moves() {
     let moments = analyze(48_000, &signal(48_000, 1.0, |_| [0.0; 2]));
     assert!(moments.len() > 90);
@@ -253,8 +291,9 @@ fn the_window_is_centred_to_the_frame() {
         let before = moments[click - distance].features.band_levels_db;
         let after = moments[click + distance].features.band_levels_db;
         for (a, b) in before.iter().zip(after) {
-            assert!(*a > -110.0 && (a - b).abs() < 2e-3, "{a} and {b} dB, {distance} hops from the click");
+            assert!((a - b).abs() < 2e-3, "{a} and {b} dB, {distance} hops from the click");
         }
+        assert!(before[0] > -75.0, "{before:?}, {distance} hops from the click");
     }
 }
 
@@ -265,7 +304,7 @@ fn a_trailing_window_ends_at_its_moment() {
     let mut moments = Vec::new();
     let mut frames = vec![[0.0; 2]; 5 * 512];
     frames.extend([[0.5; 2]; 512]);
-    analyzer.push(&frames, &mut |moment| moments.push(moment));
+    analyzer.push(&frames, &mut |moment| moments.push(moment.clone()));
     // A moment for each hop, that at 0 among them; only the last saw the sound, and without waiting.
     let times: Vec<f64> = (0..=6).map(|n| f64::from(n * 512) / 48_000.0).collect();
     assert_eq!(moments.iter().map(|moment| moment.time).collect::<Vec<_>>(), times);
@@ -283,7 +322,7 @@ fn before_and_after_the_stream_there_is_silence() {
     assert_eq!(moments, analyze(48_000, &padded)[..moments.len()]);
 
     // Neither the end nor a restart leaves anything behind.
-    let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
+    let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     analyzer.push(&padded, &mut |_| ());
     analyzer.finish(&mut |_| ());
     for leave_in_the_middle in [false, true] {
@@ -292,8 +331,8 @@ fn before_and_after_the_stream_there_is_silence() {
             analyzer.restart(0);
         }
         let mut again = Vec::new();
-        analyzer.push(&frames, &mut |moment| again.push(moment));
-        analyzer.finish(&mut |moment| again.push(moment));
+        analyzer.push(&frames, &mut |moment| again.push(moment.clone()));
+        analyzer.finish(&mut |moment| again.push(moment.clone()));
         assert_eq!(again, moments);
     }
 }
@@ -312,18 +351,18 @@ fn analysis_after_a_seek_meets_the_uninterrupted_one() {
     let frames = signal(44_100, 6.0, |_| [noise(&mut state), 0.3 * noise(&mut state)]);
     let whole = analyze(44_100, &frames);
     let start = 100_003;
-    let mut analyzer = Analyzer::new(44_100, Alignment::Centred);
+    let mut analyzer = Analyzer::with_gain(44_100, Alignment::Centred, Gain::Off);
     let mut later = Vec::new();
     analyzer.push(&frames[..30_000], &mut |_| ());
     analyzer.restart(start as u64);
-    analyzer.push(&frames[start..], &mut |moment| later.push(moment));
+    analyzer.push(&frames[start..], &mut |moment| later.push(moment.clone()));
     let first = start.div_ceil(512);
     assert_eq!(later[0].time, (first * 512) as f64 / 44_100.0);
     for (index, moment) in later.iter().enumerate() {
         let other = &whole[first + index];
         assert_eq!(moment.time, other.time);
-        if index >= 4 {
-            // The window lies wholly behind the start: the levels are the same, bit for bit.
+        if index >= 9 {
+            // The long window lies wholly behind the start: the levels are the same, bit for bit.
             assert_eq!(moment.features.band_levels_db, other.features.band_levels_db);
         }
         if moment.time - later[0].time > 1.0 {
@@ -336,7 +375,7 @@ fn analysis_after_a_seek_meets_the_uninterrupted_one() {
 
 #[test]
 fn a_restart_at_an_absurd_position_is_survived() {
-    let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
+    let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     analyzer.restart(u64::MAX);
     let mut times = Vec::new();
     analyzer.push(&[[0.5; 2]; 10_000], &mut |moment| times.push(moment.time));
@@ -349,7 +388,7 @@ fn a_restart_at_an_absurd_position_is_survived() {
 fn features_are_one_function_of_time_at_every_frame_rate() {
     let frames = signal(48_000, 3.0, |t| [(TAU * 300.0 * t).sin() * (3.0 * t).sin().abs(), 0.2]);
     let mut track = FeatureTrack::default();
-    analyze(48_000, &frames).into_iter().for_each(|moment| track.push(moment));
+    analyze(48_000, &frames).iter().for_each(|moment| track.push(moment));
     // Where the pictures of two rates fall on the same moment they show the same.
     for second_part in 0..90 {
         let time = f64::from(second_part) / 30.0;
@@ -374,7 +413,7 @@ fn features_are_one_function_of_time_at_every_frame_rate() {
 #[test]
 fn nothing_is_allocated_once_all_stands() {
     let frames = signal(48_000, 1.0, |t| [(TAU * 300.0 * t).sin(), 0.2]);
-    let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
+    let mut analyzer = Analyzer::with_gain(48_000, Alignment::Centred, Gain::Off);
     let mut track = FeatureTrack::new(0.5);
     let shown = assert_no_alloc(|| {
         analyzer.push(&frames, &mut |moment| track.push(moment));
@@ -407,18 +446,18 @@ proptest! {
         let mut state = seed;
         let frames: Vec<StereoFrame> =
             (0..length).map(|_| [noise(&mut state) as f32, noise(&mut state) as f32]).collect();
-        let mut analyzer = Analyzer::new(rate, Alignment::Centred);
+        let mut analyzer = Analyzer::with_gain(rate, Alignment::Centred, Gain::Off);
         let mut pieces = Vec::new();
         let mut rest = &frames[..];
         for block in blocks {
             let (now, later) = rest.split_at(block.min(rest.len()));
-            analyzer.push(now, &mut |moment| pieces.push(moment));
+            analyzer.push(now, &mut |moment| pieces.push(moment.clone()));
             rest = later;
         }
         for frame in rest {
-            analyzer.push(std::slice::from_ref(frame), &mut |moment| pieces.push(moment));
+            analyzer.push(std::slice::from_ref(frame), &mut |moment| pieces.push(moment.clone()));
         }
-        analyzer.finish(&mut |moment| pieces.push(moment));
+        analyzer.finish(&mut |moment| pieces.push(moment.clone()));
         prop_assert_eq!(pieces, analyze(rate, &frames));
     }
 
@@ -427,7 +466,13 @@ proptest! {
         frames in prop::collection::vec((any_sample(), any_sample()), 0..6_000),
     ) {
         let frames: Vec<StereoFrame> = frames.into_iter().map(|(left, right)| [left, right]).collect();
-        for TimedFeatures { features, .. } in analyze(48_000, &frames) {
+        for TimedFeatures { features, spectrum, wave, .. } in leveled(&frames) {
+            let units = [features.bass, features.mid, features.treble, features.beat, features.phase];
+            prop_assert!(units.iter().all(|v| (0.0..=1.0).contains(v)), "{features:?}");
+            let others = [features.tempo, features.bass_drive, features.gain_db, features.level_db, features.peak_hz];
+            prop_assert!(others.iter().all(|v| v.is_finite()), "{features:?}");
+            prop_assert!(spectrum.iter().all(|v| (0.0..=1.0).contains(v)));
+            prop_assert!(wave.iter().all(|v| (-8.0..=8.0).contains(v)));
             prop_assert!(features.volume.iter().all(|v| (0.0..=8.0).contains(v)), "{:?}", features.volume);
             prop_assert!(features.bands.iter().all(|v| (0.0..=1.0).contains(v)), "{:?}", features.bands);
             prop_assert!(

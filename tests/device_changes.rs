@@ -15,7 +15,7 @@ use mariana::audio::input::{Live, LiveOptions, LiveStatus};
 use mariana::audio::roster::{Roster, RosterWatch};
 use mariana::audio::source::{FrameSource, SourceError};
 use mariana::audio::{Player, PlayerOptions, PlayerStatus, Target};
-use mariana::dsp::StereoFrame;
+use mariana::dsp::{Gain, StereoFrame};
 use support::process::{LOOK_PERIOD, WAIT_LIMIT};
 use support::sound_session::Session;
 
@@ -49,7 +49,7 @@ fn play(device: Option<&str>) -> Player {
 }
 
 fn listen(target: Target) -> Live {
-    Live::start(LiveOptions { target }).expect("it starts")
+    Live::start(LiveOptions { target, gain: Gain::Off }).expect("it starts")
 }
 
 fn named(name: &str) -> Target {

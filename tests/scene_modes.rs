@@ -6,7 +6,7 @@ mod support;
 
 use image::RgbaImage;
 use mariana::config::SdfChoice;
-use mariana::dsp::Features;
+use mariana::dsp::{Sound, Tables};
 use mariana::export::painter::{Painter, SceneChoice, mode_on};
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
@@ -16,7 +16,7 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use support::compare::{TIGHT, assert_alike, difference};
 use support::oracle::BY_HAND;
-use support::studio::{Studio, driver, loud_music, ready, silence, soft_music, speakers};
+use support::studio::{Studio, driver, loud_music, loud_sound, ready, silence, soft_music, speakers};
 
 const SIZE: (u32, u32) = (240, 135);
 
@@ -65,15 +65,31 @@ sky {
 camera { position = vec3(0, 2.5, -2)  target = vec3(0, 1.2, 6)  fov = 55  roll = 0.05 * sin(t) }
 "#;
 
+/// Hills that are the history of the spectrum, a floor that shows the waveform, and a ball that reads every number of the
+/// sound.
+const HEARS_ALL: &str = r#"
+fn hills(p) = 0.25 * (p.y - 1.6 * history(0.5 + p.x / 12, p.z / 20))
+fn ball_at() = vec3(6 * pitch - 2 + 0.2 * bass_drive, 2.6 + volume_mid, 6 + phase)
+material lines {
+  color    = vec3(0.2, 0.25, 0.3) + 0.5 * spectrum(0.5 + p.x / 12) * vec3(0.5, 0.2, 0.1)
+  emission = vec3(0, 0.4, 0.1) * step(abs(p.z - 4 - 2 * waveform(0.5 + p.x / 8)), 0.1)
+}
+material heard { color = vec3(bass, mid, treble)  emission = beat * vec3(0.2, 0.1, 0.1) + vec3(0, 0, volume_side) }
+object land { shape = hills(p)  material = lines }
+object ball { shape = sphere(p - ball_at(), 0.6 + 0.004 * tempo * beat)  material = heard }
+light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 0.05 }
+camera { position = vec3(0.3 * sin(t), 4, -3)  target = vec3(0, 1, 7)  fov = 60 }
+"#;
+
 /// What a program shows and counts.
 fn drawn(
     studio: &mut Studio,
     program: &Program,
     time: f64,
-    features: Features,
+    sound: impl Into<Sound>,
     size: (u32, u32),
 ) -> (RgbaImage, Evaluations) {
-    let frame = studio.frame(time, features, size);
+    let frame = studio.frame(time, sound, size);
     studio.renderer.draw(&frame, &studio.resources, program).unwrap();
     let picture = RgbaImage::from_raw(size.0, size.1, studio.renderer.read()).unwrap();
     (picture, studio.renderer.evaluations())
@@ -93,10 +109,10 @@ fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
     for &time in times {
         studio.resources.set_cells(true);
         let [skipping, short] =
-            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_music(), SIZE));
+            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), SIZE));
         studio.resources.set_cells(false);
         let [compiled, interpreted] =
-            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_music(), SIZE));
+            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), SIZE));
         assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, TIGHT);
         assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, TIGHT);
         if matches!(scene, SceneSource::Shipped(_)) {
@@ -145,6 +161,24 @@ fn both_modes_show_the_same_planes() {
 #[test]
 fn both_modes_show_the_same_scene_of_many_parts() {
     assert_modes_agree("many", &SceneSource::Formula(MANY.into()), &[3.0, 5.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_scene_that_hears_everything() {
+    let scene = SceneSource::Formula(HEARS_ALL.into());
+    assert_modes_agree("hears-all", &scene, &[3.0]);
+
+    // Each of the tables is seen.
+    let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
+    let whole = studio.picture(3.0, loud_sound(), SIZE);
+    let sounds: [fn(&mut Tables); 3] = [|t| t.spectrum = None, |t| t.waveform = None, |t| t.history = None];
+    for (number, take) in sounds.iter().enumerate() {
+        let mut sound = loud_sound();
+        take(&mut sound.tables);
+        let without = studio.picture(3.0, sound, SIZE);
+        let share = difference(&whole, &without, TIGHT.visible).share;
+        assert!(share > 0.01, "table {number} is not seen: {share}");
+    }
 }
 
 #[test]
@@ -209,7 +243,7 @@ fn a_painter_draws_as_it_was_asked() {
             SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), regions: true, verbose: false };
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
-        painter.draw(0.0, silence(), (16, 9)).unwrap();
+        painter.draw(0.0, silence().into(), (16, 9)).unwrap();
         assert_eq!(painter.read().len(), 16 * 9 * 4);
     }
 }

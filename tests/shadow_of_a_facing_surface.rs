@@ -16,7 +16,7 @@ const RADIUS: f64 = 1.25;
 
 #[test]
 fn no_single_pixel_of_a_lit_woofer_is_dark() {
-    let features = SongFeatures::open(&Song::Demo, TIME).unwrap().require(TIME).unwrap();
+    let features = SongFeatures::open(&Song::Demo, TIME).unwrap().require(TIME).unwrap().features;
     let mut studio = Studio::new();
     let frame = studio.frame(TIME, features, SIZE);
     let picture = studio.picture(TIME, features, SIZE);

@@ -17,6 +17,8 @@ pub enum Action {
     Shift(f64),
     /// Listen to the next source.
     ChangeSource,
+    /// Take this moment as a beat.
+    Tap,
     /// Change between the interpreted and the compiled scene.
     ToggleMode,
     /// Use the cells of regions, or the whole tape everywhere.
@@ -123,6 +125,13 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::Shift(1.0),
         meaning: "the picture 5 ms later, for headphones or a TV that lag",
         repeats: true,
+    },
+    Binding {
+        keys: &[Key::Character("t")],
+        written: "T",
+        action: Action::Tap,
+        meaning: "tap the tempo, twice or more; once alone gives it back to what is heard",
+        repeats: false,
     },
     Binding {
         keys: &[Key::Character("n")],

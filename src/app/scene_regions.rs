@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::audio::Moment;
+use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
@@ -59,23 +60,20 @@ impl SceneRegions {
         })
     }
 
-    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, or an earlier picture whose tree has
+    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, which sounds like `sound`, or an earlier picture whose tree has
     /// come by now. None if there is nothing to draw but what was drawn before.
     pub fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
         scene: &SceneResources,
         wanted: Shown,
+        sound: Sound,
         params: &[f32],
     ) -> Option<(Frame, Shown)> {
         // Where the distance is none, there are cells whatever is wanted.
         let cells = scene.world().steep || (self.wanted && self.late_for != Some((id, mode)));
         scene.set_cells(cells);
-        let frame_of = |shown: &Shown, params: &[f32]| {
-            let Moment { song_time, features, .. } = shown.moment;
-            Frame::with_params(scene.world(), song_time, features, shown.size, params)
-        };
-        let frame = frame_of(&wanted, params);
+        let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
         let request = scene.region_request(&frame);
         // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture waits
         // for its tree: what was shown is of another scene.
@@ -98,7 +96,7 @@ impl SceneRegions {
         }
         if shown.size != wanted.size {
             shown.size = wanted.size;
-            frame = frame_of(&shown, &frame.inputs.params);
+            frame = frame.resized(wanted.size);
         }
         scene.take_regions(regions);
         self.waited = true;

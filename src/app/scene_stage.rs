@@ -16,6 +16,7 @@ use super::overlay::{Notice, OverlayContent, Problem, Slider};
 use super::scene_regions::{SceneRegions, Shown};
 use crate::audio::Moment;
 use crate::config::SdfChoice;
+use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
@@ -26,7 +27,6 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::graph::Input;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
@@ -243,7 +243,7 @@ impl SceneStage {
             default: param.default,
         });
         let sliders = sliders.collect();
-        let moves = ready.world.scene.graph.holds(Input::T);
+        let moves = ready.world.scene.graph.moves_by_itself();
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
         let id = self.fresh_id();
@@ -400,7 +400,8 @@ impl SceneStage {
         }
     }
 
-    fn tell(&mut self, text: String) {
+    /// Shows a line for a moment.
+    pub fn tell(&mut self, text: String) {
         self.notice = Some((text, Instant::now()));
     }
 
@@ -478,14 +479,14 @@ impl SceneStage {
     pub fn draw(
         &mut self,
         renderer: &mut Renderer,
-        moment: Moment,
+        (moment, sound): (Moment, Sound),
         size: (u32, u32),
     ) -> Result<Option<Shown>, GpuError> {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
         let wanted = Shown { moment, size, revision: self.revision };
         let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
-        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, &params);
+        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, &params);
         let Some((frame, shown)) = drawable else { return Ok(None) };
         renderer.draw(&frame, &cast.resources, program)?;
         Ok(Some(shown))

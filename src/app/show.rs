@@ -23,6 +23,7 @@ use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
 use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
+use crate::dsp::{self, TapTempo};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
@@ -138,6 +139,8 @@ struct Show {
 /// Everything that lives as long as the window.
 struct Stage {
     sound: Sound,
+    /// The tempo by hand.
+    taps: TapTempo,
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     renderer: Renderer,
@@ -167,7 +170,8 @@ struct Stage {
 impl Stage {
     /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
     fn moment(&mut self) -> Option<Moment> {
-        let now = self.sound.now()?;
+        let mut now = self.sound.now()?;
+        self.taps.apply(now.song_time, &mut now.features);
         let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
         Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
     }
@@ -234,6 +238,7 @@ impl Show {
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+            gain: settings.gain,
         };
         let player = self.source.take().map(|source| Player::start(source, options)).transpose()?;
         let sound = Sound::start(Start {
@@ -241,11 +246,13 @@ impl Show {
             listen: settings.listen,
             device: settings.device.clone(),
             latency: settings.latency,
+            gain: settings.gain,
         })?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
         self.stage = Some(Stage {
             sound,
+            taps: TapTempo::default(),
             paused: false,
             renderer,
             scene,
@@ -286,7 +293,8 @@ impl Show {
         let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) {
-            new = stage.scene.draw(&mut stage.renderer, moment, drawn)?;
+            let sound = dsp::Sound { features: moment.features, ..stage.sound.tables() };
+            new = stage.scene.draw(&mut stage.renderer, (moment, sound), drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
@@ -329,6 +337,14 @@ impl Show {
             Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
             Action::Shift(steps) => stage.sound.shift(steps),
             Action::ChangeSource => stage.sound.next_source(),
+            Action::Tap => {
+                let time = stage.sound.now().map_or(0.0, |moment| moment.song_time);
+                stage.taps.tap(time);
+                stage.scene.tell(match stage.taps.at(time) {
+                    Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
+                    None => "tap again to set the tempo".to_owned(),
+                });
+            }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),

@@ -8,6 +8,7 @@ use crate::audio::input::{Live, LiveOptions, LiveStatus};
 use crate::audio::roster::{Roster, RosterEntry, RosterWatch};
 use crate::audio::{Moment, Player, PlayerStatus, Target};
 use crate::config::{ListenChoice, Settings, SettingsFile};
+use crate::dsp::{self, Gain};
 use crate::export::print::tell;
 use crate::limits::LIMITS;
 
@@ -30,6 +31,7 @@ pub struct Sound {
     live: Option<Live>,
     /// What the user wants.
     paused: bool,
+    gain: Gain,
     file: SettingsFile,
     /// The shift of this run, in milliseconds, which was asked for on the command line.
     asked_ms: Option<f64>,
@@ -54,6 +56,8 @@ pub struct Start {
     pub device: Option<String>,
     /// The shift of this run, in seconds.
     pub latency: Option<f64>,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
 }
 
 impl Sound {
@@ -67,6 +71,7 @@ impl Sound {
             player: start.player,
             live: None,
             paused: true,
+            gain: start.gain,
             file,
             asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
             device: None,
@@ -82,7 +87,7 @@ impl Sound {
         }
         if let Some(choice) = start.listen {
             let target = wanted(choice, start.device, sound.file.settings());
-            sound.live = Some(Live::start(LiveOptions { target })?);
+            sound.live = Some(Live::start(LiveOptions { target, gain: start.gain })?);
         }
         Ok(sound)
     }
@@ -109,6 +114,15 @@ impl Sound {
             (Some(live), _) => Some(live.now(shift)),
             (None, Some(player)) => Some(player.now(shift)),
             (None, None) => None,
+        }
+    }
+
+    /// The sound of what [`Sound::now`] told last, with its curves.
+    pub fn tables(&self) -> dsp::Sound {
+        match (&self.live, &self.player) {
+            (Some(live), _) => live.sound(),
+            (None, Some(player)) => player.sound(),
+            (None, None) => dsp::Sound::default(),
         }
     }
 
@@ -222,7 +236,7 @@ impl Sound {
                 }
                 match &mut self.live {
                     Some(live) => live.choose(target.clone()),
-                    None => match Live::start(LiveOptions { target: target.clone() }) {
+                    None => match Live::start(LiveOptions { target: target.clone(), gain: self.gain }) {
                         Ok(mut live) => {
                             live.set_paused(self.paused);
                             self.live = Some(live);

@@ -10,7 +10,7 @@ use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::clock::Clock;
+use super::clock::{Audible, Clock};
 use super::error::PlayerError;
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
@@ -18,7 +18,7 @@ use super::roster::RosterEntry;
 use super::source::FrameSource;
 use super::timeline::SharedTimeline;
 use super::worker::Worker;
-use crate::dsp::Features;
+use crate::dsp::{Features, Gain, Sound};
 use crate::limits::LIMITS;
 use decoding::{Command, Decoding};
 
@@ -41,11 +41,20 @@ pub struct PlayerOptions {
     pub paused: bool,
     /// A device or the silent clock.
     pub output: OutputChoice,
+    /// Whether quiet and loud songs move a picture alike.
+    pub gain: Gain,
 }
 
 impl Default for PlayerOptions {
     fn default() -> Self {
-        Self { device: None, looping: true, volume: 1.0, paused: false, output: OutputChoice::Auto }
+        Self {
+            device: None,
+            looping: true,
+            volume: 1.0,
+            paused: false,
+            output: OutputChoice::Auto,
+            gain: Gain::Auto,
+        }
     }
 }
 
@@ -112,6 +121,8 @@ pub struct Player {
     picture_clock: Clock,
     position: f64,
     moment: Moment,
+    /// What was audible then, and how far ahead of it that is, in seconds.
+    heard: Option<(Audible, f64)>,
     /// How much later the sound was said to be heard, in seconds, when the picture last asked.
     shift: f64,
 }
@@ -134,8 +145,8 @@ impl Player {
         let timeline = SharedTimeline::default();
         let error = Arc::new(Mutex::new(None));
         let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
-        let notes = timeline.clone();
-        let analysis = Worker::spawn("analysis", move || analysis::run(&analysis_inbox, rate, &notes))?;
+        let (notes, gain) = (timeline.clone(), options.gain);
+        let analysis = Worker::spawn("analysis", move || analysis::run(&analysis_inbox, rate, gain, &notes))?;
         let (commands, inbox) = channel();
         let work = Decoding::new(source, options.looping, timeline.clone(), to_analysis, error.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
@@ -158,6 +169,7 @@ impl Player {
             picture_clock: Clock::default(),
             position: 0.0,
             moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
+            heard: None,
             shift: 0.0,
         })
     }
@@ -231,8 +243,15 @@ impl Player {
             let segment = audible.segment;
             self.moment =
                 Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
+            self.heard = Some((audible, (-shift).max(0.0)));
         }
         self.moment
+    }
+
+    /// The sound of what [`Player::now`] told last, with its tables.
+    pub fn sound(&self) -> Sound {
+        let sound = self.heard.and_then(|(audible, ahead)| self.timeline.lock().sound(audible, ahead));
+        sound.unwrap_or_else(|| self.moment.features.into())
     }
 
     fn send(&self, command: Command) {

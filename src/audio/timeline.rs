@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::clock::Audible;
-use crate::dsp::{FeatureTrack, Features, TimedFeatures};
+use crate::dsp::{FeatureTrack, Features, Sound, TimedFeatures};
 use crate::limits::LIMITS;
 
 /// Segments remembered: the newest and those that may still sound behind it.
@@ -115,7 +115,7 @@ impl Timeline {
     }
 
     /// Adds the features of a moment; its time counts from the song's start on and goes on over laps.
-    pub fn push_features(&mut self, id: u64, moment: TimedFeatures) {
+    pub fn push_features(&mut self, id: u64, moment: &TimedFeatures) {
         if let Some(segment) = self.find_mut(id) {
             segment.track.push(moment);
         }
@@ -124,10 +124,7 @@ impl Timeline {
     /// Where `audible` is in the song, `ahead` seconds later (never before the segment's start nor after its end).
     /// None for a segment that is not remembered.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
-        let segment = self.find(audible.segment)?;
-        let rate = f64::from(segment.rate);
-        let end = segment.end_frame.map_or(f64::INFINITY, |frame| frame as f64 / rate);
-        let time = (audible.frame / rate + ahead).min(end).max(0.0);
+        let (segment, time) = self.locate(audible, ahead)?;
         let index = segment.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
         let anchor = segment.anchors.get(index)?;
         Some(SongPlace {
@@ -135,6 +132,20 @@ impl Timeline {
             lap: anchor.lap,
             features: segment.track.at(segment.start + time),
         })
+    }
+
+    /// The sound of the same place, with its tables.
+    pub fn sound(&self, audible: Audible, ahead: f64) -> Option<Sound> {
+        let (segment, time) = self.locate(audible, ahead)?;
+        Some(segment.track.sound_at(segment.start + time))
+    }
+
+    /// The segment, and the time in it that is meant.
+    fn locate(&self, audible: Audible, ahead: f64) -> Option<(&SegmentNotes, f64)> {
+        let segment = self.find(audible.segment)?;
+        let rate = f64::from(segment.rate);
+        let end = segment.end_frame.map_or(f64::INFINITY, |frame| frame as f64 / rate);
+        Some((segment, (audible.frame / rate + ahead).min(end).max(0.0)))
     }
 
     /// Whether `audible` is the end of a segment after which nothing comes.
@@ -185,15 +196,15 @@ mod tests {
     #[test]
     fn features_belong_to_their_segment() {
         let mut timeline = Timeline::default();
-        let moment = |time, volume| TimedFeatures {
-            time,
-            features: Features { volume: [volume; 2], ..Features::default() },
+        let moment = |time: f64, volume| {
+            let features = Features { volume: [volume; 2], ..Features::default() };
+            TimedFeatures::new(time, (100.0 * time) as u64, features)
         };
         timeline.begin(1, 100, 5.0);
-        timeline.push_features(1, moment(5.0, 0.25));
+        timeline.push_features(1, &moment(5.0, 0.25));
         timeline.begin(2, 100, 5.0);
-        timeline.push_features(2, moment(5.0, 0.75));
-        timeline.push_features(2, moment(7.0, 0.25));
+        timeline.push_features(2, &moment(5.0, 0.75));
+        timeline.push_features(2, &moment(7.0, 0.25));
         let volume = |segment, frame, ahead| {
             timeline.place(at(segment, frame), ahead).map(|place| place.features.volume[0])
         };

@@ -214,6 +214,10 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
         "beat" => Some(&mut frame.beat),
         "tempo" => Some(&mut frame.tempo),
         "phase" => Some(&mut frame.phase),
+        "volume_mid" => Some(&mut frame.volume_mid),
+        "volume_side" => Some(&mut frame.volume_side),
+        "bass_drive" => Some(&mut frame.bass_drive),
+        "pitch" => Some(&mut frame.pitch),
         _ => match band {
             Some(number) => number.parse().ok().and_then(|number: usize| frame.bands.get_mut(number)),
             None => scene
@@ -223,7 +227,8 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
                 .and_then(|number| frame.params.get_mut(number)),
         },
     };
-    let known = "t, volume.x, volume.y, band(0) to band(31), bass, mid, treble, beat, tempo, phase, and the scene's params";
+    let known = "t, volume.x, volume.y, band(0) to band(31), bass, mid, treble, beat, tempo, phase, volume_mid, \
+                 volume_side, bass_drive, pitch, and the scene's params";
     *place.with_context(|| format!("--set '{setting}': there is no input '{name}'; there are {known}"))? =
         value;
     Ok(())

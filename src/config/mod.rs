@@ -4,6 +4,8 @@ mod settings;
 
 pub use settings::{Settings, SettingsError, SettingsFile};
 
+use crate::dsp::Gain;
+
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SdfChoice {
@@ -40,6 +42,8 @@ pub struct PlaySettings {
     pub latency: Option<f64>,
     /// Listen to this instead of playing a song.
     pub listen: Option<ListenChoice>,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
     /// Most frames per second; none is the monitor's rate.
     pub fps_cap: Option<f64>,
     /// Start in full screen.

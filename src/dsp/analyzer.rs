@@ -1,11 +1,19 @@
 //! Cuts a stream of frames into fixed hops and measures the features of each.
 
 use super::StereoFrame;
-use super::bands::{Bands, height};
-use super::features::{Features, TimedFeatures};
+use super::bands::{Bands, decibels, height};
+use super::beat::BeatTracker;
+use super::decimate::Decimator;
+use super::features::{BAND_COUNT, Features, TimedFeatures};
+use super::gain::{AutoGain, Gain, amplitude};
+use super::lines::Lines;
+use super::onset::{Flux, Onsets};
+use super::pitch::strongest_hz;
+use super::resolution::Resolution;
 use super::smoothing::Follower;
 use super::spectrum::Spectrum;
-use super::volume::{mean_magnitude, stretch_length};
+use super::tables::WAVE_PER_HOP;
+use super::volume::{Volumes, stretch_length};
 use crate::limits::LIMITS;
 
 /// Samples are clamped to this magnitude (+18 dB), so that no input makes a feature overflow.
@@ -16,9 +24,6 @@ const REFERENCE_RATE: f64 = 48_000.0;
 
 /// Frames from one moment to the next at the reference rate: 10.7 ms.
 const REFERENCE_HOP: f64 = 512.0;
-
-/// Hops per window: 4096 frames, 85 ms, at the reference rate.
-const HOPS_PER_WINDOW: usize = 8;
 
 /// Positions are clamped to this (190 000 years at 768 kHz), so that counting on from one never overflows.
 const POSITION_MAX: u64 = 1 << 62;
@@ -33,7 +38,26 @@ const BAND_ATTACK: f64 = 0.010;
 /// See [`BAND_ATTACK`].
 const BAND_RELEASE: f64 = 0.200;
 
-/// Where the window of a moment lies.
+/// Time constant of the fall of `beat`, in seconds.
+const BEAT_RELEASE: f64 = 0.15;
+
+/// Time in which `bass_drive` forgets, in seconds.
+const DRIVE_SECONDS: f64 = 4.0;
+
+/// Bands of `bass`, `mid` and `treble`: up to 144 Hz, 1.85 kHz, and the rest.
+const BASS: std::ops::Range<usize> = 0..8;
+/// See [`BASS`].
+const MID: std::ops::Range<usize> = 8..21;
+/// See [`BASS`].
+const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
+
+/// By how many moments the flux tells of an onset late: windows centred on their moments, and ending at them.
+const FLUX_LATE: (f32, f32) = (0.6, 1.6);
+
+/// Above this the long window is not looked at, in hertz.
+const SLOW_HIGHEST_HZ: f64 = 600.0;
+
+/// Where the windows of a moment lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
     /// Centred on the moment, for files: what comes after is known. The picture is not late by half a window.
@@ -44,9 +68,10 @@ pub enum Alignment {
 
 /// Turns frames into features, one set per hop.
 ///
-/// The hop is 512 frames and the window 4096 at 44.1 and 48 kHz, scaled by the nearest power of two at other rates
-/// (hop 7.5 to 15.1 ms, window 60 to 121 ms). Moments lie at whole multiples of the hop, counted from frame 0 of
-/// the stream. The [`Alignment`] says where the window lies: centred on its moment it reads half a window
+/// The hop is 512 frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1 ms). Windows
+/// are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets.
+/// Moments lie at whole multiples of the hop, counted from frame 0 of
+/// the stream. The [`Alignment`] says where the windows lie: centred on their moment they read half a window
 /// ([`Analyzer::lookahead`]) of what comes after. Before the first frame and after the last there is silence.
 ///
 /// What is emitted depends on the frames alone, bit for bit, not on how they were cut into blocks. Nothing is
@@ -55,7 +80,7 @@ pub struct Analyzer {
     sample_rate: u32,
     hop: usize,
     lookahead: usize,
-    /// The window being filled; its end is the frame at `moment + lookahead`.
+    /// The frames of the long window being filled; its end is the frame at `moment + lookahead`.
     history: Vec<StereoFrame>,
     filled: usize,
     /// Stream index of the next moment.
@@ -64,44 +89,98 @@ pub struct Analyzer {
     position: u64,
     /// Whether frames were pushed since the (re)start.
     any: bool,
-    spectrum: Spectrum,
+    /// Whether no moment was measured since the (re)start.
+    fresh: bool,
+    /// The long window at a lower rate, and what brings it there.
+    slow: Vec<StereoFrame>,
+    decimator: Decimator,
+    slow_spectrum: Spectrum,
+    /// Where in the history the middle and the short window lie, and what measures them.
+    windows: [(std::ops::Range<usize>, Spectrum); 2],
     bands: Bands,
+    lines: Lines,
     volume_stretch: std::ops::Range<usize>,
+    wave_stretch: std::ops::Range<usize>,
     volume_follower: Follower,
     band_follower: Follower,
-    /// The features of the last moment.
-    features: Features,
+    beat_follower: Follower,
+    drive_follower: Follower,
+    gain: AutoGain,
+    flux: Flux,
+    onsets: Onsets,
+    beats: BeatTracker,
+    /// The last moment.
+    last: TimedFeatures,
 }
 
 impl Analyzer {
-    /// For a stream of `sample_rate` frames per second, that starts at frame 0. A rate outside the limits'
-    /// `sample_rate_min..=sample_rate_max` is taken as the nearest one inside.
+    /// For a stream of `sample_rate` frames per second, that starts at frame 0, with automatic gain. A rate outside the
+    /// limits' `sample_rate_min..=sample_rate_max` is taken as the nearest one inside.
     pub fn new(sample_rate: u32, alignment: Alignment) -> Self {
+        Self::with_gain(sample_rate, alignment, Gain::Auto)
+    }
+
+    /// The same with automatic gain or without.
+    pub fn with_gain(sample_rate: u32, alignment: Alignment, gain: Gain) -> Self {
         let sample_rate = sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max);
         let rate = f64::from(sample_rate);
         let hop = (REFERENCE_HOP * (rate / REFERENCE_RATE).log2().round().exp2()) as usize;
-        let window = hop * HOPS_PER_WINDOW;
+        let longest = hop * Resolution::Long.hops();
         let hop_seconds = hop as f64 / rate;
-        let stretch = stretch_length(sample_rate);
-        let (lookahead, stretch_end) = match alignment {
-            Alignment::Centred => (window / 2, (window + stretch) / 2),
-            Alignment::Trailing => (0, window),
+        let decimator = Decimator::new(hop);
+        let slow_length = longest / decimator.step();
+        let (lookahead, late) = match alignment {
+            // The middle of what is kept of the long window lies on the moment.
+            Alignment::Centred => {
+                ((slow_length / 2 - 1) * decimator.step() + decimator.delay() + 1, FLUX_LATE.0)
+            }
+            Alignment::Trailing => (0, FLUX_LATE.1),
         };
+        let place = |length: usize| match alignment {
+            Alignment::Centred => {
+                let start = longest - lookahead - length / 2;
+                start..start + length
+            }
+            Alignment::Trailing => longest - length..longest,
+        };
+        let slow_gain = |bin: usize| {
+            let hz = bin as f64 * rate / longest as f64;
+            // Higher ones are not looked at.
+            if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
+        };
+        // Of the four hops around a moment or before it the last one: those before it came with earlier moments.
+        let wave_end = place(4 * hop).end;
+        let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
             sample_rate,
             hop,
             lookahead,
-            history: vec![[0.0; 2]; window],
+            history: vec![[0.0; 2]; longest],
             filled: 0,
             moment: 0,
             position: 0,
             any: false,
-            spectrum: Spectrum::new(window),
-            bands: Bands::new(window / 2, rate / window as f64),
-            volume_stretch: stretch_end - stretch..stretch_end,
+            fresh: true,
+            slow: vec![[0.0; 2]; slow_length],
+            slow_spectrum: Spectrum::new(slow_length, slow_gain),
+            decimator,
+            windows: [Resolution::Middle, Resolution::Short].map(|resolution| {
+                let length = hop * resolution.hops();
+                (place(length), Spectrum::new(length, |_| 1.0))
+            }),
+            bands: Bands::new(hop, rate),
+            lines: Lines::new(hop, rate),
+            volume_stretch: place(stretch_length(sample_rate)),
+            wave_stretch: wave_end - hop..wave_end,
             volume_follower: Follower::new(VOLUME_ATTACK, VOLUME_RELEASE, hop_seconds),
             band_follower: Follower::new(BAND_ATTACK, BAND_RELEASE, hop_seconds),
-            features: Features::SILENCE,
+            beat_follower: Follower::new(BEAT_RELEASE, BEAT_RELEASE, hop_seconds),
+            drive_follower: Follower::new(DRIVE_SECONDS, DRIVE_SECONDS, hop_seconds),
+            gain: AutoGain::new(gain, hop_seconds),
+            flux: Flux::new(short / 2, rate / short as f64),
+            onsets: Onsets::new(hop_seconds),
+            beats: BeatTracker::new(hop_seconds, late),
+            last: TimedFeatures::new(0.0, 0, Features::SILENCE),
         };
         analyzer.restart(0);
         analyzer
@@ -117,7 +196,8 @@ impl Analyzer {
         self.hop
     }
 
-    /// Frames that must follow a moment before its features are emitted: centred half a window, 43 ms at 48 kHz; else none.
+    /// Frames that must follow a moment before its features are emitted: centred half the long window, 85 ms at
+    /// 48 kHz, and what the filter before it needs; else none.
     pub fn lookahead(&self) -> usize {
         self.lookahead
     }
@@ -130,16 +210,21 @@ impl Analyzer {
         let position = position.min(POSITION_MAX);
         self.moment = position.next_multiple_of(self.hop as u64);
         self.position = position;
-        self.any = false;
+        (self.any, self.fresh) = (false, true);
         self.history.fill([0.0; 2]);
+        self.slow.fill([0.0; 2]);
         // A moment is less than a hop ahead, and the window behind it is longer than a hop.
         self.filled = self.history.len() - self.lookahead - (self.moment - position) as usize;
-        self.features = Features::SILENCE;
+        self.gain.restart();
+        self.flux.restart();
+        self.onsets.restart();
+        self.beats.restart();
+        self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }
 
     /// Takes the next frames, any number of them, and emits the features of each moment that became complete.
     /// Samples that are not finite count as 0; others are clamped to ±8.
-    pub fn push(&mut self, frames: &[StereoFrame], emit: &mut dyn FnMut(TimedFeatures)) {
+    pub fn push(&mut self, frames: &[StereoFrame], emit: &mut dyn FnMut(&TimedFeatures)) {
         self.any |= !frames.is_empty();
         self.position += frames.len() as u64;
         let mut rest = frames;
@@ -157,7 +242,7 @@ impl Analyzer {
 
     /// Ends the stream: emits what is left, with silence after the last frame, until a moment lies at or after the
     /// end of the stream. Emits nothing if nothing was pushed. Then the analyzer is as new.
-    pub fn finish(&mut self, emit: &mut dyn FnMut(TimedFeatures)) {
+    pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
         // A moment before `position + hop` is the last one to be before or the first one to be at the end.
         while self.any && self.moment < self.position + self.hop as u64 {
             self.history[self.filled..].fill([0.0; 2]);
@@ -168,24 +253,94 @@ impl Analyzer {
     }
 
     /// Measures a full window, emits, and moves the window on by a hop.
-    fn emit_if_full(&mut self, emit: &mut dyn FnMut(TimedFeatures)) {
+    fn emit_if_full(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
         if self.filled < self.history.len() {
             return;
         }
-        let levels = self.bands.levels_db(self.spectrum.power(&self.history));
-        let volume = mean_magnitude(&self.history[self.volume_stretch.clone()]);
-        self.features.band_levels_db = levels;
-        for (value, target) in self.features.volume.iter_mut().zip(volume) {
-            self.volume_follower.follow(value, target);
-        }
-        for (value, level) in self.features.bands.iter_mut().zip(levels) {
-            self.band_follower.follow(value, height(level));
-        }
-        let time = self.moment as f64 / f64::from(self.sample_rate);
-        emit(TimedFeatures { time, features: self.features });
+        self.measure();
+        emit(&self.last);
         self.history.copy_within(self.hop.., 0);
         self.filled -= self.hop;
         self.moment += self.hop as u64;
+    }
+
+    /// Measures the moment whose window is full.
+    fn measure(&mut self) {
+        let history = &self.history;
+        // All of it once, then hop by hop.
+        let kept_per_hop = self.hop / self.decimator.step();
+        let new = if std::mem::take(&mut self.fresh) { self.slow.len() } else { kept_per_hop };
+        let kept = self.slow.len() - new;
+        self.slow.copy_within(new.., 0);
+        self.decimator.keep(history, &mut self.slow[kept..]);
+        let long = self.slow_spectrum.power(&self.slow);
+        let [middle, short] =
+            self.windows.each_mut().map(|(place, spectrum)| spectrum.power(&history[place.clone()]));
+        let spectra = [long, middle, short];
+        let powers = self.bands.powers(spectra);
+        let power = powers.iter().sum();
+        let (loudest, gain_db) = self.gain.follow(power);
+
+        self.last.number = self.moment / self.hop as u64;
+        self.last.time = self.moment as f64 / f64::from(self.sample_rate);
+        let features = &mut self.last.features;
+        features.gain_db = gain_db;
+        features.level_db = decibels(power);
+        features.band_levels_db = powers.map(decibels);
+        features.peak_hz = strongest_hz([long, middle], f64::from(self.sample_rate), self.hop);
+        for (value, level) in features.bands.iter_mut().zip(features.band_levels_db) {
+            self.band_follower.follow(value, height(level + gain_db));
+        }
+        let mean = |bands: &[f32]| bands.iter().sum::<f32>() / bands.len() as f32;
+        features.bass = mean(&features.bands[BASS]);
+        features.mid = mean(&features.bands[MID]);
+        features.treble = mean(&features.bands[TREBLE]);
+        // A first-order system has e times its driving value after its time constant.
+        self.drive_follower.follow(&mut features.bass_drive, DRIVE_SECONDS as f32 * features.bass);
+
+        let volumes = Volumes::of(&history[self.volume_stretch.clone()]);
+        let scale = amplitude(gain_db);
+        let [left, right] = &mut features.volume;
+        let followed = [
+            (left, volumes.left),
+            (right, volumes.right),
+            (&mut features.volume_mid, volumes.mid),
+            (&mut features.volume_side, volumes.side),
+        ];
+        for (value, target) in followed {
+            self.volume_follower.follow(value, (scale * target).min(SAMPLE_MAX));
+        }
+
+        let (begins, flux) = self.onsets.follow(self.flux.follow(short, loudest));
+        self.beat_follower.follow(&mut features.beat, 0.0);
+        if begins {
+            features.beat = 1.0;
+        }
+        let beat = self.beats.follow(flux, begins);
+        (features.tempo, features.phase) = (beat.tempo, beat.phase);
+
+        let mut heights = [0.0; _];
+        self.lines.heights(spectra, gain_db, &mut heights);
+        for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
+            self.band_follower.follow(value, height);
+        }
+        let frames_per_point = self.hop / WAVE_PER_HOP;
+        mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);
+    }
+}
+
+/// The mean of both channels over as many frames for each point; where a hop has fewer frames than points, each frame
+/// stands for several.
+fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut [f32; WAVE_PER_HOP]) {
+    if frames_per_point == 0 {
+        for (index, point) in wave.iter_mut().enumerate() {
+            let frame = frames.get(index * frames.len() / WAVE_PER_HOP);
+            *point = frame.map_or(0.0, |[left, right]| 0.5 * (left + right));
+        }
+        return;
+    }
+    for (point, group) in wave.iter_mut().zip(frames.chunks_exact(frames_per_point)) {
+        *point = group.iter().map(|[left, right]| left + right).sum::<f32>() / (2 * frames_per_point) as f32;
     }
 }
 

@@ -1,6 +1,7 @@
 //! Logarithmic frequency bands: from the power per bin to the level of each band and its height for drawing.
 
 use super::features::{BAND_COUNT, LEVEL_FLOOR_DB};
+use super::resolution::Resolution;
 
 /// Lower edge of the lowest band, in hertz.
 pub const BAND_LOWEST_HZ: f64 = 30.0;
@@ -26,57 +27,66 @@ pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
-/// Which bins make up which band.
+/// Which bins of which window make up which band.
 ///
 /// Bin k stands for the interval [k - ½, k + ½] bins. A band takes of each bin the share of that interval that
-/// lies within its edges, so bands share the bins on their common edges and no power is lost or counted twice.
+/// lies within its edges, so bands share the bins on their common edges and no power is lost or counted twice; and of
+/// the three windows the shares that [`Resolution::share`] tells.
 pub(super) struct Bands {
-    bands: Vec<Band>,
+    /// For each band, of each window.
+    bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
 }
 
 /// The bins `first_bin..` weighted by `weights[first_weight..first_weight + count]`.
-struct Band {
+#[derive(Clone, Copy, Default)]
+struct Bins {
     first_bin: usize,
     first_weight: usize,
     count: usize,
 }
 
 impl Bands {
-    /// For `bin_count` bins of `bin_hz` hertz each, from 0 Hz. A band that reaches above the last bin is cut
-    /// there; one wholly above it is silent.
-    pub(super) fn new(bin_count: usize, bin_hz: f64) -> Self {
-        let mut weights = Vec::with_capacity(bin_count + 2 * BAND_COUNT);
-        let bands = (0..BAND_COUNT)
-            .map(|index| {
+    /// For windows of a hop times [`Resolution::hops`] frames at `sample_rate` hertz. A band that reaches above half the
+    /// rate is cut there; one wholly above it is silent.
+    pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
+        let mut weights = Vec::new();
+        let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];
+        for (index, of_band) in bands.iter_mut().enumerate() {
+            for (bins, resolution) in of_band.iter_mut().zip(Resolution::ALL) {
+                let length = hop * resolution.hops();
+                let (bin_count, bin_hz) = (length / 2, sample_rate / length as f64);
                 let (low, high) = (band_edge(index) / bin_hz, band_edge(index + 1) / bin_hz);
-                let first_bin = (low.round() as usize).min(bin_count);
-                let end_bin = (high.round() as usize + 1).min(bin_count);
-                let first_weight = weights.len();
-                weights.extend((first_bin..end_bin).map(|bin| {
+                let shared = |bin: usize| {
                     let centre = bin as f64;
-                    ((centre + 0.5).min(high) - (centre - 0.5).max(low)).max(0.0) as f32
-                }));
-                Band { first_bin, first_weight, count: weights.len() - first_weight }
-            })
-            .collect();
+                    let inside = ((centre + 0.5).min(high) - (centre - 0.5).max(low)).max(0.0);
+                    (inside * resolution.share(centre * bin_hz)) as f32
+                };
+                let first = (low.round() as usize).min(bin_count);
+                let end = (high.round() as usize + 1).min(bin_count);
+                if (first..end).any(|bin| shared(bin) > 0.0) {
+                    *bins = Bins { first_bin: first, first_weight: weights.len(), count: end - first };
+                    weights.extend((first..end).map(shared));
+                }
+            }
+        }
         Self { bands, weights }
     }
 
-    /// The level of each band in decibels, from the power per bin; not below [`LEVEL_FLOOR_DB`].
-    pub(super) fn levels_db(&self, power: &[f32]) -> [f32; BAND_COUNT] {
-        let mut levels = [LEVEL_FLOOR_DB; BAND_COUNT];
-        for (level, band) in levels.iter_mut().zip(&self.bands) {
-            let weights = &self.weights[band.first_weight..][..band.count];
-            let sum: f32 = power[band.first_bin..].iter().zip(weights).map(|(p, w)| p * w).sum();
-            *level = decibels(sum);
-        }
-        levels
+    /// The power of each band, from the power per bin of each window.
+    pub(super) fn powers(&self, spectra: [&[f32]; Resolution::ALL.len()]) -> [f32; BAND_COUNT] {
+        self.bands.map(|of_band| {
+            let of_window = |(bins, power): (Bins, &[f32])| {
+                let weights = &self.weights[bins.first_weight..][..bins.count];
+                power[bins.first_bin..].iter().zip(weights).map(|(p, w)| p * w).sum::<f32>()
+            };
+            of_band.into_iter().zip(spectra).map(of_window).sum()
+        })
     }
 }
 
 /// A power ratio in decibels, not below [`LEVEL_FLOOR_DB`].
-fn decibels(power: f32) -> f32 {
+pub(super) fn decibels(power: f32) -> f32 {
     (10.0 * power.log10()).max(LEVEL_FLOOR_DB)
 }
 
@@ -103,24 +113,36 @@ mod tests {
     /// Power that lies evenly over frequency comes out as bandwidth, and each bin is given out once.
     #[test]
     fn bins_are_shared_without_loss() {
-        for (bin_count, bin_hz) in
-            [(2048, 48_000.0 / 4096.0), (2048, 67_882.0 / 4096.0), (32_768, 768_000.0 / 65_536.0)]
-        {
-            let bands = Bands::new(bin_count, bin_hz);
-            let mut given = vec![0.0_f64; bin_count];
-            for (index, band) in bands.bands.iter().enumerate() {
-                let weights = &bands.weights[band.first_weight..][..band.count];
-                let width: f64 = weights.iter().map(|&w| f64::from(w)).sum();
-                let expected = (band_edge(index + 1) - band_edge(index)) / bin_hz;
-                assert!((width - expected).abs() < 1e-4, "band {index} is {width} bins wide, not {expected}");
-                for (bin, &weight) in (band.first_bin..).zip(weights) {
-                    given[bin] += f64::from(weight);
+        for (hop, rate) in [(512, 48_000.0), (512, 67_882.0), (8_192, 768_000.0)] {
+            let bands = Bands::new(hop, rate);
+            let mut given = Resolution::ALL.map(|resolution| vec![0.0_f64; hop * resolution.hops() / 2]);
+            for (index, of_band) in bands.bands.iter().enumerate() {
+                let mut width = 0.0;
+                for ((bins, given), resolution) in of_band.iter().zip(&mut given).zip(Resolution::ALL) {
+                    let bin_hz = rate / (hop * resolution.hops()) as f64;
+                    let weights = &bands.weights[bins.first_weight..][..bins.count];
+                    for (bin, &weight) in (bins.first_bin..).zip(weights) {
+                        given[bin] += f64::from(weight);
+                        width += f64::from(weight) * bin_hz;
+                    }
                 }
+                let expected = band_edge(index + 1) - band_edge(index);
+                assert!(
+                    (width / expected - 1.0).abs() < 1e-2,
+                    "band {index} is {width} Hz wide, not {expected}"
+                );
             }
-            for (bin, share) in given.iter().enumerate() {
-                let (low, high) = ((bin as f64 - 0.5) * bin_hz, (bin as f64 + 0.5) * bin_hz);
-                let expected = (high.min(BAND_HIGHEST_HZ) - low.max(BAND_LOWEST_HZ)).max(0.0) / bin_hz;
-                assert!((share - expected).abs() < 1e-5, "bin {bin} is given {share} times, not {expected}");
+            for (given, resolution) in given.iter().zip(Resolution::ALL) {
+                let bin_hz = rate / (hop * resolution.hops()) as f64;
+                for (bin, share) in given.iter().enumerate() {
+                    let (low, high) = ((bin as f64 - 0.5) * bin_hz, (bin as f64 + 0.5) * bin_hz);
+                    let inside = (high.min(BAND_HIGHEST_HZ) - low.max(BAND_LOWEST_HZ)).max(0.0) / bin_hz;
+                    let expected = inside * resolution.share(bin as f64 * bin_hz);
+                    assert!(
+                        (share - expected).abs() < 1e-5,
+                        "bin {bin} is given {share} times, not {expected}"
+                    );
+                }
             }
         }
     }
@@ -128,9 +150,9 @@ mod tests {
     #[test]
     fn bands_above_the_last_bin_are_silent() {
         // 8 kHz: the highest frequency is 4 kHz.
-        let levels = Bands::new(256, 8_000.0 / 512.0).levels_db(&[1.0; 256]);
-        for (index, &level) in levels.iter().enumerate() {
-            assert_eq!(level == LEVEL_FLOOR_DB, band_edge(index) > 4_000.0, "band {index}: {level} dB");
+        let powers = Bands::new(64, 8_000.0).powers([&[1.0; 512], &[1.0; 128], &[1.0; 64]]);
+        for (index, &power) in powers.iter().enumerate() {
+            assert_eq!(power == 0.0, band_edge(index) > 4_000.0, "band {index}: {power}");
         }
     }
 

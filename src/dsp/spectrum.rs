@@ -15,12 +15,14 @@ pub(super) struct Spectrum {
     buffer: Vec<Complex32>,
     scratch: Vec<Complex32>,
     power: Vec<f32>,
-    scale: f32,
+    /// What the power of each bin is multiplied by.
+    scales: Vec<f32>,
 }
 
 impl Spectrum {
-    /// For stretches of `length` frames, an even number.
-    pub(super) fn new(length: usize) -> Self {
+    /// For stretches of `length` frames, an even number, that passed a filter which multiplied the power of each bin by
+    /// `gain`: that is taken out again.
+    pub(super) fn new(length: usize, gain: impl Fn(usize) -> f64) -> Self {
         let fft = FftPlanner::new().plan_fft_forward(length);
         let window = hann(length);
         let squares: f64 = window.iter().map(|&w| f64::from(w).powi(2)).sum();
@@ -29,7 +31,7 @@ impl Spectrum {
             buffer: vec![Complex32::default(); length],
             scratch: vec![Complex32::default(); fft.get_inplace_scratch_len()],
             power: vec![0.0; length / 2],
-            scale: (1.0 / (length as f64 * squares)) as f32,
+            scales: (0..length / 2).map(|bin| (1.0 / (length as f64 * squares * gain(bin))) as f32).collect(),
             fft,
         }
     }
@@ -49,11 +51,11 @@ impl Spectrum {
         }
         self.fft.process_with_scratch(&mut self.buffer, &mut self.scratch);
         let mirrored = self.buffer[1..].iter().rev();
-        let (upward, scale) = (&self.buffer[1..], self.scale);
-        self.power[0] = 2.0 * self.buffer[0].norm_sqr() * scale;
-        for ((power, z), mirror) in self.power[1..].iter_mut().zip(upward).zip(mirrored) {
+        let bins = self.power.iter_mut().zip(&self.scales);
+        for ((power, scale), (z, mirror)) in bins.skip(1).zip(self.buffer[1..].iter().zip(mirrored)) {
             *power = (z.norm_sqr() + mirror.norm_sqr()) * scale;
         }
+        self.power[0] = 2.0 * self.buffer[0].norm_sqr() * self.scales[0];
         &self.power
     }
 }

@@ -1,8 +1,15 @@
 //! The features of the last seconds, to be asked for at any moment.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use super::features::{Features, TimedFeatures};
+use super::gain::amplitude;
+use super::lines::SPECTRUM_POINTS;
+use super::tables::{
+    HISTORY_POINTS, HISTORY_SECONDS, MOMENTS_PER_ROW, POINTS_PER_COLUMN, Sound, Tables, WAVE_PER_HOP,
+    WAVEFORM_POINTS,
+};
 use crate::limits::LIMITS;
 
 /// What [`FeatureTrack::default`] keeps, in seconds.
@@ -11,14 +18,23 @@ const DEFAULT_SECONDS: f64 = 20.0;
 /// No analyzer's hop is shorter, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
+/// Most rows of a history: two more than it spans, as a moment lies between two.
+const HISTORY_ROWS: usize = (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 3;
+
+/// A row of the history: the number of its moment over [`MOMENTS_PER_ROW`], and its heights.
+type Row = (u64, [f32; HISTORY_POINTS]);
+
 /// A bounded record of features in order of time.
 ///
 /// Between two moments the features are interpolated linearly, so they are one function of time, whatever the
-/// frame rate at which they are asked for. Nothing is allocated after `new`.
+/// frame rate at which they are asked for. Nothing is allocated after `new` but the tables that are asked for.
 #[derive(Clone, Debug)]
 pub struct FeatureTrack {
     moments: VecDeque<TimedFeatures>,
     capacity: usize,
+    /// They go further back than the moments, by what a history spans.
+    rows: VecDeque<Row>,
+    rows_capacity: usize,
 }
 
 impl FeatureTrack {
@@ -28,12 +44,14 @@ impl FeatureTrack {
         let seconds =
             if seconds.is_nan() { 0.0 } else { seconds.clamp(0.0, LIMITS.feature_track_seconds_max) };
         let capacity = (seconds / SHORTEST_HOP).ceil() as usize + 2;
-        Self { moments: VecDeque::with_capacity(capacity), capacity }
+        let rows_capacity = capacity.div_ceil(MOMENTS_PER_ROW as usize) + HISTORY_ROWS;
+        let (moments, rows) = (VecDeque::with_capacity(capacity), VecDeque::with_capacity(rows_capacity));
+        Self { moments, capacity, rows, rows_capacity }
     }
 
     /// Adds a moment. Moments kept at or after its time are dropped first: after a step back in time the newest
     /// analysis holds. A time that is not finite is ignored.
-    pub fn push(&mut self, moment: TimedFeatures) {
+    pub fn push(&mut self, moment: &TimedFeatures) {
         if !moment.time.is_finite() {
             return;
         }
@@ -43,25 +61,112 @@ impl FeatureTrack {
         if self.moments.len() == self.capacity {
             self.moments.pop_front();
         }
-        self.moments.push_back(moment);
+        self.moments.push_back(moment.clone());
+        let row = moment.number / MOMENTS_PER_ROW;
+        while self.rows.back().is_some_and(|(last, _)| last * MOMENTS_PER_ROW >= moment.number) {
+            self.rows.pop_back();
+        }
+        if moment.number.is_multiple_of(MOMENTS_PER_ROW) {
+            if self.rows.len() == self.rows_capacity {
+                self.rows.pop_front();
+            }
+            self.rows.push_back((row, column_means(&moment.spectrum)));
+        }
     }
 
     /// The features at `time` in seconds of stream time. Before the first moment kept they are the first one's, after
     /// the last the last one's; silence if none is kept or `time` is not a number.
     pub fn at(&self, time: f64) -> Features {
+        match self.around(time) {
+            Some((before, Some(after), amount)) => before.features.lerp(&after.features, amount),
+            Some((only, None, _)) => only.features,
+            None => Features::SILENCE,
+        }
+    }
+
+    /// The features and the tables at `time`. What was before the first moment kept is silence in them.
+    pub fn sound_at(&self, time: f64) -> Sound {
+        let Some((before, after, amount)) = self.around(time) else { return Sound::default() };
+        let features = self.at(time);
+        let spectrum = match after {
+            Some(after) => {
+                before.spectrum.iter().zip(&after.spectrum).map(|(a, b)| a + (b - a) * amount).collect()
+            }
+            None => Arc::from(before.spectrum),
+        };
+        let (history, history_offset, history_span) = self.history(before, amount);
+        let tables = Tables {
+            spectrum: Some(spectrum),
+            waveform: Some(self.waveform(before.number, amount, amplitude(features.gain_db))),
+            history: Some(history),
+            history_offset,
+            history_span,
+        };
+        Sound { features, tables }
+    }
+
+    /// The moment at or before `time`, the one after, and the way from the first to the second, 0..1; outside of what is
+    /// kept the nearest one alone.
+    fn around(&self, time: f64) -> Option<(&TimedFeatures, Option<&TimedFeatures>, f32)> {
         if time.is_nan() {
-            return Features::SILENCE;
+            return None;
         }
         let after = self.moments.partition_point(|moment| moment.time <= time);
         let before = after.checked_sub(1).and_then(|index| self.moments.get(index));
         match (before, self.moments.get(after)) {
-            (Some(a), Some(b)) => {
-                let amount = (time - a.time) / (b.time - a.time);
-                a.features.lerp(&b.features, amount as f32)
-            }
-            (Some(only), None) | (None, Some(only)) => only.features,
-            (None, None) => Features::SILENCE,
+            (Some(a), Some(b)) => Some((a, Some(b), ((time - a.time) / (b.time - a.time)) as f32)),
+            (Some(only), None) | (None, Some(only)) => Some((only, None, 0.0)),
+            (None, None) => None,
         }
+    }
+
+    /// Four hops of the waveform that end so much of a hop behind those of moment `number`.
+    fn waveform(&self, number: u64, amount: f32, scale: f32) -> Arc<[f32]> {
+        const HOPS: u64 = (WAVEFORM_POINTS / WAVE_PER_HOP) as u64;
+        let skipped = (amount * WAVE_PER_HOP as f32).round() as usize;
+        // Moments are kept in order of their numbers.
+        let first = self.moments.partition_point(|moment| moment.number + HOPS <= number);
+        let mut points = [0.0; WAVEFORM_POINTS + WAVE_PER_HOP];
+        let hops = self.moments.range(first..).take_while(|moment| moment.number <= number + 1);
+        for moment in hops {
+            let place = (moment.number + HOPS - 1).saturating_sub(number) as usize;
+            if let Some(hop) =
+                points.get_mut(place * WAVE_PER_HOP..).and_then(|rest| rest.get_mut(..WAVE_PER_HOP))
+            {
+                hop.copy_from_slice(&moment.wave);
+            }
+        }
+        points
+            .iter()
+            .skip(skipped)
+            .take(WAVEFORM_POINTS)
+            .map(|point| (point * scale).clamp(-1.0, 1.0))
+            .collect()
+    }
+
+    /// The rows around a place so much of a hop behind a moment, the place within them, and how many it spans.
+    fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
+        let next = moment.number / MOMENTS_PER_ROW + 1;
+        let offset = 1.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
+        // The first moment's time is 0 and says nothing of the hop.
+        let hop = moment.time / moment.number as f64;
+        let hop = if hop.is_finite() { hop.max(SHORTEST_HOP) } else { SHORTEST_HOP };
+        let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);
+        let mut values = vec![0.0; (span.ceil() as usize + 2).min(HISTORY_ROWS) * HISTORY_POINTS];
+        let (lines, _) = values.as_chunks_mut::<HISTORY_POINTS>();
+        let after = self.rows.partition_point(|(row, _)| *row < next);
+        for (row, heights) in self.rows.range(..after).rev() {
+            let Some(line) = lines.get_mut((next - row) as usize) else { break };
+            *line = *heights;
+        }
+        if let Some(line) = lines.first_mut() {
+            // The row that comes next, or, where it is not known yet, what is newest.
+            *line = match self.rows.get(after).filter(|(row, _)| *row == next) {
+                Some((_, heights)) => *heights,
+                None => column_means(&self.moments.back().unwrap_or(moment).spectrum),
+            };
+        }
+        (values.into(), offset, span as f32)
     }
 
     /// The times of the first and the last moment kept, in seconds; none if empty.
@@ -72,6 +177,7 @@ impl FeatureTrack {
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.moments.clear();
+        self.rows.clear();
     }
 }
 
@@ -82,17 +188,28 @@ impl Default for FeatureTrack {
     }
 }
 
+/// A row of the history from the spectrum.
+fn column_means(spectrum: &[f32; SPECTRUM_POINTS]) -> [f32; HISTORY_POINTS] {
+    let (groups, _) = spectrum.as_chunks::<POINTS_PER_COLUMN>();
+    let mut row = [0.0; HISTORY_POINTS];
+    for (column, group) in row.iter_mut().zip(groups) {
+        *column = group.iter().sum::<f32>() / POINTS_PER_COLUMN as f32;
+    }
+    row
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn moment(time: f64, volume: f32) -> TimedFeatures {
-        TimedFeatures { time, features: Features { volume: [volume, -volume], ..Features::SILENCE } }
+        let number = (time.max(0.0) / SHORTEST_HOP).round() as u64;
+        TimedFeatures::new(time, number, Features { volume: [volume, -volume], ..Features::SILENCE })
     }
 
     fn track(moments: &[(f64, f32)]) -> FeatureTrack {
         let mut track = FeatureTrack::default();
-        moments.iter().for_each(|&(time, volume)| track.push(moment(time, volume)));
+        moments.iter().for_each(|&(time, volume)| track.push(&moment(time, volume)));
         track
     }
 
@@ -140,7 +257,7 @@ mod tests {
             let mut track = FeatureTrack::new(asked);
             let capacity = track.moments.capacity();
             let count = (kept / SHORTEST_HOP) as usize + 10;
-            (0..count).for_each(|n| track.push(moment(n as f64 * SHORTEST_HOP, 0.0)));
+            (0..count).for_each(|n| track.push(&moment(n as f64 * SHORTEST_HOP, 0.0)));
             let (first, last) = (track.moments[0].time, track.moments[track.moments.len() - 1].time);
             assert!(
                 (kept..kept + 3.0 * SHORTEST_HOP).contains(&(last - first)),

@@ -14,15 +14,31 @@ pub(super) fn stretch_length(sample_rate: u32) -> usize {
     2 * ((f64::from(sample_rate) * SECONDS / 2.0).round() as usize).max(1)
 }
 
-/// Thesis, section 5, eq. 1 for each channel: V = (Σ |S_i|) / n. No frames are silence.
-pub(super) fn mean_magnitude(frames: &[StereoFrame]) -> [f32; 2] {
-    let mut sum = [0.0_f64; 2];
-    for &[left, right] in frames {
-        sum[0] += f64::from(left.abs());
-        sum[1] += f64::from(right.abs());
+/// Thesis, section 5, eq. 1, V = (Σ |S_i|) / n, for both channels, what they share and in what they differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Volumes {
+    pub(super) left: f32,
+    pub(super) right: f32,
+    /// Of (left + right) / 2.
+    pub(super) mid: f32,
+    /// Of (left - right) / 2.
+    pub(super) side: f32,
+}
+
+impl Volumes {
+    /// No frames are silence.
+    pub(super) fn of(frames: &[StereoFrame]) -> Self {
+        let mut sums = [0.0_f64; 4];
+        for &[left, right] in frames {
+            let values = [left, right, 0.5 * (left + right), 0.5 * (left - right)];
+            for (sum, value) in sums.iter_mut().zip(values) {
+                *sum += f64::from(value.abs());
+            }
+        }
+        let count = frames.len().max(1) as f64;
+        let [left, right, mid, side] = sums.map(|sum| (sum / count) as f32);
+        Self { left, right, mid, side }
     }
-    let count = frames.len().max(1) as f64;
-    sum.map(|sum| (sum / count) as f32)
 }
 
 #[cfg(test)]
@@ -31,15 +47,22 @@ mod tests {
 
     #[test]
     fn equation_1_of_known_signals() {
-        assert_eq!(mean_magnitude(&[[0.5, -0.25], [-0.5, -0.25], [0.5, 0.75], [-0.5, -0.75]]), [0.5, 0.5]);
-        assert_eq!(mean_magnitude(&[[1.0, 0.0], [0.0, 0.0], [0.0, 0.0], [-1.0, -1.0]]), [0.5, 0.25]);
-        assert_eq!(mean_magnitude(&[]), [0.0, 0.0]);
+        let volumes = |frames: &[StereoFrame]| {
+            let Volumes { left, right, mid, side } = Volumes::of(frames);
+            [left, right, mid, side]
+        };
+        assert_eq!(
+            volumes(&[[0.5, -0.25], [-0.5, -0.25], [0.5, 0.75], [-0.5, -0.75]]),
+            [0.5, 0.5, 0.4375, 0.1875]
+        );
+        assert_eq!(volumes(&[[1.0, 0.0], [0.0, 0.0], [0.0, 0.0], [-1.0, -1.0]]), [0.5, 0.25, 0.375, 0.125]);
+        assert_eq!(volumes(&[]), [0.0; 4]);
 
         let sine: Vec<StereoFrame> =
             (0..1000).map(|n| [(std::f32::consts::TAU * n as f32 / 100.0).sin(), 0.0]).collect();
-        let [left, right] = mean_magnitude(&sine);
+        let [left, right, mid, side] = volumes(&sine);
         assert!((left - std::f32::consts::FRAC_2_PI).abs() < 1e-3, "full-scale sine reads {left}");
-        assert_eq!(right, 0.0);
+        assert_eq!((right, mid, side), (0.0, 0.5 * left, 0.5 * left));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::error::ExportError;
 use super::song_features::SongFeatures;
 use crate::audio::song::Song;
-use crate::dsp::Features;
+use crate::dsp::{Features, Gain};
 
 /// What to analyse.
 #[derive(Debug, Clone)]
@@ -20,6 +20,8 @@ pub struct AnalyzeRequest {
     pub start: f64,
     /// Length in seconds; none is to the end.
     pub duration: Option<f64>,
+    /// Whether quiet and loud sound give the same values of 0..1.
+    pub gain: Gain,
     /// JSON objects instead of columns.
     pub json: bool,
 }
@@ -37,7 +39,7 @@ struct Line<'a> {
 /// The song cannot be decoded, ends before the start, or `out` cannot be written. A reader that closes `out` early
 /// is no error.
 pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
-    let mut song = SongFeatures::open(&request.song, request.start)?;
+    let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;
     for index in 0u64.. {
         let offset = index as f64 / request.fps;

@@ -13,6 +13,7 @@ use super::painter::SceneChoice;
 use super::song_features::SongFeatures;
 use crate::audio::song::Song;
 use crate::config::SdfChoice;
+use crate::dsp::Gain;
 use crate::frame::Frame;
 use crate::gpu::gl::GlInfo;
 use crate::gpu::headless::Headless;
@@ -36,6 +37,8 @@ pub struct BenchRequest {
     pub size: (u32, u32),
     /// Number of frames that are timed in each mode.
     pub frames: usize,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
     /// Whether to measure with regions and without, whatever the scene's choice.
@@ -103,11 +106,11 @@ pub struct ModeReport {
 /// # Errors
 /// The song cannot be decoded, the scene has mistakes, or the driver refuses.
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
-    let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
+    let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
     let start = Instant::now();
     let ReadyScene { world, buffers, plan } = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
-    let frame = Frame::new(&world, request.at, features, request.size);
+    let frame = Frame::new(&world, request.at, sound, request.size);
 
     let start = Instant::now();
     let context = Headless::new(request.scene.verbose)?;

@@ -2,7 +2,7 @@
 
 use super::error::ExportError;
 use crate::config::SdfChoice;
-use crate::dsp::Features;
+use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
@@ -64,8 +64,8 @@ impl Painter {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub fn draw(&mut self, time: f64, features: Features, size: (u32, u32)) -> Result<(), ExportError> {
-        let frame = Frame::new(self.resources.world(), time, features, size);
+    pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
+        let frame = Frame::new(self.resources.world(), time, sound, size);
         Ok(self.renderer.draw(&frame, &self.resources, &self.program)?)
     }
 

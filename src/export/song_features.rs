@@ -3,12 +3,14 @@
 use crate::audio::decode::{DecodeError, Decoder};
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
-use crate::dsp::{Alignment, Analyzer, FeatureTrack, Features, StereoFrame};
+use crate::dsp::{Alignment, Analyzer, FeatureTrack, Features, Gain, Sound, StereoFrame, TimedFeatures};
 
 use super::error::ExportError;
 
 /// Sound analysed before the first time asked for, in seconds: smoothing has settled long before.
 const PRE_ROLL: f64 = 20.0;
+/// What a moment's tables hold of what comes after it, in seconds: the next row of the history.
+const AROUND: f64 = 0.07;
 /// Seconds of features that are kept; times may step back by that much.
 const TRACK_SECONDS: f64 = 4.0;
 
@@ -24,14 +26,22 @@ pub struct SongFeatures {
 }
 
 impl SongFeatures {
-    /// Opens `song` for times from `start` seconds on.
+    /// Opens `song` for times from `start` seconds on, with automatic gain.
     ///
     /// # Errors
     /// What the decoder says about the file.
     pub fn open(song: &Song, start: f64) -> Result<Self, DecodeError> {
+        Self::open_with(song, start, Gain::Auto)
+    }
+
+    /// The same with automatic gain or without.
+    ///
+    /// # Errors
+    /// What the decoder says about the file.
+    pub fn open_with(song: &Song, start: f64, gain: Gain) -> Result<Self, DecodeError> {
         let mut decoder = song.open()?;
         let name = display_name(&decoder);
-        let mut analyzer = Analyzer::new(decoder.sample_rate(), Alignment::Centred);
+        let mut analyzer = Analyzer::with_gain(decoder.sample_rate(), Alignment::Centred, gain);
         let mut frames = 0;
         if start > PRE_ROLL {
             let reached = decoder.seek(start - PRE_ROLL)?;
@@ -58,10 +68,31 @@ impl SongFeatures {
     /// # Errors
     /// What the decoder says about a damaged file.
     pub fn at(&mut self, time: f64) -> Result<Option<Features>, DecodeError> {
+        self.decode_to(time)?;
+        Ok((!self.is_over(time)).then(|| self.track.at(time)))
+    }
+
+    /// The same with the tables.
+    ///
+    /// # Errors
+    /// What the decoder says about a damaged file.
+    pub fn sound_at(&mut self, time: f64) -> Result<Option<Sound>, DecodeError> {
+        self.decode_to(time)?;
+        Ok((!self.is_over(time)).then(|| self.track.sound_at(time)))
+    }
+
+    /// Whether the song is known to end at or before a time.
+    fn is_over(&self, time: f64) -> bool {
+        self.ended && time >= self.decoded()
+    }
+
+    /// Decodes as far as is needed for what is around a time.
+    fn decode_to(&mut self, time: f64) -> Result<(), DecodeError> {
+        let time = time + AROUND;
         while !self.ended && self.track.span().is_none_or(|(_, last)| last <= time) {
             self.block.clear();
             let track = &mut self.track;
-            let mut emit = |features| track.push(features);
+            let mut emit = |moment: &TimedFeatures| track.push(moment);
             if self.decoder.next_block(&mut self.block)? == 0 {
                 self.ended = true;
                 self.analyzer.finish(&mut emit);
@@ -70,17 +101,16 @@ impl SongFeatures {
                 self.analyzer.push(&self.block, &mut emit);
             }
         }
-        let over = self.ended && time >= self.decoded();
-        Ok((!over).then(|| self.track.at(time)))
+        Ok(())
     }
 
-    /// The features at `time`, a time after the end being an error.
+    /// The sound at `time`, a time after the end being an error.
     ///
     /// # Errors
     /// [`ExportError::AfterTheEnd`], and what the decoder says.
-    pub fn require(&mut self, time: f64) -> Result<Features, ExportError> {
-        let features = self.at(time)?;
-        features.ok_or_else(|| ExportError::AfterTheEnd {
+    pub fn require(&mut self, time: f64) -> Result<Sound, ExportError> {
+        let sound = self.sound_at(time)?;
+        sound.ok_or_else(|| ExportError::AfterTheEnd {
             name: self.name.clone(),
             asked: time,
             end: self.decoded(),

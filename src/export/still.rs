@@ -10,6 +10,7 @@ use super::error::ExportError;
 use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use crate::audio::song::Song;
+use crate::dsp::Gain;
 
 /// Which still to make.
 #[derive(Debug, Clone)]
@@ -20,6 +21,8 @@ pub struct StillRequest {
     pub at: f64,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
     /// The PNG.
     pub output: PathBuf,
     /// The scene.
@@ -34,9 +37,9 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     // Opened first: an output that cannot be written should cost no work.
     refuse_the_song(&request.song, &request.output)?;
     let file = AtomicFile::create(&request.output)?;
-    let features = SongFeatures::open(&request.song, request.at)?.require(request.at)?;
+    let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
     let mut painter = Painter::open(&request.scene)?;
-    painter.draw(request.at, features, request.size)?;
+    painter.draw(request.at, sound, request.size)?;
     file.write(&png(&painter.read(), request.size)?)
 }
 

@@ -12,6 +12,7 @@ use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use super::still::{refuse_the_song, write_png};
 use crate::audio::song::Song;
+use crate::dsp::Gain;
 
 /// Which video to make.
 #[derive(Debug, Clone)]
@@ -26,6 +27,8 @@ pub struct VideoRequest {
     pub fps: f64,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
     /// The video; or, ending in a slash or being a folder, where numbered stills go.
     pub output: PathBuf,
     /// The scene.
@@ -42,7 +45,7 @@ pub fn write_video(
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<u64, ExportError> {
     refuse_the_song(&request.song, &request.output)?;
-    let mut song = SongFeatures::open(&request.song, request.start)?;
+    let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;
     let length = match (request.duration, song.duration()) {
         (Some(asked), Some(song)) => Some(asked.min(song - request.start)),
@@ -58,8 +61,8 @@ pub fn write_video(
             break;
         }
         let time = request.start + offset;
-        let Some(features) = song.at(time)? else { break };
-        painter.draw(time, features, request.size)?;
+        let Some(sound) = song.sound_at(time)? else { break };
+        painter.draw(time, sound, request.size)?;
         sink.take(frames, &painter.read())?;
         frames += 1;
         progress(frames, expected);

@@ -2,14 +2,14 @@
 //! `shaders/frame_block.glsl`).
 
 use super::Frame;
-use crate::dsp::BAND_COUNT;
+use crate::dsp::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 use crate::limits::LIMITS;
 use crate::world::{PLANES_MAX, World};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Vectors before the arrays of the block.
-const HEAD: usize = 13;
+const HEAD: usize = 14;
 const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
 const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
 const HOISTED_QUADS: usize = LIMITS.hoisted_max.div_ceil(4);
@@ -21,14 +21,17 @@ pub const FRAME_BLOCK_VECTORS: usize =
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
-/// The lengths of the block's arrays, as the defines that `shaders/frame_block.glsl` needs.
-pub fn block_defines() -> [String; 5] {
+/// The lengths of the block's arrays and of the sound's tables, as the defines that `shaders/frame_block.glsl` needs.
+pub fn block_defines() -> [String; 8] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
         format!("BAND_COUNT {BAND_COUNT}"),
         format!("PARAM_QUADS {PARAM_QUADS}"),
         format!("HOISTED_QUADS {HOISTED_QUADS}"),
+        format!("SPECTRUM_POINTS {SPECTRUM_POINTS}"),
+        format!("WAVEFORM_POINTS {WAVEFORM_POINTS}"),
+        format!("HISTORY_POINTS {HISTORY_POINTS}"),
     ]
 }
 
@@ -59,6 +62,7 @@ impl Frame {
         let inputs = &self.inputs;
         let xyz = |v: glam::DVec3, w: f64| [v.x, v.y, v.z, w].map(|value| value as f32);
         let planes = self.planes();
+        let (first_row, row_span) = inputs.history.scroll();
         let lights = self.values.lights.iter().take(LIGHTS_MAX);
         let bounds = tree.bounds.or(world.bounds.map(|bounds| (bounds.low, bounds.high)));
         let (low, high) = bounds.unwrap_or_default();
@@ -75,8 +79,8 @@ impl Frame {
             xyz(right, 0.0),
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
-            [inputs.time, inputs.tempo, inputs.phase, 0.0],
-            [inputs.volume[0], inputs.volume[1], self.values.lights.len() as f32, 0.0],
+            [inputs.time, inputs.tempo, inputs.phase, inputs.bass_drive],
+            [inputs.volume[0], inputs.volume[1], self.values.lights.len() as f32, inputs.pitch],
             [inputs.bass, inputs.mid, inputs.treble, inputs.beat],
             // Whether anything is traced at all, and whether its box is known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
@@ -84,6 +88,7 @@ impl Frame {
             plane_objects,
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
+            [inputs.volume_mid, inputs.volume_side, first_row, row_span],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);

@@ -4,9 +4,11 @@
 
 pub mod block;
 pub mod camera;
+pub mod sound_tables;
 
-use crate::dsp::Features;
-use crate::graph::FrameInputs;
+pub use crate::dsp::Sound;
+use crate::dsp::{HISTORY_POINTS, spectrum_place};
+use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;
 
@@ -26,25 +28,41 @@ pub struct Frame {
 impl Frame {
     /// The frame of a world at `time` seconds with the sound that is audible then, its parameters as the scene's text
     /// sets them.
-    pub fn new(world: &World, time: f64, features: Features, size: (u32, u32)) -> Self {
+    pub fn new(world: &World, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Self {
         let params: Vec<f32> = world.scene.params.iter().map(|param| param.default).collect();
-        Self::with_params(world, time, features, size, &params)
+        Self::with_params(world, time, sound, size, &params)
     }
 
     /// The same with other parameters; missing ones are as the scene's text sets them.
     pub fn with_params(
         world: &World,
         time: f64,
-        features: Features,
+        sound: impl Into<Sound>,
         size: (u32, u32),
         params: &[f32],
     ) -> Self {
+        let Sound { features, tables } = sound.into();
         let size = (size.0.max(1), size.1.max(1));
         let declared = world.scene.params.iter().enumerate();
         let mut inputs = FrameInputs {
             time: finite(time as f32),
             volume: features.volume.map(unit),
             bands: features.bands.map(unit),
+            bass: unit(features.bass),
+            mid: unit(features.mid),
+            treble: unit(features.treble),
+            beat: unit(features.beat),
+            tempo: finite(features.tempo).max(0.0),
+            phase: unit(features.phase),
+            volume_mid: unit(features.volume_mid),
+            volume_side: unit(features.volume_side),
+            bass_drive: finite(features.bass_drive).clamp(0.0, 4.0),
+            pitch: finite(spectrum_place(f64::from(features.peak_hz)) as f32),
+            spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
+            waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
+            history: tables.history.map_or(TableData::EMPTY, |rows| {
+                TableData::scrolling(rows, HISTORY_POINTS, tables.history_offset, tables.history_span)
+            }),
             params: declared
                 .map(|(index, param)| {
                     let value = params.get(index).copied().filter(|value| value.is_finite());
@@ -57,6 +75,15 @@ impl Frame {
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
         Self { size, inputs, camera, values }
+    }
+}
+
+impl Frame {
+    /// The same moment in a picture of another size.
+    pub fn resized(self, size: (u32, u32)) -> Self {
+        let size = (size.0.max(1), size.1.max(1));
+        let camera = Camera::of(&self.values, f64::from(size.0) / f64::from(size.1));
+        Self { size, camera, ..self }
     }
 }
 

@@ -85,7 +85,7 @@ mod tests {
         let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, &library, &variant).unwrap();
         let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
-        let frame = Frame::new(&world, 1.0, Default::default(), (64, 36));
+        let frame = Frame::new(&world, 1.0, crate::frame::Sound::default(), (64, 36));
         let scene = SceneResources::upload(gl, world, buffers, plan).unwrap();
         renderer.draw(&frame, &scene, &program).unwrap();
         let before = renderer.read();

@@ -15,13 +15,14 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 2] = [("FrameBlock", 0), ("PassBlock", 1
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). What shares a unit is never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 6] = [
+pub const TEXTURE_UNITS: [(&str, u32); 7] = [
     ("edge_pixels", 12),
     ("picture", 12),
     ("extra_samples", 13),
     ("regions", 13),
     ("tape", 14),
     ("edge_squares", 14),
+    ("sound_tables", 15),
 ];
 
 const _: () = assert!(LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");

@@ -161,7 +161,7 @@ impl Renderer {
     /// # Errors
     /// A size beyond the driver's, or an error that the driver reports.
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
-        scene.upload_programs(&frame.inputs);
+        scene.upload_inputs(&frame.inputs);
         let tree = scene.tree_of(frame);
         self.draw_block(frame.size, &frame.block(scene.world(), &tree), &scene.names(), program)
     }

@@ -19,6 +19,7 @@ use super::texture;
 use super::texture_buffer::{BufferTexel, TextureBuffer};
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
+use crate::frame::sound_tables;
 use crate::graph::FrameInputs;
 use crate::limits::LIMITS;
 use crate::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
@@ -35,6 +36,9 @@ pub struct SceneResources {
     is_interpretable: bool,
     plan: Arc<RegionPlan>,
     regions: TextureBuffer,
+    sound_tables: TextureBuffer,
+    /// Whether any expression reads the sound's tables.
+    hears_tables: bool,
     texels_max: usize,
     /// Whether empty space is skipped.
     with_cells: Cell<bool>,
@@ -150,8 +154,11 @@ impl SceneResources {
         let pictures = pictures.collect::<Result<_, _>>()?;
         let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
         let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
+        let silence = floats_as_bytes(&sound_tables::texels(&FrameInputs::default()));
+        let sound_tables = TextureBuffer::new(gl, BufferTexel::R32F, &silence)?;
         gl.check("uploading a scene")?;
         Ok(Self {
+            hears_tables: sound_tables::are_read_by(&world),
             is_interpretable: Interpreter::fits(&buffers, &plan, gl.info()).is_ok(),
             world,
             buffers,
@@ -159,6 +166,7 @@ impl SceneResources {
             tape,
             plan,
             regions,
+            sound_tables,
             with_cells: Cell::new(true),
             uploaded: RefCell::new(None),
             texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
@@ -230,10 +238,13 @@ impl SceneResources {
         RegionTree { low, size, bounds, whole_tape }
     }
 
-    /// Uploads the programs of a frame.
-    pub(super) fn upload_programs(&self, inputs: &FrameInputs) {
+    /// Uploads the programs and the tables of a frame.
+    pub(super) fn upload_inputs(&self, inputs: &FrameInputs) {
         if self.is_interpretable {
             self.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
+        }
+        if self.hears_tables {
+            self.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));
         }
     }
 
@@ -243,6 +254,7 @@ impl SceneResources {
             pictures: self.pictures.iter().map(|picture| picture.native()).collect(),
             tape: self.tape.texture(),
             regions: self.regions.texture(),
+            sound_tables: self.sound_tables.texture(),
         }
     }
 }
@@ -254,6 +266,7 @@ pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
     tape: glow::NativeTexture,
     regions: glow::NativeTexture,
+    sound_tables: glow::NativeTexture,
 }
 
 impl SceneNames {
@@ -265,7 +278,9 @@ impl SceneNames {
                 gl.active_texture(unit);
                 gl.bind_texture(glow::TEXTURE_2D, Some(*picture));
             }
-            for (name, buffer) in [("tape", self.tape), ("regions", self.regions)] {
+            let buffers =
+                [("tape", self.tape), ("regions", self.regions), ("sound_tables", self.sound_tables)];
+            for (name, buffer) in buffers {
                 gl.active_texture(glow::TEXTURE0 + unit_of(name));
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(buffer));
             }
@@ -276,4 +291,9 @@ impl SceneNames {
 /// Texels as a texture buffer takes them.
 fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
     texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
+}
+
+/// Floats as a texture buffer takes them.
+fn floats_as_bytes(texels: &[f32]) -> Vec<u8> {
+    texels.iter().flat_map(|value| value.to_ne_bytes()).collect()
 }

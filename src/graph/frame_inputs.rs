@@ -17,31 +17,55 @@ fn unit(value: f32) -> f32 {
 }
 
 /// A table that is read with coordinates in 0..1 and interpolates linearly; the first entry stands at 0, the
-/// last at 1. Without entries it is 0 everywhere.
+/// last at 1, unless the rows scroll ([`TableData::scrolling`]). Without entries it is 0 everywhere. Cheap to clone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TableData {
     columns: usize,
     rows: usize,
-    values: Vec<f32>,
+    values: Option<Arc<[f32]>>,
+    /// The row at 0 and how many there are to the one at 1, where the rows scroll.
+    scroll: Option<(f32, f32)>,
     /// Bounds of entries that are not known.
     unknown: Option<(f32, f32)>,
 }
 
 impl TableData {
     /// No entries: 0 everywhere.
-    pub const EMPTY: Self = Self { columns: 0, rows: 0, values: Vec::new(), unknown: None };
+    pub const EMPTY: Self = Self { columns: 0, rows: 0, values: None, scroll: None, unknown: None };
 
     /// A table of one row.
-    pub fn row(values: Vec<f32>) -> Self {
+    pub fn row(values: impl Into<Arc<[f32]>>) -> Self {
+        let values = values.into();
         let columns = values.len();
         Self::rows(values, columns)
     }
 
-    /// A table of rows with `columns` entries each; entries that fill no row are cut off.
-    pub fn rows(mut values: Vec<f32>, columns: usize) -> Self {
+    /// A table of rows with `columns` entries each; entries that fill no row are not read.
+    pub fn rows(values: impl Into<Arc<[f32]>>, columns: usize) -> Self {
+        let values = values.into();
         let rows = values.len().checked_div(columns).unwrap_or(0);
-        values.truncate(rows * columns);
-        Self { columns, rows, values, unknown: None }
+        let values = (rows > 0).then_some(values);
+        Self { columns, rows, values, scroll: None, unknown: None }
+    }
+
+    /// The same, with the row coordinate 0 at row `first` and 1 at row `first + span`, both clamped to the rows there are.
+    pub fn scrolling(values: impl Into<Arc<[f32]>>, columns: usize, first: f32, span: f32) -> Self {
+        Self { scroll: Some((unit(first), span.max(0.0))), ..Self::rows(values, columns) }
+    }
+
+    /// The entries, row after row.
+    pub fn values(&self) -> &[f32] {
+        self.values.as_deref().unwrap_or_default()
+    }
+
+    /// How many rows there are.
+    pub fn row_count(&self) -> usize {
+        self.rows
+    }
+
+    /// The row at 0 and how many there are to the one at 1.
+    pub fn scroll(&self) -> (f32, f32) {
+        self.scroll.unwrap_or((0.0, self.rows.saturating_sub(1) as f32))
     }
 
     /// A table of which only the bounds of its entries are known. It reads as 0.
@@ -51,21 +75,32 @@ impl TableData {
 
     /// The two entries beside a coordinate and the way from the first to the second.
     #[inline]
-    fn place(coordinate: f32, count: usize) -> (usize, usize, f32) {
-        let along = unit(coordinate) * (count - 1) as f32;
-        let first = (along as usize).min(count - 1);
-        (first, (first + 1).min(count - 1), along - first as f32)
+    fn place(coordinate: f32, count: usize, (first, span): (f32, f32)) -> (usize, usize, f32) {
+        let last = count - 1;
+        let along = (first + unit(coordinate) * span).min(last as f32);
+        let first = (along as usize).min(last);
+        (first, (first + 1).min(last), along - first as f32)
+    }
+
+    /// The two columns beside a coordinate.
+    #[inline]
+    fn column_place(&self, u: f32) -> (usize, usize, f32) {
+        Self::place(u, self.columns, (0.0, (self.columns - 1) as f32))
+    }
+
+    /// The two rows beside a coordinate.
+    #[inline]
+    fn row_place(&self, v: f32) -> (usize, usize, f32) {
+        Self::place(v, self.rows, self.scroll())
     }
 
     /// The value at column coordinate u and row coordinate v, both clamped to 0..1.
     pub fn at(&self, u: f32, v: f32) -> f32 {
-        if self.values.is_empty() {
-            return 0.0;
-        }
-        let (left, right, x) = Self::place(u, self.columns);
-        let (upper, lower, y) = Self::place(v, self.rows);
+        let Some(values) = &self.values else { return 0.0 };
+        let (left, right, x) = self.column_place(u);
+        let (upper, lower, y) = self.row_place(v);
         let row = |row: usize| {
-            let row = &self.values[row * self.columns..];
+            let row = &values[row * self.columns..];
             row[left] * (1.0 - x) + row[right] * x
         };
         if upper == lower { row(upper) } else { row(upper) * (1.0 - y) + row(lower) * y }
@@ -73,18 +108,21 @@ impl TableData {
 
     /// The slopes by u and by v; 0 beyond the ends.
     pub fn slopes(&self, u: f32, v: f32) -> (f32, f32) {
-        if self.values.is_empty() {
-            return (0.0, 0.0);
-        }
-        let slope = |coordinate: f32, count: usize, at: &dyn Fn(f32) -> f32| {
-            if count < 2 || !(0.0..=1.0).contains(&coordinate) {
-                return 0.0;
-            }
-            let (first, second, _) = Self::place(coordinate, count);
-            let scale = (count - 1) as f32;
-            (at(second as f32 / scale) - at(first as f32 / scale)) * scale
-        };
-        (slope(u, self.columns, &|u| self.at(u, v)), slope(v, self.rows, &|v| self.at(u, v)))
+        let Some(values) = &self.values else { return (0.0, 0.0) };
+        let (left, right, x) = self.column_place(u);
+        let (upper, lower, y) = self.row_place(v);
+        let value = |row: usize, column: usize| values[row * self.columns + column];
+        let inside = |coordinate: f32| (0.0..=1.0).contains(&coordinate);
+        let by_u = |row: usize| value(row, right) - value(row, left);
+        let by_v = |column: usize| value(lower, column) - value(upper, column);
+        (
+            if inside(u) {
+                (by_u(upper) * (1.0 - y) + by_u(lower) * y) * (self.columns - 1) as f32
+            } else {
+                0.0
+            },
+            if inside(v) { (by_v(left) * (1.0 - x) + by_v(right) * x) * self.scroll().1 } else { 0.0 },
+        )
     }
 
     /// Bounds of [`TableData::slopes`] over intervals of the coordinates: those of all pieces that can be touched, and 0
@@ -94,25 +132,30 @@ impl TableData {
             return (Interval::ALL, Interval::ALL);
         }
         let (left, right, upper, lower) = self.touched(u, v);
-        let value = |row: usize, column: usize| self.values[row * self.columns + column];
+        let values = self.values();
+        let value = |row: usize, column: usize| values[row * self.columns + column];
         let (mut by_u, mut by_v) = (Interval::point(0.0), Interval::point(0.0));
         for row in upper..=lower {
             for column in left..=right {
                 let here = value(row, column);
                 if column < right {
-                    by_u = by_u.hull(Self::piece(here, value(row, column + 1), self.columns));
+                    by_u = by_u.hull(Self::piece(
+                        here,
+                        value(row, column + 1),
+                        self.columns.saturating_sub(1) as f32,
+                    ));
                 }
                 if row < lower {
-                    by_v = by_v.hull(Self::piece(here, value(row + 1, column), self.rows));
+                    by_v = by_v.hull(Self::piece(here, value(row + 1, column), self.scroll().1));
                 }
             }
         }
         (by_u, by_v)
     }
 
-    /// The slope from one entry of `count` to the next, with what interpolating between rows may round.
-    fn piece(from: f32, to: f32, count: usize) -> Interval {
-        let scale = (count - 1) as f32;
+    /// The slope from one entry to the next, of which `scale` are passed from 0 to 1, with what interpolating between
+    /// rows may round.
+    fn piece(from: f32, to: f32, scale: f32) -> Interval {
         let error = 16.0 * f32::EPSILON * from.abs().max(to.abs()) * scale;
         let slope = (to - from) * scale;
         Interval::new(slope - error, slope + error)
@@ -121,17 +164,17 @@ impl TableData {
     /// First and last column and first and last row whose entries can be read. Of a table without entries there is none:
     /// the first lies behind the last.
     fn touched(&self, u: Interval, v: Interval) -> (usize, usize, usize, usize) {
-        if self.values.is_empty() {
+        if self.values.is_none() {
             return (1, 0, 1, 0);
         }
-        let touched = |coordinate: Interval, count: usize| {
+        let touched = |coordinate: Interval, count: usize, place: &dyn Fn(f32) -> (usize, usize, f32)| {
             if coordinate.is_any() {
                 return (0, count - 1);
             }
-            (Self::place(coordinate.lo, count).0, Self::place(coordinate.hi, count).1)
+            (place(coordinate.lo).0, place(coordinate.hi).1)
         };
-        let (left, right) = touched(u, self.columns);
-        let (upper, lower) = touched(v, self.rows);
+        let (left, right) = touched(u, self.columns, &|u| self.column_place(u));
+        let (upper, lower) = touched(v, self.rows, &|v| self.row_place(v));
         (left, right, upper, lower)
     }
 
@@ -141,13 +184,11 @@ impl TableData {
         if let Some((low, high)) = self.unknown {
             return Interval { lo: low, hi: high };
         }
-        if self.values.is_empty() {
-            return Interval::point(0.0);
-        }
+        let Some(values) = &self.values else { return Interval::point(0.0) };
         let (left, right, upper, lower) = self.touched(u, v);
         let mut bounds = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
         for row in upper..=lower {
-            for &value in &self.values[row * self.columns..][left..=right] {
+            for &value in &values[row * self.columns..][left..=right] {
                 if !value.is_finite() {
                     return Interval::ANY;
                 }
@@ -171,6 +212,10 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     beat: 0.0,
     tempo: 0.0,
     phase: 0.0,
+    volume_mid: 0.0,
+    volume_side: 0.0,
+    bass_drive: 0.0,
+    pitch: 0.0,
     params: Vec::new(),
     hoisted: Vec::new(),
     spectrum: TableData::EMPTY,
@@ -201,6 +246,14 @@ pub struct FrameInputs {
     pub tempo: f32,
     /// Position in the beat, 0..1.
     pub phase: f32,
+    /// Volume of what both channels share.
+    pub volume_mid: f32,
+    /// Volume of that in which they differ.
+    pub volume_side: f32,
+    /// The integral of the low frequencies over the last seconds.
+    pub bass_drive: f32,
+    /// Where the strongest tone lies in the spectrum.
+    pub pitch: f32,
     /// The scene's parameters by number; missing ones are 0.
     pub params: Vec<f32>,
     /// What was computed once for the frame, by number; missing ones are 0.
@@ -219,6 +272,8 @@ pub struct FrameInputs {
 
 /// Longest time that bounds for every frame count with, in seconds: a day.
 const TIME_MAX: f32 = 86_400.0;
+/// Largest [`FrameInputs::bass_drive`] that they count with, in seconds: what it forgets in.
+const DRIVE_MAX: f32 = 4.0;
 /// Fastest tempo that they count with, in beats per minute.
 const TEMPO_MAX: f32 = 1_000.0;
 
@@ -241,6 +296,7 @@ impl FrameInputs {
         match input {
             Input::T => Interval { lo: 0.0, hi: TIME_MAX },
             Input::Tempo => Interval { lo: 0.0, hi: TEMPO_MAX },
+            Input::BassDrive => Interval { lo: 0.0, hi: DRIVE_MAX },
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ | Input::Hoisted(_) => {
                 Interval::ANY
@@ -252,7 +308,10 @@ impl FrameInputs {
             | Input::Mid
             | Input::Treble
             | Input::Beat
-            | Input::Phase => Interval::UNIT,
+            | Input::Phase
+            | Input::VolumeMid
+            | Input::VolumeSide
+            | Input::Pitch => Interval::UNIT,
         }
     }
 
@@ -270,6 +329,10 @@ impl FrameInputs {
             Input::Beat => self.beat,
             Input::Tempo => self.tempo,
             Input::Phase => self.phase,
+            Input::VolumeMid => self.volume_mid,
+            Input::VolumeSide => self.volume_side,
+            Input::BassDrive => self.bass_drive,
+            Input::Pitch => self.pitch,
             Input::Param(i) => self.params.get(usize::from(i)).copied().unwrap_or(0.0),
             Input::Hoisted(i) => self.hoisted.get(usize::from(i)).copied().unwrap_or(0.0),
         }

@@ -48,6 +48,14 @@ pub enum Input {
     Tempo,
     /// Position in the beat, 0..1.
     Phase,
+    /// Volume of what both channels share.
+    VolumeMid,
+    /// Volume of that in which they differ.
+    VolumeSide,
+    /// The integral of the low frequencies over the last seconds.
+    BassDrive,
+    /// Where the strongest tone lies in the spectrum, 0..1.
+    Pitch,
     /// A parameter of the scene, by its number.
     Param(u16),
     /// A value that is computed once a frame from the inputs above (see `world`).
@@ -89,6 +97,10 @@ impl Input {
             Input::Beat => 12,
             Input::Tempo => 13,
             Input::Phase => 14,
+            Input::VolumeMid => 15,
+            Input::VolumeSide => 16,
+            Input::BassDrive => 17,
+            Input::Pitch => 18,
             Input::Band(i) => 0x100 | i as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
             Input::Hoisted(i) => 0x2_0000 | i as u32,
@@ -115,6 +127,10 @@ impl std::fmt::Display for Input {
             Input::Beat => "BEAT",
             Input::Tempo => "TEMPO",
             Input::Phase => "PHASE",
+            Input::VolumeMid => "VOLUME_MID",
+            Input::VolumeSide => "VOLUME_SIDE",
+            Input::BassDrive => "BASS_DRIVE",
+            Input::Pitch => "PITCH",
             Input::Band(i) => return write!(f, "BAND({i})"),
             Input::Param(i) => return write!(f, "PARAM({i})"),
             Input::Hoisted(i) => return write!(f, "HOISTED({i})"),

@@ -142,10 +142,14 @@ pub(crate) fn frame() -> FrameInputs {
         beat: 0.0,
         tempo: 120.0,
         phase: 0.75,
+        volume_mid: 0.5,
+        volume_side: 0.25,
+        bass_drive: 1.5,
+        pitch: 0.375,
         params: vec![1.0, -2.5],
         spectrum: TableData::row(wave(64, 0.3)),
         waveform: TableData::row(wave(50, 1.1)),
-        history: TableData::rows(wave(7 * 16, 0.9), 16),
+        history: TableData::scrolling(wave(9 * 16, 0.9), 16, 0.375, 6.5),
         textures: Some(Arc::new(Stripes)),
     }
 }

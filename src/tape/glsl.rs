@@ -24,7 +24,8 @@ pub fn literal(value: f32) -> String {
 ///
 /// What is computed once a frame is in `frame_hoisted`, vec4 too.
 ///
-/// `frame_time`, `frame_tempo`, `frame_phase` are floats, `frame_volume` a vec2, `frame_sound` a vec4 (bass,
+/// `frame_time`, `frame_tempo`, `frame_phase`, `frame_bass_drive` and `frame_pitch` are floats, `frame_volume` (left,
+/// right) and `frame_stereo` (mid, side) vec2, `frame_sound` a vec4 (bass,
 /// mid, treble, beat), `frame_bands` 32 vec4 with a band in x, `frame_params` vec4 as many as there are parameters, divided
 /// by four.
 pub fn input_name(input: Input) -> String {
@@ -46,6 +47,10 @@ pub fn input_name(input: Input) -> String {
         Input::Beat => "frame_sound.w".into(),
         Input::Tempo => "frame_tempo".into(),
         Input::Phase => "frame_phase".into(),
+        Input::VolumeMid => "frame_stereo.x".into(),
+        Input::VolumeSide => "frame_stereo.y".into(),
+        Input::BassDrive => "frame_bass_drive".into(),
+        Input::Pitch => "frame_pitch".into(),
         Input::Band(index) => format!("frame_bands[{index}].x"),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),

@@ -95,7 +95,7 @@ pub struct Roots {
 
 impl Roots {
     /// All of them.
-    fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
+    pub(crate) fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
         let materials = self.materials.iter().flatten();
         let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient);
         self.distance.into_iter().chain(rest).chain(materials.copied())

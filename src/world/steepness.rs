@@ -101,9 +101,15 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
             beat: random(6),
             tempo: 60.0 + 120.0 * random(7),
             phase: random(8),
+            volume_mid: 0.5 * random(9),
+            volume_side: 0.5 * random(10),
+            bass_drive: 4.0 * random(11),
+            pitch: random(12),
             params: turned.map(|(i, param)| param.min + (param.max - param.min) * random(64 + i)).collect(),
             spectrum: TableData::row(row(1_000, 64)),
-            waveform: TableData::row(row(2_000, 64).iter().map(|value| 2.0 * value - 1.0).collect()),
+            waveform: TableData::row(
+                row(2_000, 64).iter().map(|value| 2.0 * value - 1.0).collect::<Vec<f32>>(),
+            ),
             history: TableData::rows(row(3_000, 256), 64),
             ..FrameInputs::default()
         }

@@ -11,9 +11,10 @@ use crate::limits::LIMITS;
 fn surroundings() -> String {
     format!(
         "#version 450\n\
-         layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 frame_sound;\n    vec4 frame_rest;\n    \
+         layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 frame_sound;\n    vec4 frame_rest;\n    vec4 frame_stereo;\n    \
          vec4 frame_bands[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
          #define frame_time frame_rest.x\n#define frame_tempo frame_rest.y\n#define frame_phase frame_rest.z\n\
+         #define frame_bass_drive frame_rest.w\n#define frame_pitch frame_rest.x\n\
          #define frame_volume frame_rest.xy\n\
          float table_band(float a) {{ return a; }}\nfloat table_spectrum(float a) {{ return a; }}\n\
          float table_waveform(float a) {{ return a; }}\nfloat table_history(float a, float b) {{ return a + b; }}\n\

@@ -42,7 +42,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         ],
     ),
     ("export", &["world", "region", "scenes", "frame", "gpu", "audio", "dsp", "config", "limits"]),
-    ("config", &["limits"]),
+    ("config", &["dsp", "limits"]),
 ];
 
 /// Crates that only some rooms may use. `egui` stands for `egui_winit` and its like too.

@@ -1,7 +1,9 @@
 //! A renderer without a window, a scene on it, and sound to show.
 
+use std::sync::Arc;
+
 use image::RgbaImage;
-use mariana::dsp::Features;
+use mariana::dsp::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 use mariana::frame::Frame;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::gl::GlInfo;
@@ -86,23 +88,23 @@ impl Studio {
     }
 
     /// The frame of one moment.
-    pub fn frame(&self, time: f64, features: Features, size: (u32, u32)) -> Frame {
-        Frame::new(self.world(), time, features, size)
+    pub fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
+        Frame::new(self.world(), time, sound, size)
     }
 
     /// The finished picture of one moment.
-    pub fn picture(&mut self, time: f64, features: Features, size: (u32, u32)) -> RgbaImage {
-        self.try_picture(time, features, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
+    pub fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
+        self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
     }
 
     /// The same, or why there is none.
     pub fn try_picture(
         &mut self,
         time: f64,
-        features: Features,
+        sound: impl Into<Sound>,
         size: (u32, u32),
     ) -> Result<RgbaImage, GpuError> {
-        let frame = self.frame(time, features, size);
+        let frame = self.frame(time, sound, size);
         self.renderer.draw(&frame, &self.resources, &self.program)?;
         let bytes = self.renderer.read();
         Ok(RgbaImage::from_raw(size.0, size.1, bytes).expect("a finished picture has four bytes a pixel"))
@@ -124,7 +126,29 @@ pub fn loud_music() -> Features {
         let slope = 0.95 - 0.018 * i as f32;
         slope * (0.75 + 0.25 * (1.7 * i as f32).sin())
     });
-    Features { volume: [0.28, 0.22], bands, ..Features::default() }
+    let (bass, mid, treble) = (0.8, 0.55, 0.3);
+    let rhythm = Features { beat: 0.6, tempo: 120.0, phase: 0.3, bass_drive: 2.5, ..Features::default() };
+    let volumes = Features { volume: [0.28, 0.22], volume_mid: 0.25, volume_side: 0.06, ..rhythm };
+    Features { bands, bass, mid, treble, peak_hz: 110.0, ..volumes }
+}
+
+/// The same with curves: a hilly spectrum that wanders, a wave.
+pub fn loud_sound() -> Sound {
+    let points = |count: usize, of: &dyn Fn(f32) -> f32| -> Arc<[f32]> {
+        (0..count).map(|index| of(index as f32 / (count - 1) as f32)).collect()
+    };
+    let height = |u: f32, row: f32| (0.8 - 0.5 * u) * (0.6 + 0.4 * (25.0 * u + 0.21 * row).sin());
+    let rows = (0..240).flat_map(|row| {
+        (0..HISTORY_POINTS).map(move |column| height(column as f32 / (HISTORY_POINTS - 1) as f32, row as f32))
+    });
+    let tables = Tables {
+        spectrum: Some(points(SPECTRUM_POINTS, &|u| height(u, 0.4))),
+        waveform: Some(points(WAVEFORM_POINTS, &|u| 0.7 * (19.0 * u).sin() - 0.2 * (83.0 * u).cos())),
+        history: Some(rows.collect()),
+        history_offset: 0.4,
+        history_span: 234.375,
+    };
+    Sound { features: loud_music(), tables }
 }
 
 /// Music of medium loudness.

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use rtrb::Producer;
 
 use super::tap::TapLink;
-use crate::dsp::{Alignment, Analyzer, Features, StereoFrame, TimedFeatures};
+use crate::dsp::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
 
 /// How long the thread sleeps if no callback wakes it.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -22,16 +22,17 @@ const REST: f64 = 3.0;
 /// A signal moves by more than this within a batch of frames: -80 dB. An offset is no signal.
 pub(super) const FLAT: f32 = 1e-4;
 
-/// The features of a moment of the input.
-#[derive(Debug, Clone, Copy)]
+/// A moment of the input.
+#[derive(Debug, Clone)]
 pub(super) struct Heard {
     /// Number of the stream: it grows with each device that is opened.
     pub(super) stream: u64,
     /// Number of the sample in the stream.
     pub(super) position: u64,
     /// When that sample came in, in seconds since the listener's epoch.
-    pub(super) time: f64,
-    pub(super) features: Features,
+    pub(super) came: f64,
+    /// What was heard; its time is that of the stream.
+    pub(super) moment: TimedFeatures,
 }
 
 /// What the listening thread tells besides.
@@ -70,6 +71,7 @@ impl Ear {
 pub(super) struct Listener {
     ear: Arc<Ear>,
     moments: Producer<Heard>,
+    gain: Gain,
     link: Option<TapLink>,
     analyzer: Analyzer,
     stream: u64,
@@ -87,11 +89,12 @@ pub(super) struct Listener {
 }
 
 impl Listener {
-    pub(super) fn new(ear: Arc<Ear>, moments: Producer<Heard>) -> Self {
-        let analyzer = Analyzer::new(48_000, Alignment::Trailing);
+    pub(super) fn new(ear: Arc<Ear>, moments: Producer<Heard>, gain: Gain) -> Self {
+        let analyzer = Analyzer::with_gain(48_000, Alignment::Trailing, gain);
         Self {
             ear,
             moments,
+            gain,
             link: None,
             analyzer,
             stream: 0,
@@ -123,7 +126,7 @@ impl Listener {
             if self.analyzer.sample_rate() == link.rate {
                 self.analyzer.restart(0);
             } else {
-                self.analyzer = Analyzer::new(link.rate, Alignment::Trailing);
+                self.analyzer = Analyzer::with_gain(link.rate, Alignment::Trailing, self.gain);
             }
             self.ear.note(&self.ear.began_ns);
             (self.last, self.rest) = (self.ear.now(), REST);
@@ -171,14 +174,14 @@ impl Listener {
             return;
         }
         let (end, rate) = (self.position, f64::from(analyzer.sample_rate()));
-        analyzer.push(batch, &mut |TimedFeatures { time, features }| {
-            let position = (time * rate).round() as u64;
+        analyzer.push(batch, &mut |moment| {
+            let position = (moment.time * rate).round() as u64;
             let age = end.saturating_sub(position) as f64 / rate;
             // Batches come unevenly; time does not step back for that.
-            let time = (now - age).max(*last_time + 1e-6);
-            *last_time = time;
+            let came = (now - age).max(*last_time + 1e-6);
+            *last_time = came;
             // Full while nobody looks: then nobody misses it.
-            let _ = moments.push(Heard { stream: *stream, position, time, features });
+            let _ = moments.push(Heard { stream: *stream, position, came, moment: moment.clone() });
         });
     }
 }
@@ -201,7 +204,7 @@ mod tests {
 
     fn listener() -> (Listener, Consumer<Heard>) {
         let (moments, heard) = RingBuffer::new(1024);
-        (Listener::new(Arc::new(Ear::new()), moments), heard)
+        (Listener::new(Arc::new(Ear::new()), moments, Gain::Off), heard)
     }
 
     fn all(heard: &mut Consumer<Heard>) -> Vec<Heard> {
@@ -226,8 +229,8 @@ mod tests {
         let wanted: Vec<u64> = (0..positions.len() as u64).map(|n| 512 * n).collect();
         assert_eq!(positions, wanted);
         assert!(positions.len() as u64 >= 11_030 / 512);
-        assert!(moments.is_sorted_by(|a, b| a.time < b.time));
-        assert!(moments.last().is_some_and(|last| last.features.volume[0] > 0.1 && last.stream == 1));
+        assert!(moments.is_sorted_by(|a, b| a.came < b.came));
+        assert!(moments.last().is_some_and(|last| last.moment.features.volume[0] > 0.1 && last.stream == 1));
         // Another device: another stream, from its first sample on.
         let (mut tap, link) = Tap::new(96_000, std::thread::current());
         listener.attach(Some(link));
@@ -244,7 +247,7 @@ mod tests {
         listener.attach(Some(link));
         tap.take(&tone(4_000), 1, None);
         listener.listen();
-        assert!(all(&mut heard).last().is_some_and(|last| last.features.volume[0] > 0.1));
+        assert!(all(&mut heard).last().is_some_and(|last| last.moment.features.volume[0] > 0.1));
         listener.attach(None);
         // As if time had passed.
         let mut made = 0;
@@ -254,7 +257,7 @@ mod tests {
             let moments = all(&mut heard);
             made += moments.len();
             if let Some(last) = moments.last() {
-                assert!(last.features.volume[0] < 0.5);
+                assert!(last.moment.features.volume[0] < 0.5);
             }
         }
         assert_eq!(listener.batch.len(), 0, "it never rests");
@@ -279,7 +282,7 @@ mod tests {
         let moments = all(&mut heard);
         let hop = listener.analyzer.hop() as u64;
         assert_eq!(moments.first().map(|moment| moment.position), Some(2_000_u64.next_multiple_of(hop)));
-        assert!(moments.last().is_some_and(|last| last.features.volume[0] > 0.1));
+        assert!(moments.last().is_some_and(|last| last.moment.features.volume[0] > 0.1));
     }
 
     #[test]

@@ -18,7 +18,7 @@ use crate::audio::player::Moment;
 use crate::audio::roster::{Roster, RosterEntry, RosterWatch};
 use crate::audio::supervisor::Supervisor;
 use crate::audio::worker::Worker;
-use crate::dsp::{FeatureTrack, Features, TimedFeatures};
+use crate::dsp::{FeatureTrack, Features, Gain, Sound};
 use crate::limits::LIMITS;
 
 /// Moments that may wait for the window: some 2 s.
@@ -38,6 +38,8 @@ const END_LIMIT: Duration = Duration::from_millis(500);
 pub struct LiveOptions {
     /// What to listen to.
     pub target: Target,
+    /// Whether quiet and loud sound move the picture alike.
+    pub gain: Gain,
 }
 
 /// How listening stands.
@@ -65,6 +67,17 @@ pub struct LiveStatus {
     pub openings: u64,
 }
 
+/// The newest moment.
+#[derive(Clone, Copy)]
+struct Newest {
+    stream: u64,
+    position: u64,
+    /// When it came, in seconds since the epoch.
+    came: f64,
+    /// Its time in the stream, in seconds.
+    time: f64,
+}
+
 /// A live input. Dropping it ends the streams and the threads, within a limit.
 pub struct Live {
     target: Target,
@@ -75,7 +88,9 @@ pub struct Live {
     listener: Worker,
     moments: Consumer<Heard>,
     track: FeatureTrack,
-    latest: Option<Heard>,
+    latest: Option<Newest>,
+    /// The time of the stream that the picture was told last.
+    told: f64,
     prober: Prober,
     /// When it was paused, in seconds since the epoch.
     paused: Option<f64>,
@@ -90,11 +105,11 @@ impl Live {
     /// # Errors
     /// A thread cannot be started.
     pub fn start(options: LiveOptions) -> Result<Self, PlayerError> {
-        let LiveOptions { target } = options;
+        let LiveOptions { target, gain } = options;
         let (producer, moments) = RingBuffer::new(MOMENTS);
         let ear = Arc::new(Ear::new());
         let (links, inbox) = channel();
-        let work = Listener::new(ear.clone(), producer);
+        let work = Listener::new(ear.clone(), producer, gain);
         let listener = Worker::spawn("listening", move || work.run(&inbox))?;
         let thread = listener.thread().cloned().unwrap_or_else(std::thread::current);
         let watch = RosterWatch::shared()?;
@@ -108,6 +123,7 @@ impl Live {
             moments,
             track: FeatureTrack::new(LIMITS.latency_ms_max / 1000.0 + TRACK_RESERVE),
             latest: None,
+            told: 0.0,
             prober: Prober::new(),
             paused: None,
             paused_for: 0.0,
@@ -151,8 +167,12 @@ impl Live {
     /// for sound that is heard later than it is recorded. Less than 0 cannot be had: the future is not known.
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         while let Ok(heard) = self.moments.pop() {
-            self.track.push(TimedFeatures { time: heard.time, features: heard.features });
-            self.latest = Some(heard);
+            let Heard { stream, position, came, moment } = heard;
+            if self.latest.is_some_and(|latest| latest.stream != stream) {
+                self.track.clear();
+            }
+            self.track.push(&moment);
+            self.latest = Some(Newest { stream, position, came, time: moment.time });
         }
         if self.paused.is_some() {
             return self.moment;
@@ -160,11 +180,19 @@ impl Live {
         let shift = if latency_shift.is_finite() { latency_shift } else { 0.0 };
         let shift = shift.clamp(0.0, LIMITS.latency_ms_max / 1000.0);
         let now = self.ear.now();
-        let latest = self.latest.map_or_else(Features::default, |heard| heard.features);
-        let features = if shift > 0.0 { self.track.at(now - shift) } else { latest };
+        if let Some(latest) = self.latest {
+            let age = (now - latest.came).max(0.0);
+            self.told = latest.time + (age - shift).min(0.0);
+        }
+        let features = self.track.at(self.told);
         let segment = self.latest.map_or(0, |heard| heard.stream);
         self.moment = Moment { song_time: now - self.paused_for, features, segment, lap: 0 };
         self.moment
+    }
+
+    /// The sound of what [`Live::now`] told last, with its curves.
+    pub fn sound(&self) -> Sound {
+        self.track.sound_at(self.told)
     }
 
     /// The sample that the newest features belong to: the number of the stream, and its own in the stream.
@@ -276,7 +304,7 @@ mod tests {
     #[test]
     fn the_show_goes_on_without_a_device_and_stands_still_in_a_pause() {
         let target = Target::Named("no such box".into());
-        let mut live = Live::start(LiveOptions { target }).expect("it starts");
+        let mut live = Live::start(LiveOptions { target, gain: Gain::Off }).expect("it starts");
         let first = live.now(0.0).song_time;
         std::thread::sleep(Duration::from_millis(20));
         let second = live.now(0.0).song_time;

@@ -3,7 +3,7 @@
 use std::sync::mpsc::Receiver;
 
 use crate::audio::timeline::SharedTimeline;
-use crate::dsp::{Alignment, Analyzer, StereoFrame};
+use crate::dsp::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
 
 /// What the decoding thread sends, in order.
 pub(crate) enum AnalysisInput {
@@ -16,11 +16,11 @@ pub(crate) enum AnalysisInput {
 }
 
 /// Works until the decoding thread ends.
-pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, timeline: &SharedTimeline) {
-    let mut analyzer = Analyzer::new(sample_rate, Alignment::Centred);
+pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, gain: Gain, timeline: &SharedTimeline) {
+    let mut analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain);
     let mut segment = 0;
     for input in inbox {
-        let mut emit = |moment| timeline.lock().push_features(segment, moment);
+        let mut emit = |moment: &TimedFeatures| timeline.lock().push_features(segment, moment);
         match input {
             AnalysisInput::Begin { segment: next, position } => {
                 segment = next;

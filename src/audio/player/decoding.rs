@@ -2,7 +2,7 @@
 //!
 //! A seek makes a new segment. The old one goes on sounding until the new one has [`PREFILL`] seconds in its ring.
 //! The frames of the last [`PREROLL`] seconds before the target go to the analysis alone, so that after a seek the
-//! features are those of an uninterrupted playback, but for less than 1 % that smoothing still remembers.
+//! features and their history are those of an uninterrupted playback, but for what longer memories still hold.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,8 +29,9 @@ const RING_BUFFERS: usize = 4;
 /// How much of a segment is there before it is heard, in seconds: more than the analysis looks ahead.
 const PREFILL: f64 = 0.15;
 
-/// What the analysis hears before a seek's target, in seconds.
-const PREROLL: f64 = 1.0;
+/// What the analysis hears before a seek's target, in seconds: what a history spans, and the time in which all but the
+/// beat and the bass drive forget. Near the song's start it is less, and the history is silent before it.
+const PREROLL: f64 = 13.0;
 
 /// Frames that are analysed and resampled at a time.
 const CHUNK: usize = 4096;

@@ -243,7 +243,7 @@ fn a_seek_that_fails_is_told_and_the_song_goes_on() {
     stepped.begin();
     stepped.send(Command::SeekTo(2.5));
     assert_told(&stepped.play(9600), 0.8);
-    stepped.send(Command::SeekTo(8.0));
+    stepped.send(Command::SeekTo(18.0));
     let heard = stepped.play(9600);
     assert_told(&heard, 0.8);
     assert_eq!(stepped.error.lock().expect("no panic").as_deref(), Some("the song cannot be sought"));

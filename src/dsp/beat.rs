@@ -1,0 +1,268 @@
+//! Tempo and beat: where in its beat the music is, and when the next one comes.
+//!
+//! A hidden Markov model, filtered forwards: a state is a period and a phase in it, in whole moments (the bar pointer of
+//! Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to moment every state
+//! moves on by one; at the end of a beat it may go over to a period nearby. States at the start of a beat expect an onset,
+//! all others expect none. It is causal, knows of nothing but the flux, and forgets what it heard within seconds. Since a
+//! period's states move as one, its ring turns and is not copied: a moment costs a multiplication for each state in which
+//! a beat starts, and a sum over all.
+
+use std::f32::consts::TAU;
+
+/// Range of periods, in beats per minute.
+const TEMPO: (f64, f64) = (215.0, 52.0);
+
+/// A beat starts during this time, in seconds.
+const START_SECONDS: f64 = 0.032;
+
+/// The tempo that is likeliest before anything is heard, in beats per minute, and the octaves from it that are less
+/// likely by exp(-1/2).
+const LIKELY: (f64, f64) = (115.0, 1.4);
+
+/// How unlikely another period is at the end of a beat: exp(-this · relative change), of which a whole moment costs no
+/// more than the next constant, since most tempos lie between two periods and their beats alternate.
+const TEMPO_STIFFNESS: f32 = 90.0;
+/// See [`TEMPO_STIFFNESS`].
+const NEIGHBOUR: f32 = 0.7;
+/// Periods further away, in moments, are not gone over to.
+const REACH: usize = 8;
+
+/// Share of what is believed that is given to all states alike at each moment, so that a new tempo is found.
+const DOUBT: f32 = 2e-5;
+
+/// Belief that must lie within a tenth of a beat and a twelfth of the tempo around the likeliest state to tell a tempo,
+/// and below which it is not told any more.
+const TOLD: (f32, f32) = (0.75, 0.3);
+
+/// A tempo is not told before so many onsets.
+const ONSETS_MIN: u32 = 4;
+
+/// Without an onset for so long, in seconds, nothing is known any more.
+const FORGET_SECONDS: f64 = 4.0;
+
+/// Share of its error that the phase which is told makes good at each moment.
+const PULL: f32 = 0.12;
+
+/// What is told of the beat.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Beat {
+    /// Beats per minute; 0 while unknown.
+    pub(super) tempo: f32,
+    /// 0 up to 1.
+    pub(super) phase: f32,
+}
+
+/// The states of a period.
+struct Ring {
+    /// Where in the belief they lie.
+    start: usize,
+    period: usize,
+    /// Which of them is at the start of its beat.
+    head: usize,
+}
+
+/// The sum, in eight parts that a processor adds side by side.
+fn sum_of(values: &[f32]) -> f32 {
+    let (chunks, rest) = values.as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, value)| *sum += value);
+    }
+    sums.iter().sum::<f32>() + rest.iter().sum::<f32>()
+}
+
+/// Follows the beat.
+pub(super) struct BeatTracker {
+    moments_per_second: f32,
+    rings: Vec<Ring>,
+    belief: Vec<f32>,
+    /// For each state of a ring from its start on: what doubt adds.
+    doubt: Vec<f32>,
+    /// `passing[to][REACH + from - to]`: how likely a beat of one period follows on another.
+    passing: Vec<[f32; 2 * REACH + 1]>,
+    /// What leaves the rings, with nothing before the first and behind the last.
+    leaving: Vec<f32>,
+    totals: Vec<f32>,
+    start: usize,
+    /// The last values of the flux, so that an onset lasts as long as a start.
+    held: [f32; 4],
+    forget: u32,
+    since_onset: u32,
+    /// Onsets since nothing was known.
+    onsets: u32,
+    /// By how much the flux is late, in moments.
+    late: f32,
+    told: Beat,
+}
+
+impl BeatTracker {
+    /// For moments `hop_seconds` apart, whose flux tells of onsets `late` moments ago.
+    pub(super) fn new(hop_seconds: f64, late: f32) -> Self {
+        let period = |tempo: f64| (60.0 / tempo / hop_seconds).round() as usize;
+        let mut rings: Vec<Ring> = Vec::new();
+        let mut states = 0;
+        for period in period(TEMPO.0)..=period(TEMPO.1) {
+            rings.push(Ring { start: states, period, head: 0 });
+            states += period;
+        }
+        let likely = rings.iter().map(|ring| {
+            let tempo = 60.0 / (ring.period as f64 * hop_seconds);
+            (-0.5 * ((tempo / LIKELY.0).log2() / LIKELY.1).powi(2)).exp()
+        });
+        let likely: Vec<f64> = likely.collect();
+        let sum: f64 = likely.iter().sum();
+        let doubt = rings.iter().zip(&likely).map(|(ring, l)| (l / sum / ring.period as f64) as f32);
+        let weight = |to: usize, from: usize| {
+            let moments = rings[to].period.abs_diff(rings[from].period) as f32;
+            let beyond = (moments - 1.0).max(0.0) / rings[from].period as f32;
+            (-TEMPO_STIFFNESS * beyond - NEIGHBOUR * moments.min(1.0)).exp()
+        };
+        let count = rings.len();
+        let near = |ring: usize| ring.saturating_sub(REACH)..(ring + REACH + 1).min(count);
+        let passing = (0..count).map(|to| {
+            let mut row = [0.0; 2 * REACH + 1];
+            for from in near(to) {
+                let all: f32 = near(from).map(|to| weight(to, from)).sum();
+                row[REACH + from - to] = weight(to, from) / all;
+            }
+            row
+        });
+        let passing = passing.collect();
+        let mut tracker = Self {
+            moments_per_second: (1.0 / hop_seconds) as f32,
+            doubt: doubt.collect(),
+            belief: vec![0.0; states],
+            passing,
+            leaving: vec![0.0; count + 2 * REACH],
+            totals: vec![0.0; count],
+            rings,
+            start: (START_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
+            held: [0.0; 4],
+            forget: (FORGET_SECONDS / hop_seconds) as u32,
+            since_onset: 0,
+            onsets: 0,
+            late,
+            told: Beat::default(),
+        };
+        tracker.restart();
+        tracker
+    }
+
+    /// Forgets everything.
+    pub(super) fn restart(&mut self) {
+        for (ring, doubt) in self.rings.iter_mut().zip(&self.doubt) {
+            ring.head = 0;
+            self.belief[ring.start..ring.start + ring.period].fill(*doubt);
+        }
+        self.held = [0.0; 4];
+        (self.since_onset, self.onsets) = (self.forget, 0);
+        self.told = Beat::default();
+    }
+
+    /// Takes the flux of the next moment over the largest of late, 0..1, and whether a sound begins there.
+    pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
+        self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
+        self.onsets = self.onsets.saturating_add(u32::from(begins));
+        if self.since_onset >= self.forget {
+            if self.told != Beat::default() || self.since_onset == self.forget {
+                self.restart();
+            }
+            return Beat::default();
+        }
+        self.move_on();
+        self.held.rotate_right(1);
+        self.held[0] = flux;
+        let held = self.held[..self.start].iter().fold(0.0_f32, |largest, flux| largest.max(*flux));
+        self.observe(held);
+        self.tell()
+    }
+
+    /// All states move on by a moment.
+    fn move_on(&mut self) {
+        for (ring, leaving) in self.rings.iter_mut().zip(&mut self.leaving[REACH..]) {
+            ring.head = (ring.head + ring.period - 1) % ring.period;
+            *leaving = self.belief[ring.start + ring.head];
+        }
+        let near = self.leaving.windows(2 * REACH + 1);
+        for ((ring, passing), near) in self.rings.iter().zip(&self.passing).zip(near) {
+            let entering = passing.iter().zip(near).map(|(passing, leaving)| passing * leaving).sum();
+            self.belief[ring.start + ring.head] = entering;
+        }
+    }
+
+    /// Weighs the states by what was heard.
+    fn observe(&mut self, held: f32) {
+        let likelihood = ((held + 0.03) / (1.03 - held)).sqrt() * 1.1;
+        let mut sum = 0.0;
+        for (ring, total) in self.rings.iter().zip(&mut self.totals) {
+            let states = &mut self.belief[ring.start..ring.start + ring.period];
+            for place in 0..self.start.min(ring.period) {
+                states[(ring.head + place) % ring.period] *= likelihood;
+            }
+            *total = sum_of(states);
+            sum += *total;
+        }
+        let scale = if sum > 0.0 { (1.0 - DOUBT) / sum } else { 0.0 };
+        for ((ring, total), doubt) in self.rings.iter().zip(&mut self.totals).zip(&self.doubt) {
+            let doubt = DOUBT * doubt;
+            for state in &mut self.belief[ring.start..ring.start + ring.period] {
+                *state = *state * scale + doubt;
+            }
+            *total = *total * scale + doubt * ring.period as f32;
+        }
+    }
+
+    /// The mean phase and tempo around the likeliest period.
+    fn tell(&mut self) -> Beat {
+        let best = self.likeliest();
+        let Some(best_ring) = self.rings.get(best) else { return Beat::default() };
+        let reach = (best_ring.period / 12).max(1);
+        let (first, end) = (best.saturating_sub(reach), (best + reach + 1).min(self.rings.len()));
+        let (mut x, mut y, mut mass, mut moments) = (0.0, 0.0, 0.0, 0.0);
+        for (ring, total) in self.rings[first..end].iter().zip(&self.totals[first..end]) {
+            let step = TAU / ring.period as f32;
+            let (mut sine, mut cosine) = (0.0_f32, 1.0_f32);
+            let (step_sine, step_cosine) = step.sin_cos();
+            let states = &self.belief[ring.start..ring.start + ring.period];
+            for state in states[ring.head..].iter().chain(&states[..ring.head]) {
+                x += state * cosine;
+                y += state * sine;
+                (sine, cosine) =
+                    (sine * step_cosine + cosine * step_sine, cosine * step_cosine - sine * step_sine);
+            }
+            mass += total;
+            moments += total * ring.period as f32;
+        }
+        let sure = x.hypot(y);
+        let period = moments / mass.max(f32::MIN_POSITIVE);
+        let enough = if self.told.tempo > 0.0 { TOLD.1 } else { TOLD.0 };
+        if sure < enough || self.onsets < ONSETS_MIN {
+            self.told = Beat::default();
+            return self.told;
+        }
+        let turns = y.atan2(x) / TAU + self.late / period;
+        let phase = turns - turns.floor();
+        let expected = self.told.phase + 1.0 / period;
+        let error = phase - expected - (phase - expected).round();
+        let same = self.told.tempo > 0.0 && error.abs() < 0.2;
+        // Never back: a beat that was told is not told again.
+        let next = if same { expected + (PULL * error).max(-0.7 / period) } else { phase };
+        let next = next - next.floor();
+        self.told = Beat {
+            tempo: 60.0 * self.moments_per_second / period,
+            phase: if next < 1.0 { next } else { 0.0 },
+        };
+        self.told
+    }
+
+    /// The period with the most belief.
+    fn likeliest(&self) -> usize {
+        let mut best = (0, 0.0);
+        for (index, total) in self.totals.iter().enumerate() {
+            if *total > best.1 {
+                best = (index, *total);
+            }
+        }
+        best.0
+    }
+}

@@ -1,0 +1,133 @@
+//! The spectrum as a curve: heights at many frequencies, in equal ratios.
+
+use super::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, decibels};
+use super::features::LEVEL_FLOOR_DB;
+use super::resolution::Resolution;
+
+/// Points of the curve.
+pub const SPECTRUM_POINTS: usize = 512;
+
+/// The level that is drawn with height 0, in decibels.
+const HEIGHT_ZERO_DB: f32 = -84.0;
+
+/// The level that is drawn with height 1, in decibels: single lines of music lie 10 to 20 dB below the band that they
+/// stand in.
+const HEIGHT_ONE_DB: f32 = -12.0;
+
+/// Over the amplitude at a tone's bin that Parseval's scale gives, that of Hann's coherent gain: the noise bandwidth of
+/// 1.5 bins.
+const NOISE_BANDWIDTH: f32 = 1.5;
+
+/// The frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios between.
+pub fn spectrum_hz(u: f64) -> f64 {
+    BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(u)
+}
+
+/// Where a frequency lies on the spectrum's axis, 0..1 (the inverse of [`spectrum_hz`], clamped).
+pub fn spectrum_place(hz: f64) -> f64 {
+    let octaves = (hz.max(1e-9) / BAND_LOWEST_HZ).ln() / (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).ln();
+    octaves.clamp(0.0, 1.0)
+}
+
+/// Which bins make up which point.
+pub(super) struct Lines {
+    points: Vec<Point>,
+}
+
+/// A point takes the shares of two windows at most: their ranges do not meet.
+struct Point {
+    parts: [Part; 2],
+    /// Whether the frequency is below half the sample rate.
+    exists: bool,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Part {
+    window: usize,
+    share: f32,
+    first_bin: usize,
+    /// Bins whose largest is taken; with two, `between` says where between them the point lies.
+    count: usize,
+    between: Option<f32>,
+}
+
+impl Part {
+    fn power(&self, spectrum: &[f32]) -> f32 {
+        let bins = spectrum.get(self.first_bin..self.first_bin + self.count).unwrap_or_default();
+        let value = match (bins, self.between) {
+            ([low, high], Some(between)) => low + (high - low) * between,
+            _ => bins.iter().fold(0.0, |largest: f32, power| largest.max(*power)),
+        };
+        self.share * value
+    }
+}
+
+impl Lines {
+    /// For windows of a hop times [`Resolution::hops`] frames at `sample_rate` hertz.
+    pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
+        let steps = (SPECTRUM_POINTS - 1) as f64;
+        let points = (0..SPECTRUM_POINTS).map(|index| {
+            let hz = spectrum_hz(index as f64 / steps);
+            let mut parts = [Part::default(); 2];
+            let shares = Resolution::ALL.map(|resolution| resolution.share(hz)).into_iter().enumerate();
+            for (part, (window, share)) in parts.iter_mut().zip(shares.filter(|(_, share)| *share > 0.0)) {
+                let length = hop * Resolution::ALL.map(Resolution::hops)[window];
+                let bin = |place: f64| spectrum_hz(place / steps) * length as f64 / sample_rate;
+                let (low, high) = (bin(index as f64 - 0.5).ceil(), bin(index as f64 + 0.5).floor());
+                let here = bin(index as f64);
+                *part = if high > low {
+                    // Several bins in the point's reach: the largest.
+                    let count = (high - low) as usize + 1;
+                    Part { window, share: share as f32, first_bin: low as usize, count, between: None }
+                } else {
+                    let between = Some((here - here.floor()) as f32);
+                    Part { window, share: share as f32, first_bin: here as usize, count: 2, between }
+                };
+            }
+            Point { parts, exists: hz < sample_rate / 2.0 }
+        });
+        Self { points: points.collect() }
+    }
+
+    /// Writes the height of each point, 0..1, from the power per bin of each window: a tone's amplitude in decibels
+    /// (Hann's coherent gain taken out) plus `gain_db`, from -84 dB to -12 dB. A tone between two bins reads up to 1.4 dB
+    /// less.
+    pub(super) fn heights(
+        &self,
+        spectra: [&[f32]; Resolution::ALL.len()],
+        gain_db: f32,
+        heights: &mut [f32; SPECTRUM_POINTS],
+    ) {
+        for (height, point) in heights.iter_mut().zip(&self.points) {
+            let power: f32 = point.parts.iter().map(|part| part.power(spectra[part.window])).sum();
+            let level = if point.exists { decibels(NOISE_BANDWIDTH * power) } else { LEVEL_FLOOR_DB };
+            let above = level + gain_db - HEIGHT_ZERO_DB;
+            *height = (above / (HEIGHT_ONE_DB - HEIGHT_ZERO_DB)).clamp(0.0, 1.0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_frequencies_are_inverse() {
+        for (place, hz) in [(0.0, BAND_LOWEST_HZ), (0.5, 692.820_323), (1.0, BAND_HIGHEST_HZ)] {
+            assert!((spectrum_hz(place) - hz).abs() < 1e-5, "{place}: {} Hz", spectrum_hz(place));
+            assert!((spectrum_place(hz) - place).abs() < 1e-9, "{hz} Hz: {}", spectrum_place(hz));
+        }
+        assert_eq!([0.0, -1.0, 1e9].map(spectrum_place), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn every_point_reads_even_power_alike() {
+        let lines = Lines::new(512, 48_000.0);
+        let mut heights = [0.0; SPECTRUM_POINTS];
+        lines.heights([&[1e-4; 4096], &[1e-4; 1024], &[1e-4; 512]], 0.0, &mut heights);
+        let expected = (-40.0 + 10.0 * 1.5_f32.log10() + 84.0) / 72.0;
+        assert!(heights.iter().all(|height| (height - expected).abs() < 1e-5), "{heights:?}");
+        lines.heights([&[1e-4; 4096], &[1e-4; 1024], &[1e-4; 512]], 7.2, &mut heights);
+        assert!(heights.iter().all(|height| (height - expected - 0.1).abs() < 1e-5), "{heights:?}");
+    }
+}

@@ -1,0 +1,121 @@
+//! Tempo by hand: what is tapped overrides what was heard.
+
+use super::features::Features;
+
+/// After so long without a tap, in seconds, the next one begins anew.
+const PAUSE: f64 = 2.5;
+
+/// The last taps that count.
+const TAPS_MAX: usize = 8;
+
+/// A tap that is off by more than this share of a beat begins a new tempo with the one before it.
+const OFF: f64 = 0.35;
+
+/// Shortest beat, in seconds: two taps that are nearer were one.
+const PERIOD_MIN: f64 = 0.15;
+
+/// Tempo and phase from taps. Times are those of the song, in seconds.
+#[derive(Clone, Debug, Default)]
+pub struct TapTempo {
+    taps: Vec<f64>,
+}
+
+impl TapTempo {
+    /// Takes a tap. The second one sets a tempo, further ones make it better; one alone, after a pause, gives the tempo
+    /// back to what is heard. A time that is not finite is ignored.
+    pub fn tap(&mut self, time: f64) {
+        if !time.is_finite() {
+            return;
+        }
+        if let Some(last) = self.taps.last().copied() {
+            let since = time - last;
+            if (0.0..PERIOD_MIN).contains(&since) {
+                return;
+            }
+            if !(0.0..PAUSE).contains(&since) {
+                self.taps.clear();
+            } else if self.fit().is_some_and(|(_, period)| (since / period - 1.0).abs() > OFF) {
+                self.taps.drain(..self.taps.len() - 1);
+            }
+        }
+        if self.taps.len() == TAPS_MAX {
+            self.taps.remove(0);
+        }
+        self.taps.push(time);
+    }
+
+    /// Beats per minute and the way to the next beat, 0 up to 1, at a time; none without two taps.
+    pub fn at(&self, time: f64) -> Option<(f32, f32)> {
+        let (origin, period) = self.fit()?;
+        let phase = ((time - origin) / period).rem_euclid(1.0) as f32;
+        Some(((60.0 / period) as f32, if phase < 1.0 { phase } else { 0.0 }))
+    }
+
+    /// Puts what was tapped in place of what was heard at a time.
+    pub fn apply(&self, time: f64, features: &mut Features) {
+        if let Some(tapped) = self.at(time) {
+            (features.tempo, features.phase) = tapped;
+        }
+    }
+
+    /// The time of a beat and the length of one: the line through the taps with the least squares.
+    fn fit(&self) -> Option<(f64, f64)> {
+        let count = self.taps.len();
+        if count < 2 {
+            return None;
+        }
+        let middle = (count - 1) as f64 / 2.0;
+        let mean = self.taps.iter().sum::<f64>() / count as f64;
+        let numbered =
+            self.taps.iter().enumerate().map(|(number, time)| (number as f64 - middle, time - mean));
+        let (products, squares) =
+            numbered.fold((0.0, 0.0), |(products, squares), (x, y)| (products + x * y, squares + x * x));
+        let period = products / squares;
+        Some((mean - middle * period, period))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tapped(times: &[f64]) -> TapTempo {
+        let mut taps = TapTempo::default();
+        times.iter().for_each(|time| taps.tap(*time));
+        taps
+    }
+
+    #[test]
+    fn unsteady_taps_give_the_tempo_and_the_phase_of_their_line() {
+        // 120 beats per minute from 10 s on, each tap 20 ms off.
+        let times: Vec<f64> =
+            (0..8).map(|n| 10.0 + 0.5 * f64::from(n) + if n % 2 == 0 { 0.02 } else { -0.02 }).collect();
+        let (tempo, phase) = tapped(&times).at(14.25).unwrap();
+        assert!((tempo - 120.0).abs() < 2.0, "{tempo}");
+        assert!((phase - 0.5).abs() < 0.04, "{phase}");
+    }
+
+    #[test]
+    fn two_taps_are_needed_and_a_lone_one_gives_the_tempo_back() {
+        assert_eq!(tapped(&[]).at(0.0), None);
+        assert_eq!(tapped(&[1.0]).at(2.0), None);
+        assert_eq!(tapped(&[1.0, 1.5]).at(2.25), Some((120.0, 0.5)));
+        assert_eq!(tapped(&[1.0, 1.5, 9.0]).at(10.0), None);
+        // After a seek back, too.
+        assert_eq!(tapped(&[5.0, 5.5, 1.0]).at(2.0), None);
+        assert_eq!(tapped(&[1.0, f64::NAN, 1.05, 1.5]).at(1.5), Some((120.0, 0.0)));
+    }
+
+    #[test]
+    fn another_tempo_is_taken_up_with_its_second_tap() {
+        let (tempo, _) = tapped(&[0.0, 0.5, 1.0, 1.5, 2.5, 3.5]).at(4.0).unwrap();
+        assert!((tempo - 60.0).abs() < 1e-4, "{tempo}");
+    }
+
+    #[test]
+    fn what_was_heard_is_overridden() {
+        let mut features = Features { tempo: 90.0, phase: 0.3, beat: 0.7, ..Features::SILENCE };
+        tapped(&[0.0, 0.5]).apply(1.125, &mut features);
+        assert_eq!((features.tempo, features.phase, features.beat), (120.0, 0.25, 0.7));
+    }
+}
