@@ -21,7 +21,7 @@ pub fn draw(painter: &Painter, space: Rect, list: &SourceList) {
     let mut rows = vec![line("D: listen to", style::DIM)];
     for (index, name) in list.names.iter().enumerate().skip(first).take(room) {
         let (mark, color) =
-            if list.present == Some(index) { ("●", style::ACCENT) } else { ("○", style::TEXT) };
+            if list.present == Some(index) { (">", style::ACCENT) } else { ("·", style::TEXT) };
         rows.push(line(&format!("{mark} {name}"), color));
     }
     let widest = rows.iter().map(|row| row.size().x).fold(0.0, f32::max);
