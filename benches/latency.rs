@@ -156,7 +156,7 @@ fn milliseconds_after(later: Instant, sooner: Instant) -> f64 {
 /// From a sample that is heard on the output, and so at its monitor, to the begin of the first frame that shows it.
 fn live() {
     let _session = Session::with_server();
-    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Off }).expect("it starts");
+    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Auto }).expect("it starts");
     wait_until("the monitor", || live.status().device.is_some());
     let (_stream, bursts) = play_bursts();
     let (mut shown, mut heard) = (Vec::new(), Vec::new());
@@ -211,7 +211,7 @@ impl FrameSource for Song {
 fn file() {
     let _session = Session::with_server();
     let (_stream, bursts) = find_bursts();
-    let mut player = Player::start(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
+    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
     let (mut pictures, mut heard): (Vec<(Instant, f64)>, Vec<Instant>) = (Vec::new(), Vec::new());
     each_frame(|now| {
         pictures.push((now, player.now(0.0).song_time));
@@ -236,8 +236,8 @@ fn file() {
 /// Plays and listens with twice as many busy threads as processors.
 fn xruns(seconds: u64) {
     let _session = Session::with_server();
-    let mut player = Player::start(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
-    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Off }).expect("it starts");
+    let mut player = Player::start_alone(Box::new(Song(0)), PlayerOptions::default()).expect("it starts");
+    let mut live = Live::start(LiveOptions { target: Target::Monitor, gain: Gain::Auto }).expect("it starts");
     wait_until("the monitor", || live.status().device.is_some() && player.status().device.is_some());
     let stop = Arc::new(AtomicBool::new(false));
     let count = 2 * std::thread::available_parallelism().map_or(2, usize::from);

@@ -12,7 +12,9 @@ use tracing_subscriber::prelude::*;
 use crate::app;
 use crate::audio::decode::quiet_contained_panics;
 use crate::audio::devices::list_devices;
+use crate::audio::playlist::Playlist;
 use crate::audio::song::Song;
+use crate::audio::track::Repeat;
 use crate::config::{ListenChoice, PlaySettings, SdfChoice};
 use crate::dsp::Gain;
 use crate::export::analyze::{AnalyzeRequest, print_features};
@@ -25,7 +27,7 @@ use crate::gpu::shader_source::ShaderLibrary;
 use crate::limits::LIMITS;
 use crate::scenes::{SceneError, SceneSource};
 
-/// A music visualizer whose worlds are formulas: plays a song and shows it.
+/// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
 #[command(name = "mariana", version, args_conflicts_with_subcommands = true, after_help = PLAY_EXAMPLES)]
 pub struct Arguments {
@@ -43,6 +45,8 @@ Examples:
   mariana                         play the built-in demo track
   mariana song.flac               play a song
   mariana song.mp3 --once         ... and end with it
+  mariana album/ list.m3u8 x.ogg  play folders, lists (m3u, m3u8, pls, cue) and files, without gaps
+  mariana music/ --shuffle        ... in random order
   mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
   mariana song.flac --scene orbs  ... in another scene, or a file of your own
   mariana --system                show what the computer plays
@@ -55,22 +59,29 @@ H in the window shows the keys.";
 
 #[derive(Args)]
 struct PlayArguments {
-    /// The song; without one the built-in demo track plays
-    file: Option<PathBuf>,
+    /// Songs, folders and lists (m3u, m3u8, pls, cue); without any the built-in demo track plays
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
     /// Show what a microphone or another input hears, instead of a song
-    #[arg(long, conflicts_with_all = ["file", "system", "silent", "once"])]
+    #[arg(long, conflicts_with_all = ["files", "system", "silent", "once"])]
     mic: bool,
     /// Show what the computer plays, instead of a song
-    #[arg(long, conflicts_with_all = ["file", "silent", "once"])]
+    #[arg(long, conflicts_with_all = ["files", "silent", "once"])]
     system: bool,
+    /// Play the tracks in random order
+    #[arg(long)]
+    shuffle: bool,
+    /// What follows the last track, and each one
+    #[arg(long, value_name = "WHAT", default_value = "all")]
+    repeat: RepeatChoice,
     /// Output device, or input with --mic and --system: an id or a name of 'mariana devices', or a part of one
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
     device: Option<String>,
     /// Play without sound, in real time
     #[arg(long)]
     silent: bool,
-    /// End after the song instead of beginning anew
-    #[arg(long)]
+    /// End with the last track instead of beginning anew
+    #[arg(long, conflicts_with = "repeat")]
     once: bool,
     /// Volume at the start, in percent
     #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = clap::value_parser!(u8).range(0..=100), allow_negative_numbers = true)]
@@ -142,6 +153,17 @@ impl From<GainChoice> for Gain {
             GainChoice::Off => Gain::Off,
         }
     }
+}
+
+/// See [`Repeat`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum RepeatChoice {
+    /// The list, again and again
+    All,
+    /// One track, again and again
+    One,
+    /// Each track once; the window stays
+    Off,
 }
 
 /// On or off.
@@ -325,15 +347,25 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         once: arguments.once,
         volume: f32::from(arguments.volume) / 100.0,
         latency: arguments.latency.map(|milliseconds| milliseconds / 1000.0),
-        listen,
         gain: common.gain.into(),
+        listen,
         fps_cap: arguments.fps_cap,
         fullscreen: arguments.fullscreen,
         size: arguments.size,
         gl_info: arguments.gl_info,
     };
-    let song = listen.is_none().then(|| song(arguments.file.as_deref()));
-    app::run(song.as_ref(), settings, common.scene()?)
+    let repeat = match arguments.repeat {
+        _ if arguments.once => Repeat::Off,
+        RepeatChoice::All => Repeat::All,
+        RepeatChoice::One => Repeat::One,
+        RepeatChoice::Off => Repeat::Off,
+    };
+    let scene = common.scene()?;
+    let tracks = match listen {
+        Some(_) => None,
+        None => Some(Playlist::open(&arguments.files, repeat, arguments.shuffle)?),
+    };
+    app::run(tracks, settings, scene)
 }
 
 fn run_still(arguments: StillArguments) -> anyhow::Result<()> {

@@ -16,6 +16,16 @@ pub struct Limits {
     pub bad_packets_in_a_row: u32,
     /// Most frames (one sample per channel) that one decoded packet may hold.
     pub packet_frames_max: usize,
+    /// Most tracks of a playlist; further ones are left out.
+    pub playlist_tracks_max: usize,
+    /// Most bytes of the file of a list of tracks.
+    pub playlist_bytes_max: u64,
+    /// Most lists that are read for one playlist, nested ones counted.
+    pub playlist_lists_max: usize,
+    /// Deepest nesting of lists and folders.
+    pub playlist_depth_max: usize,
+    /// Most entries of lists and folders that are looked at for one playlist.
+    pub playlist_looks_max: usize,
     /// Longest time over which a feature track remembers, in seconds (0.5 MB for each).
     pub feature_track_seconds_max: f64,
     /// Longest duration of a stream, in seconds, that a container's claim is believed (a year); beyond, it is unknown.
@@ -94,6 +104,11 @@ pub const LIMITS: Limits = Limits {
     bad_packets_in_a_row: 256,
     packet_frames_max: 1 << 20,
     claimed_duration_max: 31_536_000.0,
+    playlist_tracks_max: 20_000,
+    playlist_bytes_max: 1 << 22,
+    playlist_lists_max: 64,
+    playlist_depth_max: 16,
+    playlist_looks_max: 200_000,
     feature_track_seconds_max: 60.0,
     picture_side_min: 1,
     picture_side_max: 16_384,

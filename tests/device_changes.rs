@@ -45,11 +45,11 @@ impl FrameSource for Tone {
 
 fn play(device: Option<&str>) -> Player {
     let options = PlayerOptions { device: device.map(Into::into), ..PlayerOptions::default() };
-    Player::start(Box::new(Tone(0)), options).expect("it starts")
+    Player::start_alone(Box::new(Tone(0)), options).expect("it starts")
 }
 
 fn listen(target: Target) -> Live {
-    Live::start(LiveOptions { target, gain: Gain::Off }).expect("it starts")
+    Live::start(LiveOptions { target, gain: Gain::Auto }).expect("it starts")
 }
 
 fn named(name: &str) -> Target {

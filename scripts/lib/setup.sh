@@ -34,6 +34,8 @@ test    cmd:xwd                   x11-apps           xwd                  xorg-x
 test    cmd:import                imagemagick        ImageMagick          imagemagick       ImageMagick          imagemagick
 test    cmd:pulseaudio            pulseaudio         pulseaudio           pulseaudio        pulseaudio           -
 test    cmd:parec                 pulseaudio-utils   pulseaudio-utils     libpulse          pulseaudio-utils     -
+test    cmd:dbus-daemon           dbus               dbus-daemon          dbus              dbus-1               dbus
+test    cmd:dbus-send             dbus               dbus-tools           dbus              dbus-1               dbus
 test    cmd:ffmpeg                ffmpeg             ffmpeg-free          ffmpeg            ffmpeg               ffmpeg
 test    cmd:glslangValidator      glslang-tools      glslang              glslang           glslang-devel        glslang
 TABLE

@@ -13,12 +13,21 @@ pub enum Action {
     ChangeVolume(f32),
     /// Mute or unmute.
     ToggleMute,
+    /// Take this moment as a beat.
+    Tap,
+    /// The next track, or the previous one.
+    SkipTrack {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// Play the tracks in random order, or in the list's.
+    ToggleShuffle,
+    /// Repeat all tracks, one, or none.
+    ChangeRepeat,
     /// Show the picture later by so many steps.
     Shift(f64),
     /// Listen to the next source.
     ChangeSource,
-    /// Take this moment as a beat.
-    Tap,
     /// Change between the interpreted and the compiled scene.
     ToggleMode,
     /// Use the cells of regions, or the whole tape everywhere.
@@ -106,6 +115,41 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("t")],
+        written: "T",
+        action: Action::Tap,
+        meaning: "tap the tempo, twice or more; once alone gives it back to what is heard",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::PageDown), Key::Named(NamedKey::MediaTrackNext)],
+        written: "Page down",
+        action: Action::SkipTrack { forward: true },
+        meaning: "the next track",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::PageUp), Key::Named(NamedKey::MediaTrackPrevious)],
+        written: "Page up",
+        action: Action::SkipTrack { forward: false },
+        meaning: "the track's start, or the previous track",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("s")],
+        written: "S",
+        action: Action::ToggleShuffle,
+        meaning: "tracks in random order, or in their own",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("l")],
+        written: "L",
+        action: Action::ChangeRepeat,
+        meaning: "repeat all tracks, this one, or none",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("d")],
         written: "D",
         action: Action::ChangeSource,
@@ -125,13 +169,6 @@ pub const BINDINGS: &[Binding] = &[
         action: Action::Shift(1.0),
         meaning: "the picture 5 ms later, for headphones or a TV that lag",
         repeats: true,
-    },
-    Binding {
-        keys: &[Key::Character("t")],
-        written: "T",
-        action: Action::Tap,
-        meaning: "tap the tempo, twice or more; once alone gives it back to what is heard",
-        repeats: false,
     },
     Binding {
         keys: &[Key::Character("n")],

@@ -1,8 +1,10 @@
 //! The window: the only room that uses winit.
 
+mod announcer;
 pub mod error;
 mod frame_times;
 pub mod keys;
+mod media_controls;
 pub mod overlay;
 pub mod pacing;
 mod region_builder;
@@ -10,6 +12,7 @@ mod scene_regions;
 mod scene_stage;
 mod show;
 mod sound;
+mod title;
 mod window;
 
 pub use error::AppError;

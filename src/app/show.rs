@@ -1,5 +1,6 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
+use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
@@ -9,18 +10,20 @@ use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
+use super::announcer::{Announcer, next_repeat, words_of};
 use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
+use super::media_controls::{Asked, MediaControls};
 use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::sound::{Sound, Start};
+use super::title::{live_title, title};
 use super::window::GlWindowContext;
-use crate::audio::input::LiveStatus;
-use crate::audio::song::{Song, display_name};
-use crate::audio::source::FrameSource;
+use crate::audio::playlist::Opened;
+use crate::audio::track::Repeat;
 use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::dsp::{self, TapTempo};
@@ -28,7 +31,6 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::Mode;
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
 /// Frame cap where the monitor tells no rate.
@@ -44,14 +46,17 @@ const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Two clicks within this time and distance in pixels are a double click.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 
-/// Opens the window and plays `song` until the user quits, or until it ends if it plays once; without a song it listens
-/// to what the settings tell.
+/// Opens the window and plays `tracks` until the user quits, or until they end if they play once; without tracks it
+/// listens to what the settings tell.
 ///
 /// # Errors
-/// The song cannot be opened or the window cannot show it.
-pub fn run(song: Option<&Song>, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
+/// There is nothing to be played once, or the window cannot show it.
+pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
     let started = Instant::now();
-    let decoder = song.map(Song::open).transpose()?;
+    let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
+    if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
+        return Err(AppError::SongLost(trouble.clone()).into());
+    }
     let waker = Waker::default();
     let (loader, first) = load_first(&scene, &waker)?;
     let event_loop = match EventLoop::new() {
@@ -68,8 +73,8 @@ pub fn run(song: Option<&Song>, settings: PlaySettings, scene: SceneChoice) -> a
     let mut show = Show {
         waker,
         loader: Some((loader, first)),
-        name: decoder.as_ref().map_or_else(|| "live".to_owned(), display_name),
-        source: decoder.map(|decoder| Box::new(decoder) as _),
+        tracks,
+        dropped: Vec::new(),
         settings,
         scene,
         started,
@@ -123,9 +128,10 @@ fn reason(text: &str) -> &str {
 
 /// Everything that lives as long as the event loop.
 struct Show {
-    name: String,
     /// Taken by the player when the window stands.
-    source: Option<Box<dyn FrameSource>>,
+    tracks: Option<Opened>,
+    /// Files that were dropped onto the window and are not played yet.
+    dropped: Vec<PathBuf>,
     settings: PlaySettings,
     scene: SceneChoice,
     /// Taken by the stage when the window stands, with the first scene.
@@ -151,7 +157,8 @@ struct Stage {
     frame_times: FrameTimes,
     status_due: Instant,
     told_silent: Option<String>,
-    told_source: Option<String>,
+    announcer: Announcer,
+    controls: MediaControls,
     title: String,
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     cursor: PhysicalPosition<f64>,
@@ -168,6 +175,43 @@ struct Stage {
 }
 
 impl Stage {
+    fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
+        if self.shown.is_some() {
+            self.sound.set_paused(paused);
+        }
+    }
+
+    /// Changes what follows what; nothing while another source is listened to.
+    fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
+        let Some(player) = self.sound.player() else { return };
+        let status = player.status();
+        let before = (status.repeat, status.shuffled);
+        let (repeat, shuffled) = change(before.0, before.1);
+        player.set_order(repeat, shuffled);
+        self.announcer.answer(words_of(before, (repeat, shuffled)).to_owned());
+    }
+
+    /// Plays files that were dropped onto the window.
+    fn play_files(&mut self, files: Vec<PathBuf>) {
+        match self.sound.player() {
+            Some(player) => player.play_files(files),
+            None => {
+                self.announcer.answer("files play only while the song is listened to: press D".to_owned())
+            }
+        }
+    }
+
+    /// Takes this moment as a beat.
+    fn tap(&mut self) {
+        let Some(Moment { song_time, .. }) = self.sound.now() else { return };
+        self.taps.tap(song_time);
+        self.announcer.answer(match self.taps.at(song_time) {
+            Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
+            None => "tap again to set the tempo".to_owned(),
+        });
+    }
+
     /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
     fn moment(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
@@ -196,9 +240,15 @@ impl Stage {
     }
 }
 
-/// Adds what there is to tell of the sound.
-fn show_sound<'a>(sound: &'a Sound, content: &mut OverlayContent<'a>, now: Instant) {
+/// Adds what there is to tell of the sound and the tracks.
+fn show_sound<'a>(
+    sound: &'a Sound,
+    announcer: &'a Announcer,
+    content: &mut OverlayContent<'a>,
+    now: Instant,
+) {
     content.add(sound.notice());
+    content.add(announcer.notice());
     content.hint = sound.hint();
     content.sources = sound.list(now);
 }
@@ -206,7 +256,8 @@ fn show_sound<'a>(sound: &'a Sound, content: &mut OverlayContent<'a>, now: Insta
 impl Show {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let settings = &self.settings;
-        let title = title(&self.name, None, None, settings.silent);
+        let name = self.tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
+        let title = format!("{name} - Mariana");
         let window =
             GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
         if settings.gl_info {
@@ -234,13 +285,23 @@ impl Show {
         // The song starts with the first picture, so that nothing of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
-            looping: !settings.once,
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
             gain: settings.gain,
+            ..PlayerOptions::default()
         };
-        let player = self.source.take().map(|source| Player::start(source, options)).transpose()?;
+        let mut announcer = Announcer::default();
+        let mut player = None;
+        if let Some(tracks) = self.tracks.take() {
+            for trouble in tracks.troubles {
+                tell(&trouble);
+                announcer.say(trouble);
+            }
+            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
+            let options = PlayerOptions { repeat, shuffled, ..options };
+            player = Some(Player::start(tracks.first, Box::new(tracks.list), options)?);
+        }
         let sound = Sound::start(Start {
             player,
             listen: settings.listen,
@@ -261,7 +322,11 @@ impl Show {
             frame_times: FrameTimes::default(),
             status_due: now,
             told_silent: None,
-            told_source: None,
+            announcer,
+            controls: {
+                let waker = self.waker.clone();
+                MediaControls::start(move || waker.wake())
+            },
             title,
             last_click: None,
             cursor: PhysicalPosition::default(),
@@ -293,12 +358,12 @@ impl Show {
         let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) {
-            let sound = dsp::Sound { features: moment.features, ..stage.sound.tables() };
+            let sound = dsp::Sound { features: moment.features, ..stage.sound.heard() };
             new = stage.scene.draw(&mut stage.renderer, (moment, sound), drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
-        show_sound(&stage.sound, &mut content, begun);
+        show_sound(&stage.sound, &stage.announcer, &mut content, begun);
         let Some(shown) = new.or(stage.shown) else { return Ok(()) };
         // Without a new picture there is something to show only if what stands over it changes, or the window.
         let waits = new.is_none() && shown != wanted && shown.size == drawn;
@@ -326,25 +391,16 @@ impl Show {
     fn act(&mut self, action: Action, event_loop: &ActiveEventLoop) {
         let Some(stage) = &mut self.stage else { return };
         match action {
-            Action::TogglePause => {
-                stage.paused = !stage.paused;
-                if stage.shown.is_some() {
-                    stage.sound.set_paused(stage.paused);
-                }
-            }
+            Action::TogglePause => stage.set_paused(!stage.paused),
             Action::Seek(seconds) => stage.with_song(|player| player.seek_by(seconds)),
             Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
             Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
+            Action::Tap => stage.tap(),
+            Action::SkipTrack { forward } => stage.with_song(|player| player.skip(forward)),
+            Action::ToggleShuffle => stage.set_order(|repeat, shuffled| (repeat, !shuffled)),
+            Action::ChangeRepeat => stage.set_order(|repeat, shuffled| (next_repeat(repeat), shuffled)),
             Action::Shift(steps) => stage.sound.shift(steps),
             Action::ChangeSource => stage.sound.next_source(),
-            Action::Tap => {
-                let time = stage.sound.now().map_or(0.0, |moment| moment.song_time);
-                stage.taps.tap(time);
-                stage.scene.tell(match stage.taps.at(time) {
-                    Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
-                    None => "tap again to set the tempo".to_owned(),
-                });
-            }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
@@ -361,6 +417,27 @@ impl Show {
             Action::Quit => event_loop.exit(),
         }
         stage.status_due = Instant::now();
+    }
+
+    /// Does what media keys and the desktop ask for.
+    fn obey_controls(&mut self, event_loop: &ActiveEventLoop) {
+        while let Some(asked) = self.stage.as_ref().and_then(|stage| stage.controls.poll()) {
+            let Some(stage) = &mut self.stage else { return };
+            match asked {
+                Asked::Play(play) => stage.set_paused(!play),
+                Asked::TogglePause => stage.set_paused(!stage.paused),
+                Asked::Skip { forward } => stage.with_song(|player| player.skip(forward)),
+                Asked::SeekBy(seconds) => stage.with_song(|player| player.seek_by(seconds)),
+                Asked::SeekTo(seconds) => stage.with_song(|player| player.seek_to(seconds)),
+                Asked::Volume(volume) => stage.with_song(|player| player.set_volume(volume)),
+                Asked::Repeat(repeat) => stage.set_order(|_, shuffled| (repeat, shuffled)),
+                Asked::Shuffle(shuffled) => stage.set_order(|repeat, _| (repeat, shuffled)),
+                Asked::Fullscreen(on) => stage.window.set_fullscreen(on),
+                Asked::Raise => stage.window.window().focus_window(),
+                Asked::Quit => event_loop.exit(),
+            }
+            stage.status_due = Instant::now();
+        }
     }
 
     /// Title and messages, and the end of a song that plays once.
@@ -386,19 +463,17 @@ impl Show {
             }
             stage.told_silent.clone_from(&status.silent);
         }
-        if let (true, false, Some(error)) = (status.ended, self.settings.once, &status.source_error) {
+        if let (true, true, 1, Some(error)) =
+            (status.ended, self.settings.once, status.track.count, &status.troubles.last)
+        {
             return self.fail(AppError::SongLost(error.clone()), event_loop);
         }
-        if status.source_error != stage.told_source {
-            if let Some(error) = &status.source_error {
-                tell(error);
-            }
-            stage.told_source.clone_from(&status.source_error);
-        }
+        stage.announcer.look(&status);
+        stage.controls.show(&status, stage.window.is_fullscreen());
         let scene = stage.scene.name().zip(stage.scene.mode());
-        let title = title(&self.name, scene, Some(&status), self.settings.silent);
+        let title = title(scene, &status, self.settings.silent);
         stage.set_title(title);
-        if status.ended {
+        if status.ended && self.settings.once {
             event_loop.exit();
         }
     }
@@ -420,48 +495,6 @@ impl Show {
         self.error.get_or_insert(error);
         event_loop.exit();
     }
-}
-
-/// The window's title: the song, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
-/// was asked for.
-fn title(
-    name: &str,
-    scene: Option<(String, Mode)>,
-    status: Option<&PlayerStatus>,
-    silence_asked: bool,
-) -> String {
-    let mut title = format!("{name} - Mariana");
-    let Some(status) = status else { return title };
-    let mut notes = Vec::new();
-    if let Some((scene, mode)) = scene {
-        notes.extend([scene, mode.to_string()]);
-    }
-    if status.paused {
-        notes.push("paused".to_owned());
-    }
-    if status.muted {
-        notes.push("muted".to_owned());
-    } else if status.volume < 0.995 {
-        notes.push(format!("volume {:.0} %", status.volume * 100.0));
-    }
-    if status.silent.is_some() && !silence_asked {
-        notes.push("no sound device".to_owned());
-    }
-    if !notes.is_empty() {
-        title.push_str(&format!(" ({})", notes.join(", ")));
-    }
-    title
-}
-
-/// The same while an input is listened to.
-fn live_title(status: &LiveStatus, scene: Option<(String, Mode)>, paused: bool) -> String {
-    let mut notes: Vec<String> =
-        scene.into_iter().flat_map(|(scene, mode)| [scene, mode.to_string()]).collect();
-    if paused {
-        notes.push("paused".to_owned());
-    }
-    notes.push(if status.silent.is_some() { "no sound".to_owned() } else { "live".to_owned() });
-    format!("{} - Mariana ({})", status.name, notes.join(", "))
 }
 
 impl ApplicationHandler for Show {
@@ -486,6 +519,7 @@ impl ApplicationHandler for Show {
                 stage.window.resize();
                 stage.window.window().request_redraw();
             }
+            WindowEvent::DroppedFile(path) => self.dropped.push(path),
             WindowEvent::Occluded(occluded) => stage.occluded = occluded,
             WindowEvent::CursorMoved { position, .. } => stage.cursor = position,
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
@@ -510,15 +544,20 @@ impl ApplicationHandler for Show {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        self.obey_controls(event_loop);
         self.look_at_status(event_loop);
         let Some(stage) = &mut self.stage else { return };
+        if !self.dropped.is_empty() {
+            stage.play_files(std::mem::take(&mut self.dropped));
+        }
         if let Err(error) = stage.scene.update() {
             return self.fail(error.into(), event_loop);
         }
         let now = Instant::now();
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
+        stage.announcer.update(now);
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
-        show_sound(&stage.sound, &mut content, now);
+        show_sound(&stage.sound, &stage.announcer, &mut content, now);
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
         let moment = stage.moment();

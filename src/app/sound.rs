@@ -31,10 +31,10 @@ pub struct Sound {
     live: Option<Live>,
     /// What the user wants.
     paused: bool,
-    gain: Gain,
     file: SettingsFile,
     /// The shift of this run, in milliseconds, which was asked for on the command line.
     asked_ms: Option<f64>,
+    gain: Gain,
     /// Id of the device in use, as far as is known, and its name.
     device: Option<RosterEntry>,
     watch: Option<std::sync::Arc<RosterWatch>>,
@@ -71,9 +71,9 @@ impl Sound {
             player: start.player,
             live: None,
             paused: true,
-            gain: start.gain,
             file,
             asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
+            gain: start.gain,
             device: None,
             watch: None,
             list: None,
@@ -118,7 +118,7 @@ impl Sound {
     }
 
     /// The sound of what [`Sound::now`] told last, with its curves.
-    pub fn tables(&self) -> dsp::Sound {
+    pub fn heard(&self) -> dsp::Sound {
         match (&self.live, &self.player) {
             (Some(live), _) => live.sound(),
             (None, Some(player)) => player.sound(),

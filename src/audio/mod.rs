@@ -9,6 +9,7 @@
 //! | module | what it does | runs on |
 //! |---|---|---|
 //! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
+//! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
 //! | [`player`] | the handle of the window, and the decoding and analysis threads | |
 //! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
 //! | [`clock`] | from the callback's timestamps to the frame that is audible now | written by the callback |
@@ -16,7 +17,7 @@
 //! | [`devices`] | the list of devices | caller |
 //!
 //! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change
-//! of device. A loop does not end it. Everything that flows is keyed by the segment's number, so nothing of
+//! of device. A loop does not end it, nor does the track that follows: within a segment each track is a **passage**. Everything that flows is keyed by the segment's number, so nothing of
 //! before a seek is ever taken for what comes after.
 
 pub mod clock;
@@ -28,6 +29,7 @@ mod hosts;
 pub mod input;
 pub mod output;
 pub mod player;
+pub mod playlist;
 #[cfg(target_os = "linux")]
 mod quiet_stderr;
 pub mod resample;
@@ -36,8 +38,9 @@ pub mod song;
 pub mod source;
 mod supervisor;
 pub mod timeline;
+pub mod track;
 mod worker;
 
 pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
-pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
+pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles};

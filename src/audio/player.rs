@@ -1,13 +1,16 @@
-//! Playback of one song: the handle that the window holds.
+//! Playback of tracks: the handle that the window holds.
 //!
 //! Every method returns at once: what takes time happens on the threads that [`Player::start`] starts.
 
 mod analysis;
 mod decoding;
+mod filling;
+mod listing;
 
+use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::{Sender, channel, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::clock::{Audible, Clock};
@@ -17,10 +20,13 @@ use super::output::{Controls, Counters, OutputRequest, Supervisor};
 use super::roster::RosterEntry;
 use super::source::FrameSource;
 use super::timeline::SharedTimeline;
+use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
 use super::worker::Worker;
 use crate::dsp::{Features, Gain, Sound};
 use crate::limits::LIMITS;
 use decoding::{Command, Decoding};
+pub use listing::Troubles;
+use listing::{Request, SharedTroubles};
 
 /// How long the end of each thread is waited for.
 const END_LIMIT: Duration = Duration::from_secs(1);
@@ -33,8 +39,10 @@ const ANALYSIS_QUEUE: usize = 32;
 pub struct PlayerOptions {
     /// Id or name (or a part of one) of the output device; none is the default device.
     pub device: Option<String>,
-    /// Begin anew at the end.
-    pub looping: bool,
+    /// What follows the last track, and each one; the list must know.
+    pub repeat: Repeat,
+    /// Whether the order is random; the list must know.
+    pub shuffled: bool,
     /// 0 to 1.
     pub volume: f32,
     /// Start paused.
@@ -49,7 +57,8 @@ impl Default for PlayerOptions {
     fn default() -> Self {
         Self {
             device: None,
-            looping: true,
+            repeat: Repeat::All,
+            shuffled: false,
             volume: 1.0,
             paused: false,
             output: OutputChoice::Auto,
@@ -61,10 +70,14 @@ impl Default for PlayerOptions {
 /// How playback stands.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerStatus {
-    /// Audible place of the song, in seconds.
+    /// The audible track.
+    pub track: Arc<TrackInfo>,
+    /// Audible place of it, in seconds.
     pub position: f64,
-    /// Length of the song, in seconds, if known.
-    pub duration: Option<f64>,
+    /// What follows the last track, and each one.
+    pub repeat: Repeat,
+    /// Whether the order is random.
+    pub shuffled: bool,
     /// Stands still on demand.
     pub paused: bool,
     /// 0 to 1.
@@ -87,24 +100,24 @@ pub struct PlayerStatus {
     pub worst_callback_load: f64,
     /// What all but one of a thousand calls stay below, in steps of 0.01.
     pub usual_callback_load: f64,
-    /// The last trouble with the source.
-    pub source_error: Option<String>,
+    /// What went wrong with tracks.
+    pub troubles: Troubles,
 }
 
 /// What is audible at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Place of the song, in seconds.
+    /// Place of the track, in seconds.
     pub song_time: f64,
     /// Its features.
     pub features: Features,
     /// Grows with each seek and each change of device.
     pub segment: u64,
-    /// How often the song began anew within the segment.
+    /// How often a track began within the segment before.
     pub lap: u32,
 }
 
-/// A song that plays. Dropping it ends the sound and the threads, within a limit.
+/// Tracks that play. Dropping it ends the sound and the threads, within a limit.
 pub struct Player {
     controls: Arc<Controls>,
     counters: Arc<Counters>,
@@ -114,8 +127,13 @@ pub struct Player {
     supervisor: Option<Supervisor>,
     decoding: Worker,
     analysis: Worker,
-    duration: Option<f64>,
-    error: Arc<Mutex<Option<String>>>,
+    /// Ends when the decoding does.
+    listing: Worker,
+    /// The track that was last audible.
+    track: Arc<TrackInfo>,
+    repeat: Repeat,
+    shuffled: bool,
+    troubles: SharedTroubles,
     /// For the position, and for the picture, which may be shifted.
     position_clock: Clock,
     picture_clock: Clock,
@@ -128,27 +146,34 @@ pub struct Player {
 }
 
 impl Player {
-    /// Starts to play `source`. The device opens meanwhile; should it fail, the song runs on the silent clock and
-    /// [`PlayerStatus::silent`] says why.
+    /// Starts to play `first`, and then what `list` gives. The device opens meanwhile; should it fail, the song runs on
+    /// the silent clock and [`PlayerStatus::silent`] says why.
     ///
     /// # Errors
-    /// If the source's rate is beyond the limits or a thread cannot be started.
-    pub fn start(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
-        let rate = source.sample_rate();
+    /// If the track's rate is beyond the limits or a thread cannot be started.
+    pub fn start(
+        first: Track,
+        list: Box<dyn TrackList>,
+        options: PlayerOptions,
+    ) -> Result<Self, PlayerError> {
+        let rate = first.source.sample_rate();
         let (min, max) = (LIMITS.sample_rate_min, LIMITS.sample_rate_max);
         if !(min..=max).contains(&rate) {
             return Err(PlayerError::SampleRate { rate, min, max });
         }
-        let duration = source.duration();
+        let track = first.info.clone();
         let controls = Arc::new(Controls::new(options.volume, options.paused));
         let counters = Arc::new(Counters::default());
         let timeline = SharedTimeline::default();
-        let error = Arc::new(Mutex::new(None));
+        let troubles = SharedTroubles::default();
         let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
         let (notes, gain) = (timeline.clone(), options.gain);
         let analysis = Worker::spawn("analysis", move || analysis::run(&analysis_inbox, rate, gain, &notes))?;
         let (commands, inbox) = channel();
-        let work = Decoding::new(source, options.looping, timeline.clone(), to_analysis, error.clone());
+        let (to_list, requests) = channel::<Request>();
+        let (answers, told) = (commands.clone(), troubles.clone());
+        let listing = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
+        let work = Decoding::new(first, to_list, timeline.clone(), to_analysis, troubles.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
         let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
         let outputs = commands.clone();
@@ -163,8 +188,11 @@ impl Player {
             supervisor,
             decoding,
             analysis,
-            duration,
-            error,
+            listing,
+            track,
+            repeat: options.repeat,
+            shuffled: options.shuffled,
+            troubles,
             position_clock: Clock::default(),
             picture_clock: Clock::default(),
             position: 0.0,
@@ -174,25 +202,54 @@ impl Player {
         })
     }
 
+    /// Starts to play a source that is not of a list.
+    ///
+    /// # Errors
+    /// See [`Player::start`].
+    pub fn start_alone(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
+        Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
+    }
+
     /// Pauses (true) or goes on (false).
     pub fn set_paused(&self, paused: bool) {
         self.controls.set_paused(paused);
     }
 
     /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet; not beyond the
-    /// song's start. Past the end a looping song begins anew. What is not finite is ignored.
+    /// track's start. Past the end is what follows. What is not finite is ignored.
     pub fn seek_by(&self, seconds: f64) {
         self.send(Command::SeekBy(seconds));
     }
 
-    /// Seeks to a time of the song, in seconds; clamped like [`Player::seek_by`].
+    /// Seeks to a time of the track, in seconds; clamped like [`Player::seek_by`].
     pub fn seek_to(&self, seconds: f64) {
         self.send(Command::SeekTo(seconds));
+    }
+
+    /// Goes to the next track, or to the one before; later than 3 s in a track back to its own start.
+    pub fn skip(&self, forward: bool) {
+        self.send(Command::Skip { forward });
+    }
+
+    /// Plays these files, folders or lists instead of what is played, if something in them can be.
+    pub fn play_files(&self, files: Vec<PathBuf>) {
+        self.send(Command::Files(files));
+    }
+
+    /// Changes what follows what.
+    pub fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
+        (self.repeat, self.shuffled) = (repeat, shuffled);
+        self.send(Command::Order(repeat, shuffled));
     }
 
     /// Changes the volume by `delta`; it stays within 0 to 1.
     pub fn change_volume(&self, delta: f32) {
         self.controls.set_volume(self.controls.volume() + delta);
+    }
+
+    /// Sets the volume, 0 to 1; it stays within.
+    pub fn set_volume(&self, volume: f32) {
+        self.controls.set_volume(volume);
     }
 
     /// Mutes or unmutes; the song runs on.
@@ -210,10 +267,13 @@ impl Player {
         if let Some(audible) = audible {
             let timeline = self.timeline.lock();
             self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
+            self.track = timeline.track(audible).unwrap_or_else(|| self.track.clone());
         }
         PlayerStatus {
+            track: self.track.clone(),
             position: self.position,
-            duration: self.duration,
+            repeat: self.repeat,
+            shuffled: self.shuffled,
             paused: self.controls.paused(),
             volume: self.controls.volume(),
             muted: self.controls.muted(),
@@ -225,7 +285,7 @@ impl Player {
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
             usual_callback_load: self.counters.load_of(0.999),
-            source_error: self.error.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+            troubles: self.troubles.get(),
         }
     }
 
@@ -264,7 +324,8 @@ impl Drop for Player {
     fn drop(&mut self) {
         self.send(Command::Quit);
         self.supervisor = None;
-        if !self.decoding.join_within(END_LIMIT) || !self.analysis.join_within(END_LIMIT) {
+        let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
+        if !decoded || !self.listing.join_within(END_LIMIT) {
             tracing::warn!("the decoding of the song does not end; it is left behind");
         }
     }
@@ -272,3 +333,5 @@ impl Drop for Player {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod track_tests;

@@ -45,16 +45,21 @@ impl Song {
 /// What a song is called: artist and title where the file tells them, else the file's name.
 pub fn display_name(decoder: &Decoder) -> String {
     let info = decoder.info();
-    let tag = |tag: &Option<String>| tag.as_deref().map(one_line).filter(|tag| !tag.is_empty());
-    match (tag(&info.artist), tag(&info.title)) {
+    track_name(info.artist.as_deref(), info.title.as_deref(), &info.name)
+}
+
+/// What to call a track of that artist and title in a file of that name.
+pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) -> String {
+    let tag = |tag: Option<&str>| tag.map(one_line).filter(|tag| !tag.is_empty());
+    match (tag(artist), tag(title)) {
         (Some(artist), Some(title)) => format!("{artist} - {title}"),
         (None, Some(title)) => title,
-        _ => one_line(&info.name),
+        _ => one_line(file),
     }
 }
 
 /// The text without control characters, which files may hold: a title with a NUL stops window systems.
-fn one_line(text: &str) -> String {
+pub(super) fn one_line(text: &str) -> String {
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     plain.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -40,10 +40,10 @@ pub struct PlaySettings {
     pub volume: f32,
     /// The sound is heard this much later than the device says, in seconds; none is what is remembered of the device.
     pub latency: Option<f64>,
-    /// Listen to this instead of playing a song.
-    pub listen: Option<ListenChoice>,
     /// Whether quiet and loud sound move the picture alike.
     pub gain: Gain,
+    /// Listen to this instead of playing a song.
+    pub listen: Option<ListenChoice>,
     /// Most frames per second; none is the monitor's rate.
     pub fps_cap: Option<f64>,
     /// Start in full screen.

@@ -3,6 +3,7 @@
 use crate::audio::decode::{DecodeError, Decoder};
 use crate::audio::song::{Song, display_name};
 use crate::audio::source::FrameSource;
+use crate::audio::track::scale;
 use crate::dsp::{Alignment, Analyzer, FeatureTrack, Features, Gain, Sound, StereoFrame, TimedFeatures};
 
 use super::error::ExportError;
@@ -98,6 +99,7 @@ impl SongFeatures {
                 self.analyzer.finish(&mut emit);
             } else {
                 self.frames += self.block.len() as u64;
+                scale(&mut self.block, self.decoder.info().scene_gain);
                 self.analyzer.push(&self.block, &mut emit);
             }
         }

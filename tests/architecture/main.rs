@@ -56,6 +56,8 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("symphonia", &["audio"]),
     // Generated GLSL is validated where it is generated.
     ("naga", &["world"]),
+    // The desktop's controls are the window's.
+    ("mpris_server", &["app"]),
     // Files are watched in one place.
     ("notify", &["scenes"]),
 ];

@@ -14,6 +14,8 @@ pub mod oracle;
 pub mod process;
 #[cfg(target_os = "linux")]
 pub mod program;
+#[cfg(unix)]
+pub mod session_bus;
 pub mod shader_folder;
 #[cfg(unix)]
 pub mod sound_server;

@@ -64,21 +64,36 @@ pub struct Slider {
     pub default: f32,
 }
 
-/// How long a notice stands before it fades.
+/// How long a notice stands before it fades, at least, and for each of its characters.
 const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
+/// See [`NOTICE_STANDS`].
+const CHARACTER_STANDS: Duration = Duration::from_millis(55);
+/// How long even the longest one stands.
+const NOTICE_STANDS_MAX: Duration = Duration::from_secs(9);
 /// How long it takes to fade.
 const NOTICE_FADES: Duration = Duration::from_millis(500);
 
 impl Notice<'_> {
     /// Its opacity, 0..1.
     pub(super) fn opacity(&self, now: Instant) -> f32 {
-        let fading = now.saturating_duration_since(self.since).saturating_sub(NOTICE_STANDS);
+        let fading = now.saturating_duration_since(self.since).saturating_sub(self.stands());
         1.0 - (fading.as_secs_f32() / NOTICE_FADES.as_secs_f32()).min(1.0)
     }
 
     /// When it will look different; never again once it is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
-        (self.opacity(now) > 0.0).then(|| now.max(self.since + NOTICE_STANDS))
+        (self.opacity(now) > 0.0).then(|| now.max(self.since + self.stands()))
+    }
+
+    /// How long it stands: as long as it takes to be read.
+    fn stands(&self) -> Duration {
+        let characters = u32::try_from(self.text.chars().count()).unwrap_or(u32::MAX);
+        CHARACTER_STANDS.saturating_mul(characters).clamp(NOTICE_STANDS, NOTICE_STANDS_MAX)
+    }
+
+    /// Whether it shows no more.
+    pub fn is_gone(&self, now: Instant) -> bool {
+        self.opacity(now) <= 0.0
     }
 }
 
@@ -129,7 +144,7 @@ impl OverlayContent<'_> {
             && !self.help
             && self.hint.is_none()
             && self.sources.is_none()
-            && self.notice.is_none_or(|notice| notice.opacity(now) <= 0.0)
+            && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
     /// Whether there are sliders.
@@ -142,7 +157,7 @@ impl OverlayContent<'_> {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help).hash(&mut hasher);
         (self.hint, &self.sources).hash(&mut hasher);
-        let notice = self.notice.filter(|notice| notice.opacity(now) > 0.0);
+        let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
@@ -170,6 +185,12 @@ mod tests {
         assert_eq!(notice.next_change(at(2_100)), None);
         let content = || OverlayContent { notice: Some(notice), ..Default::default() };
         assert!(!content().is_empty(at(2_099)) && content().is_empty(at(2_100)));
+        // A sentence stands longer, but not for ever.
+        for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
+            let text = "a".repeat(length);
+            let sentence = Notice { text: &text, since };
+            assert_eq!((sentence.opacity(at(ms)), sentence.opacity(at(ms + 500))), (1.0, 0.0));
+        }
     }
 
     #[test]

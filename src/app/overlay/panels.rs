@@ -9,8 +9,8 @@ use super::{help, params, problem, sources, style};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
-/// Most lines of a notice.
-const NOTICE_ROWS_MAX: usize = 4;
+/// Most lines of a sentence at the top.
+const SENTENCE_ROWS_MAX: usize = 4;
 /// Greatest share of the window's height that a problem takes.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 /// A problem stays beside the parameters if it has this width there, in points.
@@ -92,7 +92,7 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
     }
     let mut below = space;
     if let Some(text) = content.hint {
-        below.min.y = draw_lines(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+        below.min.y = draw_sentence(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(notice) = &content.notice {
         draw_notice(&front, below, notice, now);
@@ -114,14 +114,14 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
 fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
-    draw_lines(&painter, space, notice.text, style::TEXT);
+    draw_sentence(&painter, space, notice.text, style::TEXT);
 }
 
 /// Draws a sentence at the top; where it is.
-fn draw_lines(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
+fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let width = LINE_WIDTH_MAX * space.width();
-    let galley = style::lines(painter, text, font, color, width, NOTICE_ROWS_MAX);
+    let galley = style::lines(painter, text, font, color, width, SENTENCE_ROWS_MAX);
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);

@@ -25,6 +25,7 @@ mod downmix;
 mod error;
 mod gapless;
 mod input;
+mod loudness;
 mod packets;
 mod sniff;
 
@@ -67,6 +68,8 @@ pub struct StreamInfo {
     pub title: Option<String>,
     /// Who made it.
     pub artist: Option<String>,
+    /// What its samples are multiplied by before they are analysed, by its ReplayGain; 1 if it tells none.
+    pub scene_gain: f32,
 }
 
 /// A file that is being decoded.
@@ -134,6 +137,7 @@ impl Decoder {
                 duration,
                 title: tags.title,
                 artist: tags.artist,
+                scene_gain: tags.loudness.scene_gain(),
             },
             delay: i64::try_from(reader.delay(rate)).unwrap_or(i64::MAX / 4),
             length: length.and_then(|frames| i64::try_from(frames).ok()),

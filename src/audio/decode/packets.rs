@@ -20,6 +20,7 @@ use super::downmix::Downmix;
 use super::error::DecodeError;
 use super::gapless::{TrackEdit, opus_pre_skip, parse_itun_smpb};
 use super::input::Input;
+use super::loudness::Loudness;
 use super::{codecs, contained, sniff};
 
 /// Failures of the demuxer in a row after which the stream ends: what lies behind cannot be found again.
@@ -45,6 +46,7 @@ pub(super) struct Block {
 pub(super) struct Tags {
     pub(super) title: Option<String>,
     pub(super) artist: Option<String>,
+    pub(super) loudness: Loudness,
     /// Delay and length in frames, as iTunes writes them.
     itunes_gapless: Option<(u64, u64)>,
 }
@@ -292,6 +294,14 @@ impl PacketReader {
                 match &tag.std {
                     Some(StandardTag::TrackTitle(title)) => tags.title = Some(title.to_string()),
                     Some(StandardTag::Artist(artist)) => tags.artist = Some(artist.to_string()),
+                    Some(StandardTag::ReplayGainTrackGain(text)) => tags.loudness.replay_gain(false, text),
+                    Some(StandardTag::ReplayGainAlbumGain(text)) => tags.loudness.replay_gain(true, text),
+                    _ if tag.raw.key.eq_ignore_ascii_case("R128_TRACK_GAIN") => {
+                        tags.loudness.r128(false, &tag.raw.value.to_string());
+                    }
+                    _ if tag.raw.key.eq_ignore_ascii_case("R128_ALBUM_GAIN") => {
+                        tags.loudness.r128(true, &tag.raw.value.to_string());
+                    }
                     _ if tag.raw.key.ends_with("iTunSMPB") => {
                         tags.itunes_gapless = parse_itun_smpb(&tag.raw.value.to_string());
                     }

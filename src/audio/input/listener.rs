@@ -22,17 +22,15 @@ const REST: f64 = 3.0;
 /// A signal moves by more than this within a batch of frames: -80 dB. An offset is no signal.
 pub(super) const FLAT: f32 = 1e-4;
 
-/// A moment of the input.
+/// The features of a moment of the input.
 #[derive(Debug, Clone)]
 pub(super) struct Heard {
     /// Number of the stream: it grows with each device that is opened.
     pub(super) stream: u64,
     /// Number of the sample in the stream.
     pub(super) position: u64,
-    /// When that sample came in, in seconds since the listener's epoch.
-    pub(super) came: f64,
-    /// What was heard; its time is that of the stream.
-    pub(super) moment: TimedFeatures,
+    /// At the time when that sample came in, in seconds since the listener's epoch. Its number grows over all streams.
+    pub(super) heard: TimedFeatures,
 }
 
 /// What the listening thread tells besides.
@@ -71,10 +69,13 @@ impl Ear {
 pub(super) struct Listener {
     ear: Arc<Ear>,
     moments: Producer<Heard>,
-    gain: Gain,
     link: Option<TapLink>,
     analyzer: Analyzer,
+    gain: Gain,
     stream: u64,
+    /// Added to the numbers of the stream's moments: so many hops had passed when it began.
+    first_number: u64,
+    last_number: u64,
     /// When the last frames came, or the last silence was made, in seconds since the epoch.
     last: f64,
     /// How much silence is still to be analysed, in seconds.
@@ -94,10 +95,12 @@ impl Listener {
         Self {
             ear,
             moments,
-            gain,
             link: None,
             analyzer,
+            gain,
             stream: 0,
+            first_number: 0,
+            last_number: 0,
             last: 0.0,
             rest: 0.0,
             last_time: 0.0,
@@ -128,6 +131,8 @@ impl Listener {
             } else {
                 self.analyzer = Analyzer::with_gain(link.rate, Alignment::Trailing, self.gain);
             }
+            let hop = self.analyzer.hop() as f64 / f64::from(self.analyzer.sample_rate());
+            self.first_number = ((self.ear.now() / hop) as u64).max(self.last_number + 1);
             self.ear.note(&self.ear.began_ns);
             (self.last, self.rest) = (self.ear.now(), REST);
         }
@@ -168,7 +173,7 @@ impl Listener {
         if was_resting && !self.resting {
             self.analyzer.restart(self.position);
         }
-        let Self { batch, analyzer, moments, stream, last_time, .. } = self;
+        let Self { batch, analyzer, moments, stream, last_time, first_number, last_number, .. } = self;
         self.position += batch.len() as u64;
         if self.resting {
             return;
@@ -178,10 +183,12 @@ impl Listener {
             let position = (moment.time * rate).round() as u64;
             let age = end.saturating_sub(position) as f64 / rate;
             // Batches come unevenly; time does not step back for that.
-            let came = (now - age).max(*last_time + 1e-6);
-            *last_time = came;
+            let time = (now - age).max(*last_time + 1e-6);
+            *last_time = time;
+            *last_number = *first_number + moment.number;
+            let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
             // Full while nobody looks: then nobody misses it.
-            let _ = moments.push(Heard { stream: *stream, position, came, moment: moment.clone() });
+            let _ = moments.push(Heard { stream: *stream, position, heard });
         });
     }
 }
@@ -229,8 +236,8 @@ mod tests {
         let wanted: Vec<u64> = (0..positions.len() as u64).map(|n| 512 * n).collect();
         assert_eq!(positions, wanted);
         assert!(positions.len() as u64 >= 11_030 / 512);
-        assert!(moments.is_sorted_by(|a, b| a.came < b.came));
-        assert!(moments.last().is_some_and(|last| last.moment.features.volume[0] > 0.1 && last.stream == 1));
+        assert!(moments.is_sorted_by(|a, b| a.heard.time < b.heard.time && a.heard.number < b.heard.number));
+        assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
         // Another device: another stream, from its first sample on.
         let (mut tap, link) = Tap::new(96_000, std::thread::current());
         listener.attach(Some(link));
@@ -247,7 +254,7 @@ mod tests {
         listener.attach(Some(link));
         tap.take(&tone(4_000), 1, None);
         listener.listen();
-        assert!(all(&mut heard).last().is_some_and(|last| last.moment.features.volume[0] > 0.1));
+        assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
         listener.attach(None);
         // As if time had passed.
         let mut made = 0;
@@ -257,7 +264,7 @@ mod tests {
             let moments = all(&mut heard);
             made += moments.len();
             if let Some(last) = moments.last() {
-                assert!(last.moment.features.volume[0] < 0.5);
+                assert!(last.heard.features.volume[0] < 0.5);
             }
         }
         assert_eq!(listener.batch.len(), 0, "it never rests");
@@ -282,7 +289,7 @@ mod tests {
         let moments = all(&mut heard);
         let hop = listener.analyzer.hop() as u64;
         assert_eq!(moments.first().map(|moment| moment.position), Some(2_000_u64.next_multiple_of(hop)));
-        assert!(moments.last().is_some_and(|last| last.moment.features.volume[0] > 0.1));
+        assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
     }
 
     #[test]

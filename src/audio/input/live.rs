@@ -67,17 +67,6 @@ pub struct LiveStatus {
     pub openings: u64,
 }
 
-/// The newest moment.
-#[derive(Clone, Copy)]
-struct Newest {
-    stream: u64,
-    position: u64,
-    /// When it came, in seconds since the epoch.
-    came: f64,
-    /// Its time in the stream, in seconds.
-    time: f64,
-}
-
 /// A live input. Dropping it ends the streams and the threads, within a limit.
 pub struct Live {
     target: Target,
@@ -88,14 +77,14 @@ pub struct Live {
     listener: Worker,
     moments: Consumer<Heard>,
     track: FeatureTrack,
-    latest: Option<Newest>,
-    /// The time of the stream that the picture was told last.
-    told: f64,
+    latest: Option<Heard>,
     prober: Prober,
     /// When it was paused, in seconds since the epoch.
     paused: Option<f64>,
     /// How long it has been paused in all, in seconds.
     paused_for: f64,
+    /// The time in the track that was told last.
+    heard_at: f64,
     moment: Moment,
 }
 
@@ -123,10 +112,10 @@ impl Live {
             moments,
             track: FeatureTrack::new(LIMITS.latency_ms_max / 1000.0 + TRACK_RESERVE),
             latest: None,
-            told: 0.0,
             prober: Prober::new(),
             paused: None,
             paused_for: 0.0,
+            heard_at: 0.0,
             moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
         })
     }
@@ -167,12 +156,8 @@ impl Live {
     /// for sound that is heard later than it is recorded. Less than 0 cannot be had: the future is not known.
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         while let Ok(heard) = self.moments.pop() {
-            let Heard { stream, position, came, moment } = heard;
-            if self.latest.is_some_and(|latest| latest.stream != stream) {
-                self.track.clear();
-            }
-            self.track.push(&moment);
-            self.latest = Some(Newest { stream, position, came, time: moment.time });
+            self.track.push(&heard.heard);
+            self.latest = Some(heard);
         }
         if self.paused.is_some() {
             return self.moment;
@@ -180,24 +165,22 @@ impl Live {
         let shift = if latency_shift.is_finite() { latency_shift } else { 0.0 };
         let shift = shift.clamp(0.0, LIMITS.latency_ms_max / 1000.0);
         let now = self.ear.now();
-        if let Some(latest) = self.latest {
-            let age = (now - latest.came).max(0.0);
-            self.told = latest.time + (age - shift).min(0.0);
-        }
-        let features = self.track.at(self.told);
-        let segment = self.latest.map_or(0, |heard| heard.stream);
+        let newest = self.latest.as_ref().map_or(0.0, |heard| heard.heard.time);
+        self.heard_at = if shift > 0.0 { now - shift } else { newest };
+        let features = self.track.at(self.heard_at);
+        let segment = self.latest.as_ref().map_or(0, |heard| heard.stream);
         self.moment = Moment { song_time: now - self.paused_for, features, segment, lap: 0 };
         self.moment
     }
 
     /// The sound of what [`Live::now`] told last, with its curves.
     pub fn sound(&self) -> Sound {
-        self.track.sound_at(self.told)
+        self.track.sound_at(self.heard_at)
     }
 
     /// The sample that the newest features belong to: the number of the stream, and its own in the stream.
     pub fn newest_sample(&self) -> Option<(u64, u64)> {
-        self.latest.map(|heard| (heard.stream, heard.position))
+        self.latest.as_ref().map(|heard| (heard.stream, heard.position))
     }
 
     /// How listening stands now. Looks for an input with signal if the present one has none.
@@ -304,7 +287,7 @@ mod tests {
     #[test]
     fn the_show_goes_on_without_a_device_and_stands_still_in_a_pause() {
         let target = Target::Named("no such box".into());
-        let mut live = Live::start(LiveOptions { target, gain: Gain::Off }).expect("it starts");
+        let mut live = Live::start(LiveOptions { target, gain: Gain::Auto }).expect("it starts");
         let first = live.now(0.0).song_time;
         std::thread::sleep(Duration::from_millis(20));
         let second = live.now(0.0).song_time;

@@ -3,30 +3,39 @@
 use std::sync::mpsc::Receiver;
 
 use crate::audio::timeline::SharedTimeline;
+use crate::audio::track::scale;
 use crate::dsp::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
 
 /// What the decoding thread sends, in order.
 pub(crate) enum AnalysisInput {
-    /// A segment begins; `position` is the index of the next frame in the song.
-    Begin { segment: u64, position: u64 },
-    /// The next frames at the source's rate.
+    /// A passage begins at the rate `sample_rate`; `position` is the index of the next frame in its track. Its samples
+    /// count `gain` times.
+    Begin { passage: u64, sample_rate: u32, position: u64, gain: f32 },
+    /// The next frames.
     Frames(Vec<StereoFrame>),
-    /// No more frames come in this segment.
+    /// No more frames come in this passage.
     Finish,
 }
 
 /// Works until the decoding thread ends.
 pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, gain: Gain, timeline: &SharedTimeline) {
     let mut analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain);
-    let mut segment = 0;
+    let (mut rate, mut factor) = (sample_rate, 1.0);
+    let mut passage = 0;
     for input in inbox {
-        let mut emit = |moment: &TimedFeatures| timeline.lock().push_features(segment, moment);
+        let mut emit = |moment: &TimedFeatures| timeline.lock().push_features(passage, moment);
         match input {
-            AnalysisInput::Begin { segment: next, position } => {
-                segment = next;
+            AnalysisInput::Begin { passage: next, sample_rate, position, gain: its } => {
+                if sample_rate != rate {
+                    analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain);
+                }
+                (passage, rate, factor) = (next, sample_rate, its);
                 analyzer.restart(position);
             }
-            AnalysisInput::Frames(frames) => analyzer.push(&frames, &mut emit),
+            AnalysisInput::Frames(mut frames) => {
+                scale(&mut frames, factor);
+                analyzer.push(&frames, &mut emit);
+            }
             AnalysisInput::Finish => analyzer.finish(&mut emit),
         }
     }

@@ -1,22 +1,27 @@
-//! The decoding thread: keeps the ring of the callback filled, and seeks.
+//! The decoding thread: keeps the ring of the callback filled, seeks, and goes from track to track.
 //!
 //! A seek makes a new segment. The old one goes on sounding until the new one has [`PREFILL`] seconds in its ring.
 //! The frames of the last [`PREROLL`] seconds before the target go to the analysis alone, so that after a seek the
 //! features and their history are those of an uninterrupted playback, but for what longer memories still hold.
+//!
+//! A track that follows another stays in its segment: its frames go into the same ring, by the same resampler if it has
+//! the same rate. The list thread opens it while the one before plays. For the analysis it begins anew, so that its
+//! features are those of the track alone, whatever came before. A skip by hand makes a new segment.
 
 use std::collections::VecDeque;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
-use rtrb::Producer;
-
 use super::analysis::AnalysisInput;
-use crate::audio::output::{FeederLink, Segment};
+use super::filling::Filling;
+use super::listing::{Request, SharedTroubles};
+use crate::audio::clock::Audible;
+use crate::audio::output::FeederLink;
 use crate::audio::resample::Resampler;
-use crate::audio::source::{FrameSource, SourceError};
+use crate::audio::source::SourceError;
 use crate::audio::timeline::SharedTimeline;
+use crate::audio::track::{Found, Repeat, Track, Wanted};
 use crate::dsp::StereoFrame;
 use crate::limits::LIMITS;
 
@@ -39,55 +44,74 @@ const CHUNK: usize = 4096;
 /// Time between two looks whether the ring has room.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// What the window and the supervisor ask for.
+/// Later than this in a track, in seconds, a step back leads to its own start.
+const STEP_BACK_WITHIN: f64 = 3.0;
+
+/// After so many tracks in a row without a frame there is silence.
+const EMPTY_TRACKS_MAX: u32 = 64;
+
+/// What the window, the supervisor and the list thread ask for or bring.
 pub(crate) enum Command {
     /// Play on this output from now on.
     Output(FeederLink),
-    /// Go to a time of the song, in seconds.
+    /// Go to a time of the track, in seconds.
     SeekTo(f64),
     /// Go forward or back by seconds.
     SeekBy(f64),
+    /// Go to the next track, or back.
+    Skip {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// Play these files instead of the list.
+    Files(Vec<std::path::PathBuf>),
+    /// Change what follows what.
+    Order(Repeat, bool),
+    /// The list thread's answer to request `id`.
+    Found {
+        /// The request.
+        id: u64,
+        /// The answer.
+        found: Found,
+    },
     /// End the thread.
     Quit,
 }
 
-/// The segment that is being filled.
-struct Filling {
-    id: u64,
-    /// Song time of its first frame, in seconds.
-    target: f64,
-    ring: Producer<StereoFrame>,
-    end: Arc<AtomicU64>,
-    /// The callback's half, until it is handed over.
-    waiting: Option<Segment>,
-    resampler: Resampler,
-    /// Frames still to come before the target: for the analysis alone.
-    skip: u64,
-    /// Source frames since the target.
-    fed: u64,
-    /// Frames of the device put into the ring.
-    pushed: u64,
-    /// Decoded and not looked at yet.
-    decoded: VecDeque<StereoFrame>,
-    /// Resampled and not in the ring yet.
-    ready: VecDeque<StereoFrame>,
-    /// Source frames since the last jump within the source.
-    since_jump: u64,
-    /// Whether that jump went to the song's start.
-    from_start: bool,
-    /// The source has no more for this segment.
-    exhausted: bool,
-    /// All of it is in the ring.
-    finished: bool,
+/// What comes after the track that is being decoded.
+enum Next {
+    Unasked,
+    /// The list thread looks for it, as this request.
+    Asked(u64),
+    Again,
+    Track(Track),
+    End,
+}
+
+/// A track, and the passage that it is played in.
+struct Playing {
+    passage: u64,
+    track: Track,
 }
 
 /// The thread's state.
 pub(crate) struct Decoding {
-    source: Box<dyn FrameSource>,
-    looping: bool,
+    current: Playing,
+    /// Tracks before it in the segment whose ends may still sound.
+    before: VecDeque<Playing>,
+    next: Next,
+    /// A skip that the list thread looks for.
+    skipping: Option<u64>,
+    /// Steps of skips that were asked for meanwhile.
+    steps: i32,
+    /// Tracks without a frame, in a row.
+    empty_tracks: u32,
+    list: Sender<Request>,
+    last_request: u64,
+    last_passage: u64,
     timeline: SharedTimeline,
     analysis: SyncSender<AnalysisInput>,
-    error: Arc<Mutex<Option<String>>>,
+    troubles: SharedTroubles,
     link: Option<FeederLink>,
     filling: Option<Filling>,
     last_id: u64,
@@ -96,28 +120,34 @@ pub(crate) struct Decoding {
     scratch: Vec<StereoFrame>,
 }
 
-enum Next {
+enum Step {
     GoOn,
     Wait,
 }
 
 impl Decoding {
     pub(crate) fn new(
-        source: Box<dyn FrameSource>,
-        looping: bool,
+        first: Track,
+        list: Sender<Request>,
         timeline: SharedTimeline,
         analysis: SyncSender<AnalysisInput>,
-        error: Arc<Mutex<Option<String>>>,
+        troubles: SharedTroubles,
     ) -> Self {
-        let (link, filling) = (None, None);
         Self {
-            source,
-            looping,
+            current: Playing { passage: 0, track: first },
+            before: VecDeque::new(),
+            next: Next::Unasked,
+            skipping: None,
+            steps: 0,
+            empty_tracks: 0,
+            list,
+            last_request: 0,
+            last_passage: 0,
             timeline,
             analysis,
-            error,
-            link,
-            filling,
+            troubles,
+            link: None,
+            filling: None,
             last_id: 0,
             start: 0.0,
             scratch: Vec::new(),
@@ -126,15 +156,15 @@ impl Decoding {
 
     /// Works until [`Command::Quit`] or until the player is gone.
     pub(crate) fn run(mut self, inbox: &Receiver<Command>) {
-        let mut next = Next::Wait;
+        let mut next = Step::Wait;
         loop {
             let first = match next {
-                Next::GoOn => match inbox.try_recv() {
+                Step::GoOn => match inbox.try_recv() {
                     Ok(command) => Some(command),
                     Err(TryRecvError::Empty) => None,
                     Err(TryRecvError::Disconnected) => return,
                 },
-                Next::Wait => match inbox.recv_timeout(WAIT) {
+                Step::Wait => match inbox.recv_timeout(WAIT) {
                     Ok(command) => Some(command),
                     Err(RecvTimeoutError::Timeout) => None,
                     Err(RecvTimeoutError::Disconnected) => return,
@@ -146,6 +176,7 @@ impl Decoding {
             if let Some(link) = &mut self.link {
                 link.clean_up();
             }
+            self.let_go();
             next = self.fill();
         }
     }
@@ -158,33 +189,152 @@ impl Decoding {
                 Command::Quit => return true,
                 Command::SeekTo(time) => target = Some(time),
                 Command::SeekBy(seconds) => {
-                    target = Some((target.unwrap_or_else(|| self.place()) + seconds).max(0.0));
+                    target = Some((target.unwrap_or_else(|| self.place().1) + seconds).max(0.0));
                 }
                 Command::Output(link) => {
-                    let place = target.unwrap_or_else(|| self.place());
+                    let place = target.unwrap_or_else(|| self.place().1);
+                    self.go_back_to_audible();
                     self.link = Some(link);
                     target = Some(place);
                 }
+                Command::Skip { forward: false }
+                    if self.skipping.is_none() && target.unwrap_or(self.place().1) > STEP_BACK_WITHIN =>
+                {
+                    target = Some(0.0);
+                }
+                Command::Skip { forward } => self.steps += if forward { 1 } else { -1 },
+                Command::Files(files) => {
+                    (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
+                }
+                Command::Order(repeat, shuffled) => {
+                    let current = self.current.track.info.entry;
+                    let _ = self.list.send(Request::Order { repeat, shuffled, current });
+                    self.ask(false);
+                }
+                Command::Found { id, found } => {
+                    if self.take(id, found) {
+                        target = Some(0.0);
+                    }
+                }
             }
         }
+        if self.steps != 0 && self.skipping.is_none() {
+            let steps = std::mem::take(&mut self.steps);
+            let from = self.audible_entry();
+            self.skipping = self.request(Wanted::Skip { from, steps });
+        }
         if let Some(target) = target.filter(|target| target.is_finite()) {
+            self.go_back_to_audible();
             self.begin(target.max(0.0));
         }
         false
     }
 
-    /// Where the song is: what is audible, or the target of a seek that is not heard yet. In seconds.
-    fn place(&self) -> f64 {
-        let (Some(link), Some(filling)) = (&self.link, &self.filling) else { return self.start };
-        let audible = link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id);
-        let place = audible.and_then(|audible| self.timeline.lock().place(audible, 0.0));
-        place.map_or(filling.target, |place| place.song_time)
+    /// Takes an answer of the list thread. True if another track is to begin, by a skip.
+    fn take(&mut self, id: u64, found: Found) -> bool {
+        if self.skipping == Some(id) {
+            self.skipping = None;
+            match found {
+                Found::Track(track) => self.replace(track),
+                Found::Again => {}
+                Found::End => {
+                    self.troubles.tell("the list ends here; press the key for repeating to go round".into());
+                    return false;
+                }
+                // What is wrong was told.
+                Found::Nothing => return false,
+            }
+            return true;
+        }
+        if !matches!(self.next, Next::Asked(asked) if asked == id) {
+            // Something was asked for that is not wanted any more.
+            return false;
+        }
+        self.next = match found {
+            Found::Track(track) => Next::Track(track),
+            Found::Again => Next::Again,
+            Found::End => Next::End,
+            Found::Nothing => Next::Track(self.silence()),
+        };
+        false
     }
 
-    /// Starts a segment at `target` seconds of the song.
+    fn silence(&self) -> Track {
+        let info = &self.current.track.info;
+        Track::silence(info.entry, info.count)
+    }
+
+    /// Puts another track in the place of all that is open.
+    fn replace(&mut self, track: Track) {
+        self.before.clear();
+        // Of a passage that begins with the segment to come; until then nothing of it is audible.
+        self.last_passage += 1;
+        self.current = Playing { passage: self.last_passage, track };
+        self.empty_tracks = 0;
+        self.ask(false);
+    }
+
+    /// Asks the list thread for what follows the current track; `anew` if that cannot begin again as it is open.
+    fn ask(&mut self, anew: bool) {
+        let after = self.current.track.info.entry;
+        self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
+    }
+
+    /// Asks the list thread; none if that has ended.
+    fn request(&mut self, wanted: Wanted) -> Option<u64> {
+        self.last_request += 1;
+        let id = self.last_request;
+        self.list.send(Request::Find { id, wanted }).ok().map(|()| id)
+    }
+
+    fn audible(&self) -> Option<Audible> {
+        let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
+        link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
+    }
+
+    /// The passage and the time of its track that are audible, or the target of a seek that is not heard yet. In
+    /// seconds.
+    fn place(&self) -> (u64, f64) {
+        let Some(filling) = &self.filling else { return (self.current.passage, self.start) };
+        let place = self.audible().and_then(|audible| self.timeline.lock().place(audible, 0.0));
+        let first = self.before.front().unwrap_or(&self.current).passage;
+        place.map_or((first, filling.target), |place| (place.passage, place.song_time))
+    }
+
+    /// Lets go of tracks that are not audible any more.
+    fn let_go(&mut self) {
+        if self.before.is_empty() {
+            return;
+        }
+        let (audible, _) = self.place();
+        while self.before.front().is_some_and(|playing| playing.passage < audible) {
+            self.before.pop_front();
+        }
+    }
+
+    /// The entry of the list that is audible.
+    fn audible_entry(&self) -> usize {
+        let (audible, _) = self.place();
+        let playing = self.before.iter().find(|playing| playing.passage == audible).unwrap_or(&self.current);
+        playing.track.info.entry
+    }
+
+    /// Makes the audible track the current one again, if the next was begun ahead. A new segment must follow.
+    fn go_back_to_audible(&mut self) {
+        self.let_go();
+        let (audible, _) = self.place();
+        while self.current.passage > audible {
+            let Some(earlier) = self.before.pop_back() else { return };
+            let mut later = std::mem::replace(&mut self.current, earlier).track;
+            self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
+        }
+    }
+
+    /// Starts a segment at `target` seconds of the current track.
     fn begin(&mut self, target: f64) {
         self.start = target;
-        let place = self.place();
+        let (_, place) = self.place();
+        self.before.clear();
         let Some((rate, buffer_frames)) = self.link.as_ref().map(|link| (link.rate, link.buffer_frames))
         else {
             return;
@@ -192,12 +342,13 @@ impl Decoding {
         if let Some(unheard) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
             self.timeline.lock().discard(unheard.id);
         }
-        let source_rate = self.source.sample_rate();
+        let source = &self.current.track.source;
+        let source_rate = source.sample_rate();
+        let target = source.duration().map_or(target, |duration| target.min(duration));
         let resampler = match Resampler::new(source_rate, rate) {
             Ok(resampler) => resampler,
             Err(error) => return self.report(&error),
         };
-        let target = self.source.duration().map_or(target, |duration| target.min(duration));
         // If it cannot be reached: stay, or begin anew.
         let reached = [target, place, 0.0].into_iter().find_map(|goal| match self.seek(goal) {
             Ok(reached) => Some((goal, reached)),
@@ -211,41 +362,31 @@ impl Decoding {
         // The time of the frame that it will be.
         let target = frame_at(target) as f64 / f64::from(source_rate);
         self.last_id += 1;
-        let id = self.last_id;
+        self.last_passage += 1;
+        (self.current.passage, self.start) = (self.last_passage, target);
+        let info = self.current.track.info.clone();
+        self.timeline.lock().begin(self.last_id, rate, self.last_passage, target, info);
+        self.analyse_current(frame_at(reached));
         let ring_frames = ((RING * f64::from(rate)) as usize).max(RING_BUFFERS * buffer_frames);
-        let (ring, end, waiting) = Segment::new(id, ring_frames);
-        self.timeline.lock().begin(id, rate, target);
-        self.analyse(AnalysisInput::Begin { segment: id, position: frame_at(reached) });
-        self.filling = Some(Filling {
-            id,
-            target,
-            ring,
-            end,
-            waiting: Some(waiting),
-            resampler,
-            skip: frame_at(target).saturating_sub(frame_at(reached)),
-            fed: 0,
-            pushed: 0,
-            decoded: VecDeque::new(),
-            ready: VecDeque::new(),
-            since_jump: 0,
-            from_start: reached == 0.0,
-            exhausted: false,
-            finished: false,
-        });
+        let skip = frame_at(target).saturating_sub(frame_at(reached));
+        let filling = Filling::new(self.last_id, target, ring_frames, resampler, skip, reached == 0.0);
+        self.filling = Some(filling);
+        if matches!(self.next, Next::Unasked) {
+            self.ask(false);
+        }
     }
 
     fn seek(&mut self, goal: f64) -> Result<f64, SourceError> {
-        self.source.seek((goal - PREROLL).max(0.0))
+        self.current.track.source.seek((goal - PREROLL).max(0.0))
     }
 
     /// Does the next piece of work on the segment.
-    fn fill(&mut self) -> Next {
+    fn fill(&mut self) -> Step {
         let (Some(link), Some(filling)) = (self.link.as_mut(), self.filling.as_mut()) else {
-            return Next::Wait;
+            return Step::Wait;
         };
         filling.push_ready();
-        if filling.ready.is_empty() && filling.exhausted && !filling.finished {
+        if filling.is_pushed() && filling.exhausted && !filling.finished {
             filling.finished = true;
             filling.end.store(filling.pushed, Ordering::Release);
             self.timeline.lock().finish(filling.id, filling.pushed);
@@ -256,88 +397,146 @@ impl Decoding {
         {
             filling.waiting = link.offer(segment).err();
         }
-        if filling.finished || !filling.ready.is_empty() {
-            return Next::Wait;
+        if filling.finished || !filling.is_pushed() {
+            return Step::Wait;
         }
-        if filling.decoded.is_empty() {
-            self.decode()
-        } else {
-            self.convert()
-        }
-        Next::GoOn
+        if filling.decoded.is_empty() { self.decode() } else { self.convert() }
     }
 
-    fn decode(&mut self) {
+    fn decode(&mut self) -> Step {
         self.scratch.clear();
-        let decoded = match self.source.next_block(&mut self.scratch) {
+        let decoded = match self.current.track.source.next_block(&mut self.scratch) {
             Ok(count) => count,
             Err(error) => {
                 self.report(&*error);
                 0
             }
         };
-        let Some(filling) = self.filling.as_mut() else { return };
+        let Some(filling) = self.filling.as_mut() else { return Step::Wait };
         if decoded == 0 {
-            return self.end_of_song();
+            return self.end_of_track();
         }
         filling.since_jump += self.scratch.len() as u64;
         filling.decoded.extend(self.scratch.drain(..));
+        Step::GoOn
     }
 
     /// Analyses and resamples the next decoded frames.
-    fn convert(&mut self) {
-        let Some(filling) = self.filling.as_mut() else { return };
+    fn convert(&mut self) -> Step {
+        let Some(filling) = self.filling.as_mut() else { return Step::Wait };
         let count = filling.decoded.len().min(CHUNK);
         let frames: Vec<StereoFrame> = filling.decoded.drain(..count).collect();
-        let skipped = filling.skip.min(count as u64);
-        filling.skip -= skipped;
-        let audible = frames.get(skipped as usize..).unwrap_or_default();
-        filling.fed += audible.len() as u64;
-        self.scratch.clear();
-        let resampled = filling.resampler.process(audible, &mut self.scratch);
-        filling.ready.extend(self.scratch.drain(..));
-        if let Err(error) = resampled {
+        if let Err(error) = filling.feed(&frames, &mut self.scratch) {
             self.report(&error);
         }
         self.analyse(AnalysisInput::Frames(frames));
+        Step::GoOn
     }
 
-    /// Begins anew if it loops (and the song is not empty), otherwise ends the segment.
-    fn end_of_song(&mut self) {
-        let Some(filling) = self.filling.as_mut() else { return };
-        let source_rate = f64::from(self.source.sample_rate());
+    /// Goes on with what follows: the same track, another, or nothing.
+    fn end_of_track(&mut self) -> Step {
+        let Some(filling) = self.filling.as_mut() else { return Step::Wait };
         if filling.skip > 0 {
-            // The song is shorter than was thought: the segment starts at its end.
-            filling.target = (filling.target - filling.skip as f64 / source_rate).max(0.0);
+            // The track is shorter than was thought: the segment starts at its end.
+            let rate = f64::from(self.current.track.source.sample_rate());
+            filling.target = (filling.target - filling.skip as f64 / rate).max(0.0);
             filling.skip = 0;
-            self.timeline.lock().set_start(filling.id, filling.target);
+            self.timeline.lock().set_start(self.current.passage, filling.target);
         }
         let empty = filling.from_start && filling.since_jump == 0;
-        if self.looping && !empty {
-            match self.source.seek(0.0) {
-                Ok(_) => {
-                    (filling.since_jump, filling.from_start) = (0, true);
-                    let (id, lap_start) = (filling.id, filling.fed as f64 / source_rate);
-                    let played = self.link.as_ref().and_then(|link| {
-                        let audible =
-                            link.history.at(Instant::now()).filter(|audible| audible.segment == id)?;
-                        Some(audible.frame / f64::from(link.rate) - LIMITS.latency_ms_max / 1000.0)
-                    });
-                    self.timeline.lock().begin_lap(id, lap_start, played.unwrap_or(0.0));
-                    return;
+        match std::mem::replace(&mut self.next, Next::Unasked) {
+            Next::Unasked => {
+                self.ask(false);
+                Step::Wait
+            }
+            Next::Asked(id) => {
+                self.next = Next::Asked(id);
+                Step::Wait
+            }
+            Next::Again if empty => {
+                self.ask(true);
+                Step::Wait
+            }
+            Next::Again => self.begin_lap(),
+            Next::Track(track) => {
+                self.empty_tracks = if empty { self.empty_tracks + 1 } else { 0 };
+                if self.empty_tracks > EMPTY_TRACKS_MAX {
+                    self.troubles.tell("there is no sound in these tracks; choose others".into());
+                    let silence = self.silence();
+                    self.join(silence)
+                } else {
+                    self.join(track)
                 }
-                Err(error) => self.report(&*error),
+            }
+            Next::End => self.end(),
+        }
+    }
+
+    /// Begins the current track anew, without a gap.
+    fn begin_lap(&mut self) -> Step {
+        if let Err(error) = self.current.track.source.seek(0.0) {
+            self.report(&*error);
+            self.ask(true);
+            return Step::Wait;
+        }
+        self.next = Next::Again;
+        let played = self.played();
+        let Some(filling) = self.filling.as_mut() else { return Step::Wait };
+        (filling.since_jump, filling.from_start) = (0, true);
+        self.timeline.lock().begin_lap(filling.id, filling.next_time(), played);
+        Step::GoOn
+    }
+
+    /// Goes on with `track`, which stands at its start, without a gap.
+    fn join(&mut self, track: Track) -> Step {
+        let played = self.played();
+        let Some((filling, link)) = self.filling.as_mut().zip(self.link.as_ref()) else { return Step::Wait };
+        let rate = track.source.sample_rate();
+        if rate != filling.resampler.from_hz() {
+            let changed = Resampler::new(rate, link.rate)
+                .and_then(|resampler| filling.change_resampler(resampler, link.rate, &mut self.scratch));
+            if let Err(error) = changed {
+                self.report(&error);
             }
         }
-        let Some(filling) = self.filling.as_mut() else { return };
+        let Some(filling) = self.filling.as_mut() else { return Step::Wait };
+        (filling.since_jump, filling.from_start) = (0, true);
+        self.last_passage += 1;
+        let (id, time, info) = (filling.id, filling.next_time(), track.info.clone());
+        self.timeline.lock().begin_track(id, time, played, self.last_passage, info);
+        let current = Playing { passage: self.last_passage, track };
+        self.before.push_back(std::mem::replace(&mut self.current, current));
+        self.analyse(AnalysisInput::Finish);
+        self.analyse_current(0);
+        // It is opened ahead.
+        self.ask(false);
+        Step::GoOn
+    }
+
+    /// Ends the segment: nothing follows.
+    fn end(&mut self) -> Step {
+        self.next = Next::End;
+        let Some(filling) = self.filling.as_mut() else { return Step::Wait };
         filling.exhausted = true;
-        self.scratch.clear();
-        let resampled = filling.resampler.finish(&mut self.scratch);
-        filling.ready.extend(self.scratch.drain(..));
-        if let Err(error) = resampled {
+        if let Err(error) = filling.flush(&mut self.scratch) {
             self.report(&error);
         }
         self.analyse(AnalysisInput::Finish);
+        Step::GoOn
+    }
+
+    /// Time of the segment that is surely past, however late the picture is, in seconds.
+    fn played(&self) -> f64 {
+        let rate = self.link.as_ref().map_or(1, |link| link.rate);
+        let audible = self.audible().map_or(0.0, |audible| audible.frame / f64::from(rate));
+        audible - LIMITS.latency_ms_max / 1000.0
+    }
+
+    /// Tells the analysis that the current track begins, with frame `position`.
+    fn analyse_current(&self, position: u64) {
+        let Playing { passage, track } = &self.current;
+        let (sample_rate, gain) = (track.source.sample_rate(), track.info.scene_gain);
+        self.analyse(AnalysisInput::Begin { passage: *passage, sample_rate, position, gain });
     }
 
     fn analyse(&self, input: AnalysisInput) {
@@ -346,18 +545,6 @@ impl Decoding {
     }
 
     fn report(&self, error: &dyn std::fmt::Display) {
-        tracing::warn!("{error}");
-        *self.error.lock().unwrap_or_else(PoisonError::into_inner) = Some(error.to_string());
-    }
-}
-
-impl Filling {
-    /// Moves into the ring what there is room for.
-    fn push_ready(&mut self) {
-        let (front, _) = self.ready.as_slices();
-        let (pushed, _) = self.ring.push_partial_slice(front);
-        let count = pushed.len();
-        self.pushed += count as u64;
-        self.ready.drain(..count);
+        self.troubles.tell(error.to_string());
     }
 }

@@ -1,36 +1,49 @@
 //! The decoding thread with a callback called by hand, and the player on the silent clock.
 
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::sync_channel;
 
 use super::analysis::AnalysisInput;
 use super::*;
 use crate::audio::clock::SpanHistory;
 use crate::audio::output::Feeder;
-use crate::audio::source::SourceError;
+use crate::audio::source::{FrameSource, SourceError};
+use crate::audio::track::{Found, Wanted};
 use crate::dsp::StereoFrame;
 
-const RATE: u32 = 48_000;
+pub(super) const RATE: u32 = 48_000;
 
-/// A song whose samples tell their index: `index / 2^24`, exactly.
-struct Ramp {
-    frames: usize,
-    next: usize,
-    block: usize,
+/// A song whose samples tell their index: `(first + index) / 2^24`, exactly.
+#[derive(Clone)]
+pub(super) struct Ramp {
+    pub(super) first: usize,
+    pub(super) rate: u32,
+    pub(super) frames: usize,
+    pub(super) next: usize,
+    pub(super) block: usize,
     /// Fails when it reaches this frame.
-    broken_at: usize,
+    pub(super) broken_at: usize,
     /// Refuses to be sought after this time.
-    seek_limit: f64,
+    pub(super) seek_limit: f64,
 }
 
 impl Ramp {
-    fn new(frames: usize) -> Self {
-        Self { frames, next: 0, block: 1152, broken_at: usize::MAX, seek_limit: f64::INFINITY }
+    pub(super) fn new(frames: usize) -> Self {
+        Self {
+            first: 0,
+            rate: RATE,
+            frames,
+            next: 0,
+            block: 1152,
+            broken_at: usize::MAX,
+            seek_limit: f64::INFINITY,
+        }
     }
 }
 
 impl FrameSource for Ramp {
     fn sample_rate(&self) -> u32 {
-        RATE
+        self.rate
     }
 
     fn duration(&self) -> Option<f64> {
@@ -43,7 +56,7 @@ impl FrameSource for Ramp {
         }
         let end = (self.next + self.block).min(self.frames);
         let count = end - self.next;
-        out.extend((self.next..end).map(|n| [n as f32 / (1 << 24) as f32; 2]));
+        out.extend((self.next..end).map(|n| [(self.first + n) as f32 / (1 << 24) as f32; 2]));
         self.next = end;
         Ok(count)
     }
@@ -52,84 +65,179 @@ impl FrameSource for Ramp {
         if seconds > self.seek_limit {
             return Err("the song cannot be sought".into());
         }
-        self.next = ((seconds * f64::from(RATE)).round() as usize).min(self.frames);
-        Ok(self.next as f64 / f64::from(RATE))
+        self.next = ((seconds * f64::from(self.rate)).round() as usize).min(self.frames);
+        Ok(self.next as f64 / f64::from(self.rate))
     }
 }
 
+/// A list of songs; one without frames stands for a file that cannot be opened.
+pub(super) struct Ramps {
+    pub(super) songs: Vec<Ramp>,
+    pub(super) repeat: Repeat,
+    /// How long it takes to find one.
+    pub(super) delay: Duration,
+    /// Whether none can be opened, for now.
+    pub(super) gone: Arc<AtomicBool>,
+}
+
+impl Ramps {
+    pub(super) fn new(songs: Vec<Ramp>, repeat: Repeat) -> Self {
+        Self { songs, repeat, delay: Duration::ZERO, gone: Arc::default() }
+    }
+
+    pub(super) fn track(&self, entry: usize) -> Track {
+        let mut track = Track::alone(Box::new(self.songs[entry].clone()));
+        let info = Arc::make_mut(&mut track.info);
+        (info.entry, info.count) = (entry, self.songs.len());
+        track
+    }
+}
+
+impl TrackList for Ramps {
+    fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found {
+        std::thread::sleep(self.delay);
+        let count = self.songs.len();
+        let (mut entry, open) = match *wanted {
+            Wanted::Following { anew: false, .. } if self.repeat == Repeat::One || count == 1 => {
+                return if self.repeat == Repeat::Off { Found::End } else { Found::Again };
+            }
+            Wanted::Following { after, anew } => (after + 1, (!anew).then_some(after)),
+            Wanted::Skip { from, steps } => ((from as i32 + steps).rem_euclid(count as i32) as usize, None),
+            Wanted::Files(_) => (0, None),
+        };
+        for _ in 0..count {
+            if entry >= count && self.repeat == Repeat::Off {
+                return Found::End;
+            }
+            entry %= count;
+            if open == Some(entry) {
+                return Found::Again;
+            }
+            if self.songs[entry].frames > 0 && !self.gone.load(Ordering::Relaxed) {
+                return Found::Track(self.track(entry));
+            }
+            tell(format!("song {entry} is gone"));
+            entry += 1;
+        }
+        Found::Nothing
+    }
+
+    fn set_order(&mut self, repeat: Repeat, _: bool, _: usize) {
+        self.repeat = repeat;
+    }
+}
+
+pub(super) fn repeat_of(looping: bool) -> Repeat {
+    if looping { Repeat::All } else { Repeat::Off }
+}
+
 /// The decoding thread and a callback in the test's hands.
-struct Stepped {
-    feeder: Feeder,
-    history: Arc<SpanHistory>,
-    commands: Sender<Command>,
-    timeline: SharedTimeline,
-    error: Arc<Mutex<Option<String>>>,
-    worker: Worker,
-    now: Instant,
+pub(super) struct Stepped {
+    pub(super) feeder: Feeder,
+    pub(super) history: Arc<SpanHistory>,
+    pub(super) commands: Sender<Command>,
+    pub(super) timeline: SharedTimeline,
+    pub(super) troubles: SharedTroubles,
+    pub(super) worker: Worker,
+    pub(super) now: Instant,
 }
 
 /// What was heard, and what the clock and the timeline say about it.
 #[derive(Clone, Copy)]
-struct Heard {
+pub(super) struct Heard {
     /// Index of the frame in the song, if the sample is not faded.
-    index: Option<f64>,
-    told_index: f64,
-    lap: u32,
-    segment: u64,
+    pub(super) index: Option<f64>,
+    pub(super) told_index: f64,
+    /// Entry of the list.
+    pub(super) entry: usize,
+    pub(super) lap: u32,
+    pub(super) segment: u64,
 }
 
 impl Stepped {
-    fn new(source: Ramp, looping: bool) -> Self {
+    pub(super) fn new(source: Ramp, looping: bool) -> Self {
+        Self::of(Ramps::new(vec![source], repeat_of(looping)), RATE)
+    }
+
+    /// Plays a list from its first song on, on a device of that rate.
+    pub(super) fn of(list: Ramps, rate: u32) -> Self {
         let timeline = SharedTimeline::default();
-        let error = Arc::new(Mutex::new(None));
+        let troubles = SharedTroubles::default();
         let (to_analysis, inbox) = sync_channel(1);
         // No analysis here: what is sent is thrown away.
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = channel();
-        let work = Decoding::new(Box::new(source), looping, timeline.clone(), to_analysis, error.clone());
+        let (to_list, requests) = channel();
+        let work = Decoding::new(list.track(0), to_list, timeline.clone(), to_analysis, troubles.clone());
+        let (answers, told) = (commands.clone(), troubles.clone());
+        std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &told));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
         let controls = Arc::new(Controls::new(1.0, false));
-        let (feeder, link) = Feeder::new(RATE, 480, controls, Arc::default());
+        let (feeder, link) = Feeder::new(rate, 480, controls, Arc::default());
         let history = link.history.clone();
         commands.send(Command::Output(link)).expect("the thread runs");
-        Self { feeder, history, commands, timeline, error, worker, now: Instant::now() }
+        Self { feeder, history, commands, timeline, troubles, worker, now: Instant::now() }
     }
 
-    fn send(&self, command: Command) {
+    pub(super) fn send(&self, command: Command) {
         self.commands.send(command).expect("the thread runs");
     }
 
     /// Plays `frames` frames, but slowly enough for the decoding thread.
-    fn play(&mut self, frames: usize) -> Vec<Heard> {
+    pub(super) fn play(&mut self, frames: usize) -> Vec<Heard> {
         let mut heard: Vec<Heard> = Vec::new();
         let mut before = f64::NAN;
         let timeline = self.timeline.clone();
         for _ in 0..frames / 480 {
+            let rate = f64::from(self.history.rate());
             let mut data = [0.0_f32; 960];
             self.feeder.fill(&mut data, 2, self.now, Some(Duration::ZERO));
             let timeline = timeline.lock();
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
                 // Half a frame in, so that rounding of the time does not matter.
-                let moment =
-                    self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / f64::from(RATE)) as u64);
+                let moment = self.now + Duration::from_nanos(((n as f64 + 0.5) * 1e9 / rate) as u64);
                 let audible = self.history.at(moment);
                 if let Some((audible, place)) = audible.and_then(|a| Some((a, timeline.place(a, 0.0)?))) {
                     let index = (value == before + 1.0).then_some(value);
-                    let told_index = place.song_time * f64::from(RATE) - 0.5;
-                    heard.push(Heard { index, told_index, lap: place.lap, segment: audible.segment });
+                    let told_index = place.song_time * rate - 0.5;
+                    let entry = timeline.track(audible).map_or(usize::MAX, |track| track.entry);
+                    heard.push(Heard { index, told_index, entry, lap: place.lap, segment: audible.segment });
                 }
                 before = value;
             }
             drop(timeline);
-            self.now += Duration::from_millis(10);
+            self.now += Duration::from_secs_f64(480.0 / rate);
             std::thread::sleep(Duration::from_millis(2));
         }
         heard
     }
 
+    /// The left samples of the next `frames` frames, from the first one on that is heard.
+    pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
+        let mut samples = Vec::new();
+        while samples.len() < frames {
+            let mut data = [0.0_f32; 960];
+            self.feeder.fill(&mut data, 2, self.now, Some(Duration::ZERO));
+            let left = data.iter().step_by(2).skip_while(|sample| samples.is_empty() && **sample == 0.0);
+            samples.extend(left.collect::<Vec<_>>());
+            self.now += Duration::from_millis(10);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        samples.truncate(frames);
+        samples
+    }
+
+    /// Another device of that rate, in the place of the one so far.
+    pub(super) fn change_device(&mut self, rate: u32) {
+        let (feeder, link) = Feeder::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
+        self.history = link.history.clone();
+        self.feeder = feeder;
+        self.send(Command::Output(link));
+    }
+
     /// Plays until the first segment sounds.
-    fn begin(&mut self) {
+    pub(super) fn begin(&mut self) {
         let start = Instant::now();
         while self.play(480).is_empty() {
             assert!(start.elapsed() < Duration::from_secs(5), "nothing plays");
@@ -221,11 +329,17 @@ fn the_end_comes_after_the_last_frame_and_a_seek_leads_back() {
 }
 
 #[test]
-fn an_empty_song_ends_at_once_even_when_it_loops() {
-    let mut stepped = Stepped::new(Ramp::new(0), true);
-    stepped.begin();
-    let audible = stepped.history.at(stepped.now).expect("a span");
-    assert!(stepped.timeline.lock().is_end(audible));
+fn an_empty_song_ends_at_once_and_is_silence_when_it_loops() {
+    let mut once = Stepped::new(Ramp::new(0), false);
+    once.begin();
+    let audible = once.history.at(once.now).expect("a span");
+    assert!(once.timeline.lock().is_end(audible));
+    let mut looping = Stepped::new(Ramp::new(0), true);
+    looping.begin();
+    let heard = looping.play(9_600);
+    assert!(heard.iter().all(|heard| heard.index.is_none()));
+    let last = heard.last().expect("frames").told_index;
+    assert!(last > 9_000.0, "the show stands still at frame {last}");
 }
 
 #[test]
@@ -234,7 +348,7 @@ fn damage_is_told_and_ends_the_song() {
     stepped.begin();
     let heard = stepped.play(14_400);
     assert_eq!(heard.iter().rev().find_map(|heard| heard.index), Some(11_519.0));
-    assert_eq!(stepped.error.lock().expect("no panic").as_deref(), Some("the song is damaged"));
+    assert_eq!(stepped.troubles.get().last.as_deref(), Some("the song is damaged"));
 }
 
 #[test]
@@ -246,7 +360,7 @@ fn a_seek_that_fails_is_told_and_the_song_goes_on() {
     stepped.send(Command::SeekTo(18.0));
     let heard = stepped.play(9600);
     assert_told(&heard, 0.8);
-    assert_eq!(stepped.error.lock().expect("no panic").as_deref(), Some("the song cannot be sought"));
+    assert_eq!(stepped.troubles.get().last.as_deref(), Some("the song cannot be sought"));
     let last = heard.last().expect("frames").told_index / f64::from(RATE);
     assert!((2.0..4.0).contains(&last), "{last} s");
 }
@@ -261,11 +375,16 @@ fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mut Player) -
 }
 
 fn silent(looping: bool) -> PlayerOptions {
-    PlayerOptions { looping, output: OutputChoice::Silent, ..PlayerOptions::default() }
+    PlayerOptions { repeat: repeat_of(looping), output: OutputChoice::Silent, ..PlayerOptions::default() }
+}
+
+fn play(song: Ramp, options: PlayerOptions) -> Player {
+    let list = Ramps::new(vec![song], options.repeat);
+    Player::start(list.track(0), Box::new(list), options).expect("it starts")
 }
 
 fn start(frames: usize, options: PlayerOptions) -> Player {
-    let mut player = Player::start(Box::new(Ramp::new(frames)), options).expect("it starts");
+    let mut player = play(Ramp::new(frames), options);
     wait_for(&mut player, "the first callback", |player| player.status().callbacks > 2);
     player
 }
@@ -357,21 +476,9 @@ fn the_end_is_prompt() {
 
 #[test]
 fn rates_beyond_the_limits_are_refused() {
-    struct Odd;
-    impl FrameSource for Odd {
-        fn sample_rate(&self) -> u32 {
-            LIMITS.sample_rate_max + 1
-        }
-        fn duration(&self) -> Option<f64> {
-            None
-        }
-        fn next_block(&mut self, _: &mut Vec<StereoFrame>) -> Result<usize, SourceError> {
-            Ok(0)
-        }
-        fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
-            Ok(seconds)
-        }
-    }
-    let refused = Player::start(Box::new(Odd), PlayerOptions::default()).err().expect("it is refused");
+    let odd = Ramp { rate: LIMITS.sample_rate_max + 1, ..Ramp::new(9) };
+    let list = Ramps::new(vec![odd], Repeat::All);
+    let refused = Player::start(list.track(0), Box::new(list), PlayerOptions::default()).err();
+    let refused = refused.expect("it is refused");
     assert!(refused.to_string().contains("768001"), "{refused}");
 }

@@ -1,0 +1,134 @@
+//! What there is to tell about the tracks: sentences that come up over the picture, one after the other.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use super::overlay::Notice;
+use crate::audio::track::{Repeat, TrackInfo};
+use crate::audio::{PlayerStatus, Troubles};
+use crate::export::print::tell;
+
+/// Sentences that may wait; of more the oldest are not shown.
+const WAITING_MAX: usize = 3;
+
+/// See the module.
+#[derive(Default)]
+pub struct Announcer {
+    waiting: VecDeque<String>,
+    shown: Option<(String, Instant)>,
+    troubles: u64,
+    track: Option<(usize, String)>,
+}
+
+impl Announcer {
+    /// Shows `text` as soon as what shows is gone.
+    pub fn say(&mut self, text: String) {
+        if self.waiting.len() == WAITING_MAX {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(text);
+    }
+
+    /// Shows `text` at once.
+    pub fn answer(&mut self, text: String) {
+        self.shown = Some((text, Instant::now()));
+    }
+
+    /// Tells what is new: troubles, on the terminal too, and another track.
+    pub fn look(&mut self, status: &PlayerStatus) {
+        self.look_at_troubles(&status.troubles);
+        let track = (status.track.entry, status.track.name.clone());
+        if self.track.as_ref() != Some(&track) {
+            // What plays at the start is in the title, and was asked for.
+            if self.track.is_some() || status.track.count > 1 {
+                self.say(described(&status.track));
+            }
+            self.track = Some(track);
+        }
+    }
+
+    fn look_at_troubles(&mut self, troubles: &Troubles) {
+        let new = troubles.count - self.troubles.min(troubles.count);
+        let Some(last) = troubles.last.as_ref().filter(|_| new > 0) else { return };
+        self.troubles = troubles.count;
+        let text = match new {
+            1 => last.clone(),
+            _ => format!("{new} troubles with tracks, the last one: {last}"),
+        };
+        tell(&text);
+        self.say(text);
+    }
+
+    /// Makes room for what waits.
+    pub fn update(&mut self, now: Instant) {
+        if self.notice().is_none_or(|notice| notice.is_gone(now)) {
+            self.shown = self.waiting.pop_front().map(|text| (text, now));
+        }
+    }
+
+    /// What shows.
+    pub fn notice(&self) -> Option<Notice<'_>> {
+        self.shown.as_ref().map(|(text, since)| Notice { text, since: *since })
+    }
+}
+
+/// A track in words: its name, and its place among several.
+fn described(track: &TrackInfo) -> String {
+    match track.count {
+        0 | 1 => track.name.clone(),
+        count => format!("{} · {} of {count}", track.name, track.entry + 1),
+    }
+}
+
+/// The next way to repeat.
+pub fn next_repeat(repeat: Repeat) -> Repeat {
+    match repeat {
+        Repeat::All => Repeat::One,
+        Repeat::One => Repeat::Off,
+        Repeat::Off => Repeat::All,
+    }
+}
+
+/// Another order in words: how it repeats, or whether it is random, whichever is new.
+pub fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
+    match after {
+        (_, true) if !before.1 => "tracks in random order",
+        (_, false) if before.1 => "tracks in their own order",
+        (Repeat::All, _) => "repeat all tracks",
+        (Repeat::One, _) => "repeat this track",
+        (Repeat::Off, _) => "end after the last track",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::time::Duration;
+
+    fn text(announcer: &Announcer) -> Option<&str> {
+        announcer.shown.as_ref().map(|(text, _)| text.as_str())
+    }
+
+    #[test]
+    fn sentences_wait_for_each_other_and_floods_are_counted() {
+        let mut announcer = Announcer::default();
+        let troubles = |count| Troubles { count, last: Some("x is gone".into()) };
+        announcer.look_at_troubles(&troubles(1));
+        announcer.look_at_troubles(&troubles(1));
+        announcer.look_at_troubles(&troubles(400));
+        let mut now = Instant::now();
+        announcer.update(now);
+        assert_eq!(text(&announcer), Some("x is gone"));
+        announcer.update(now + Duration::from_millis(100));
+        assert_eq!(text(&announcer), Some("x is gone"));
+        now += Duration::from_secs(10);
+        announcer.update(now);
+        assert_eq!(text(&announcer), Some("399 troubles with tracks, the last one: x is gone"));
+        (0..9).for_each(|n| announcer.say(n.to_string()));
+        now += Duration::from_secs(10);
+        announcer.update(now);
+        assert_eq!(text(&announcer), Some("6"));
+        announcer.answer("now".into());
+        assert_eq!(text(&announcer), Some("now"));
+    }
+}

@@ -1,0 +1,154 @@
+//! Media keys and the desktop's controls for players: what they ask of the show, and what they show of it.
+//!
+//! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus. Where there is
+//! no bus, and on other systems, nothing is asked and nothing said; media keys then work while the window has the
+//! keyboard.
+
+#[cfg(target_os = "linux")]
+mod mpris;
+
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+use crate::audio::PlayerStatus;
+use crate::audio::track::{Repeat, TrackInfo};
+
+/// A position that is further than this from where it would have come by itself was jumped to, in seconds.
+const JUMP: f64 = 0.5;
+
+/// What the desktop asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Asked {
+    /// Go on (true) or pause.
+    Play(bool),
+    /// Pause or go on.
+    TogglePause,
+    /// The next track, or the previous one.
+    Skip {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// Seek by so many seconds.
+    SeekBy(f64),
+    /// Seek to a time of the track, in seconds.
+    SeekTo(f64),
+    /// Set the volume, 0..1.
+    Volume(f32),
+    /// Change what follows what.
+    Repeat(Repeat),
+    /// Change to a random order, or to the list's.
+    Shuffle(bool),
+    /// Enter or leave full screen.
+    Fullscreen(bool),
+    /// Show the window before others.
+    Raise,
+    /// End the program.
+    Quit,
+}
+
+/// What the desktop may see.
+#[derive(Debug, Clone, PartialEq)]
+struct Seen {
+    track: Option<Arc<TrackInfo>>,
+    paused: bool,
+    ended: bool,
+    volume: f32,
+    repeat: Repeat,
+    shuffled: bool,
+    fullscreen: bool,
+    /// Seconds since the track's start, at a moment.
+    position: (f64, Instant),
+}
+
+impl Seen {
+    fn new() -> Self {
+        Self {
+            track: None,
+            paused: true,
+            ended: false,
+            volume: 1.0,
+            repeat: Repeat::All,
+            shuffled: false,
+            fullscreen: false,
+            position: (0.0, Instant::now()),
+        }
+    }
+
+    /// The position, in seconds, at `now`.
+    fn position_at(&self, now: Instant) -> f64 {
+        let (position, at) = self.position;
+        let moving = !self.paused && !self.ended;
+        position + if moving { now.saturating_duration_since(at).as_secs_f64() } else { 0.0 }
+    }
+}
+
+/// [`Seen`] shared with the thread that serves the desktop.
+#[derive(Clone)]
+struct SharedSeen(Arc<Mutex<Seen>>);
+
+impl SharedSeen {
+    fn lock(&self) -> MutexGuard<'_, Seen> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The desktop's controls of this program. See the module.
+pub struct MediaControls {
+    seen: SharedSeen,
+    asked: Receiver<Asked>,
+    #[cfg(target_os = "linux")]
+    changes: mpris::Changes,
+}
+
+impl MediaControls {
+    /// Offers the program to the desktop, on a thread of its own; `wake` is called when something is asked.
+    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
+        let (asks, asked) = channel();
+        let ask = move |what| {
+            // After the show's end nobody does what is asked.
+            if asks.send(what).is_ok() {
+                wake();
+            }
+        };
+        #[cfg(target_os = "linux")]
+        let changes = mpris::serve(seen.clone(), ask);
+        #[cfg(not(target_os = "linux"))]
+        drop(ask);
+        Self {
+            seen,
+            asked,
+            #[cfg(target_os = "linux")]
+            changes,
+        }
+    }
+
+    /// What was asked for next, if anything.
+    pub fn poll(&self) -> Option<Asked> {
+        self.asked.try_recv().ok()
+    }
+
+    /// Shows the desktop how playback stands.
+    pub fn show(&self, status: &PlayerStatus, fullscreen: bool) {
+        let now = Instant::now();
+        let new = Seen {
+            track: Some(status.track.clone()),
+            paused: status.paused,
+            ended: status.ended,
+            volume: status.volume,
+            repeat: status.repeat,
+            shuffled: status.shuffled,
+            fullscreen,
+            position: (status.position, now),
+        };
+        let old = std::mem::replace(&mut *self.seen.lock(), new.clone());
+        #[cfg(target_os = "linux")]
+        {
+            let jumped = (old.position_at(now) - status.position).abs() > JUMP;
+            self.changes.tell(&old, &new, jumped);
+        }
+        #[cfg(not(target_os = "linux"))]
+        let _ = (old, JUMP);
+    }
+}

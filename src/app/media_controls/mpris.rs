@@ -1,0 +1,312 @@
+//! The player on the session's D-Bus, by MPRIS.
+
+use std::time::Instant;
+
+use async_channel::{Receiver, Sender};
+use mpris_server::zbus::{self, ObjectPath, fdo};
+use mpris_server::{
+    LoopStatus, Metadata, PlaybackStatus, PlayerInterface, Property, RootInterface, Server, Signal, Time,
+    TrackId,
+};
+
+use super::{Asked, Seen, SharedSeen};
+use crate::audio::track::{Repeat, TrackInfo};
+
+/// The program's name on the bus and of its desktop entry. Behind it stands the number of the process, as several may run.
+const NAME: &str = "mariana";
+/// Changes that may wait for a bus that does not take them; of more the newest are lost.
+const CHANGES_MAX: usize = 64;
+/// The playback's rate: it cannot be changed.
+const RATE: f64 = 1.0;
+
+enum Change {
+    Properties(Vec<Property>),
+    Seeked(Time),
+}
+
+/// Tells the bus what changes.
+pub(super) struct Changes(Sender<Change>);
+
+impl Changes {
+    /// Tells how `new` differs from `old`; `jumped` if the position is not where it would have come by itself.
+    pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
+        let mut properties = Vec::new();
+        let mut add = |changed: bool, property: Property| {
+            if changed {
+                properties.push(property);
+            }
+        };
+        add(old.track != new.track, Property::Metadata(metadata(new)));
+        add(playback(old) != playback(new), Property::PlaybackStatus(playback(new)));
+        add(old.volume != new.volume, Property::Volume(f64::from(new.volume)));
+        add(old.repeat != new.repeat, Property::LoopStatus(loop_status(new.repeat)));
+        add(old.shuffled != new.shuffled, Property::Shuffle(new.shuffled));
+        add(old.fullscreen != new.fullscreen, Property::Fullscreen(new.fullscreen));
+        // Without a bus nobody listens.
+        if !properties.is_empty() {
+            let _ = self.0.try_send(Change::Properties(properties));
+        }
+        if jumped && old.track == new.track {
+            let _ = self.0.try_send(Change::Seeked(time(new.position.0)));
+        }
+    }
+}
+
+/// Serves the bus on a thread of its own as long as the [`Changes`] live.
+pub(super) fn serve(seen: SharedSeen, ask: impl Fn(Asked) + Send + Sync + 'static) -> Changes {
+    let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
+    let player = Offered { seen, ask: std::sync::Arc::new(ask) };
+    let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
+        // What is not there cannot be used: no bus, no keys.
+        if let Err(error) = zbus::block_on(run(player, &inbox)) {
+            tracing::info!("no media controls: {error}");
+        }
+    });
+    if let Err(error) = started {
+        tracing::info!("no media controls: {error}");
+    }
+    Changes(changes)
+}
+
+async fn run(player: Offered, inbox: &Receiver<Change>) -> zbus::Result<()> {
+    let server = Server::new(&format!("{NAME}.instance{}", std::process::id()), player).await?;
+    tracing::info!("media controls as {}", server.bus_name());
+    while let Ok(change) = inbox.recv().await {
+        match change {
+            Change::Properties(properties) => server.properties_changed(properties).await?,
+            Change::Seeked(position) => server.emit(Signal::Seeked { position }).await?,
+        }
+    }
+    Ok(())
+}
+
+/// What the bus may ask.
+#[derive(Clone)]
+struct Offered {
+    seen: SharedSeen,
+    ask: std::sync::Arc<dyn Fn(Asked) + Send + Sync>,
+}
+
+fn time(seconds: f64) -> Time {
+    // The conversion saturates.
+    Time::from_micros((seconds * 1e6) as i64)
+}
+
+fn seconds(time: Time) -> f64 {
+    time.as_micros() as f64 / 1e6
+}
+
+fn playback(seen: &Seen) -> PlaybackStatus {
+    match seen {
+        Seen { ended: true, .. } => PlaybackStatus::Stopped,
+        Seen { paused: true, .. } => PlaybackStatus::Paused,
+        _ => PlaybackStatus::Playing,
+    }
+}
+
+fn loop_status(repeat: Repeat) -> LoopStatus {
+    match repeat {
+        Repeat::All => LoopStatus::Playlist,
+        Repeat::One => LoopStatus::Track,
+        Repeat::Off => LoopStatus::None,
+    }
+}
+
+/// The name of a track on the bus: a path of letters and digits.
+fn track_id(track: &TrackInfo) -> Option<TrackId> {
+    let path = ObjectPath::try_from(format!("/org/mariana/track/{}", track.entry)).ok()?;
+    Some(TrackId::from(path.into_owned()))
+}
+
+fn metadata(seen: &Seen) -> Metadata {
+    let mut metadata = Metadata::new();
+    let Some(track) = &seen.track else { return metadata };
+    metadata.set_trackid(track_id(track));
+    metadata.set_title(Some(track.title.clone().unwrap_or_else(|| track.name.clone())));
+    metadata.set_artist(track.artist.clone().map(|artist| [artist]));
+    metadata.set_length(track.duration.map(time));
+    metadata
+}
+
+impl Offered {
+    fn asked(&self, what: Asked) -> fdo::Result<()> {
+        (self.ask)(what);
+        Ok(())
+    }
+}
+
+impl RootInterface for Offered {
+    async fn raise(&self) -> fdo::Result<()> {
+        self.asked(Asked::Raise)
+    }
+
+    async fn quit(&self) -> fdo::Result<()> {
+        self.asked(Asked::Quit)
+    }
+
+    async fn can_quit(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn fullscreen(&self) -> fdo::Result<bool> {
+        Ok(self.seen.lock().fullscreen)
+    }
+
+    async fn set_fullscreen(&self, fullscreen: bool) -> zbus::Result<()> {
+        Ok(self.asked(Asked::Fullscreen(fullscreen))?)
+    }
+
+    async fn can_set_fullscreen(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_raise(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn has_track_list(&self) -> fdo::Result<bool> {
+        Ok(false)
+    }
+
+    async fn identity(&self) -> fdo::Result<String> {
+        Ok("Mariana".into())
+    }
+
+    async fn desktop_entry(&self) -> fdo::Result<String> {
+        Ok(NAME.into())
+    }
+
+    async fn supported_uri_schemes(&self) -> fdo::Result<Vec<String>> {
+        Ok(Vec::new())
+    }
+
+    async fn supported_mime_types(&self) -> fdo::Result<Vec<String>> {
+        Ok(Vec::new())
+    }
+}
+
+impl PlayerInterface for Offered {
+    async fn next(&self) -> fdo::Result<()> {
+        self.asked(Asked::Skip { forward: true })
+    }
+
+    async fn previous(&self) -> fdo::Result<()> {
+        self.asked(Asked::Skip { forward: false })
+    }
+
+    async fn pause(&self) -> fdo::Result<()> {
+        self.asked(Asked::Play(false))
+    }
+
+    async fn play_pause(&self) -> fdo::Result<()> {
+        self.asked(Asked::TogglePause)
+    }
+
+    async fn stop(&self) -> fdo::Result<()> {
+        self.asked(Asked::Play(false))
+    }
+
+    async fn play(&self) -> fdo::Result<()> {
+        self.asked(Asked::Play(true))
+    }
+
+    async fn seek(&self, offset: Time) -> fdo::Result<()> {
+        self.asked(Asked::SeekBy(seconds(offset)))
+    }
+
+    async fn set_position(&self, track: TrackId, position: Time) -> fdo::Result<()> {
+        let (current, length) = {
+            let seen = self.seen.lock();
+            (seen.track.as_deref().and_then(track_id), seen.track.as_ref().and_then(|track| track.duration))
+        };
+        // Of another track, or beyond the end: to be ignored, says the specification.
+        let within = seconds(position) >= 0.0 && length.is_none_or(|length| seconds(position) <= length);
+        if within && current == Some(track) { self.asked(Asked::SeekTo(seconds(position))) } else { Ok(()) }
+    }
+
+    async fn open_uri(&self, _: String) -> fdo::Result<()> {
+        Err(fdo::Error::NotSupported("drop files onto the window instead".into()))
+    }
+
+    async fn playback_status(&self) -> fdo::Result<PlaybackStatus> {
+        Ok(playback(&self.seen.lock()))
+    }
+
+    async fn loop_status(&self) -> fdo::Result<LoopStatus> {
+        Ok(loop_status(self.seen.lock().repeat))
+    }
+
+    async fn set_loop_status(&self, status: LoopStatus) -> zbus::Result<()> {
+        Ok(self.asked(Asked::Repeat(match status {
+            LoopStatus::Playlist => Repeat::All,
+            LoopStatus::Track => Repeat::One,
+            LoopStatus::None => Repeat::Off,
+        }))?)
+    }
+
+    async fn rate(&self) -> fdo::Result<f64> {
+        Ok(RATE)
+    }
+
+    async fn set_rate(&self, rate: f64) -> zbus::Result<()> {
+        // 0 is to act as a pause; others are out of range.
+        if rate == 0.0 { Ok(self.asked(Asked::Play(false))?) } else { Ok(()) }
+    }
+
+    async fn shuffle(&self) -> fdo::Result<bool> {
+        Ok(self.seen.lock().shuffled)
+    }
+
+    async fn set_shuffle(&self, shuffled: bool) -> zbus::Result<()> {
+        Ok(self.asked(Asked::Shuffle(shuffled))?)
+    }
+
+    async fn metadata(&self) -> fdo::Result<Metadata> {
+        Ok(metadata(&self.seen.lock()))
+    }
+
+    async fn volume(&self) -> fdo::Result<f64> {
+        Ok(f64::from(self.seen.lock().volume))
+    }
+
+    async fn set_volume(&self, volume: f64) -> zbus::Result<()> {
+        // Where it is clamped, and what is no number is silence.
+        Ok(self.asked(Asked::Volume(volume as f32))?)
+    }
+
+    async fn position(&self) -> fdo::Result<Time> {
+        Ok(time(self.seen.lock().position_at(Instant::now())))
+    }
+
+    async fn minimum_rate(&self) -> fdo::Result<f64> {
+        Ok(RATE)
+    }
+
+    async fn maximum_rate(&self) -> fdo::Result<f64> {
+        Ok(RATE)
+    }
+
+    async fn can_go_next(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_go_previous(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_play(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_pause(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_seek(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+
+    async fn can_control(&self) -> fdo::Result<bool> {
+        Ok(true)
+    }
+}

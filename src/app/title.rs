@@ -1,0 +1,45 @@
+//! What stands in the window's title.
+
+use crate::audio::PlayerStatus;
+use crate::audio::input::LiveStatus;
+use crate::gpu::scene_program::Mode;
+
+/// The window's title: the track, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
+/// was asked for.
+pub fn title(scene: Option<(String, Mode)>, status: &PlayerStatus, silence_asked: bool) -> String {
+    let track = &status.track;
+    let mut title = format!("{} - Mariana", track.name);
+    let mut notes = Vec::new();
+    if track.count > 1 {
+        notes.push(format!("{}/{}", track.entry + 1, track.count));
+    }
+    if let Some((scene, mode)) = scene {
+        notes.extend([scene, mode.to_string()]);
+    }
+    if status.paused {
+        notes.push("paused".to_owned());
+    }
+    if status.muted {
+        notes.push("muted".to_owned());
+    } else if status.volume < 0.995 {
+        notes.push(format!("volume {:.0} %", status.volume * 100.0));
+    }
+    if status.silent.is_some() && !silence_asked {
+        notes.push("no sound device".to_owned());
+    }
+    if !notes.is_empty() {
+        title.push_str(&format!(" ({})", notes.join(", ")));
+    }
+    title
+}
+
+/// The same while an input is listened to.
+pub fn live_title(status: &LiveStatus, scene: Option<(String, Mode)>, paused: bool) -> String {
+    let mut notes: Vec<String> =
+        scene.into_iter().flat_map(|(scene, mode)| [scene, mode.to_string()]).collect();
+    if paused {
+        notes.push("paused".to_owned());
+    }
+    notes.push(if status.silent.is_some() { "no sound".to_owned() } else { "live".to_owned() });
+    format!("{} - Mariana ({})", status.name, notes.join(", "))
+}

@@ -1,0 +1,161 @@
+//! The formats of lists: what each names, in its order.
+//!
+//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or hints of other programs.
+//! - PLS: `FileN=path` under `[playlist]`, by the number.
+//! - CUE: tracks within files, each from an index to the next; see [`cue`].
+
+use std::path::Path;
+
+use super::cue;
+use super::error::{PlaylistError, name_of};
+use super::text::{Reference, lines, resolve};
+
+/// A part of a file, in frames of a compact disc, of which 75 are a second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Cut {
+    /// The first one.
+    pub start: u64,
+    /// The first one that is not part of it; none is the end of the file.
+    pub end: Option<u64>,
+}
+
+/// An item of a list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Item {
+    /// What it names.
+    pub reference: Reference,
+    /// The part of it that is meant, if not all.
+    pub cut: Option<Cut>,
+    /// Its title, where the list tells the title of a part.
+    pub title: Option<String>,
+    /// Who made it, likewise.
+    pub artist: Option<String>,
+}
+
+impl Item {
+    fn whole(reference: Reference) -> Self {
+        Self { reference, cut: None, title: None, artist: None }
+    }
+}
+
+/// The kinds of lists, told by the ends of their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// M3U, in whatever encoding.
+    M3u,
+    /// PLS.
+    Pls,
+    /// A cue sheet.
+    Cue,
+}
+
+impl Kind {
+    /// The kind of the list at `path`, if its name is that of one.
+    pub fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "m3u" | "m3u8" => Some(Self::M3u),
+            "pls" => Some(Self::Pls),
+            "cue" => Some(Self::Cue),
+            _ => None,
+        }
+    }
+
+    /// What the list at `path` with these bytes names.
+    ///
+    /// # Errors
+    /// It is no list, or one of a kind that is not supported.
+    pub fn read(self, path: &Path, bytes: &[u8]) -> Result<Vec<Item>, PlaylistError> {
+        let name = || name_of(path);
+        let malformed = |what: &str| PlaylistError::NotAList { name: name(), what: what.to_owned() };
+        let lines = lines(bytes).ok_or_else(|| malformed("it holds no text"))?;
+        let base = path.parent().unwrap_or(Path::new(""));
+        let items = match self {
+            Self::M3u if lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {
+                return Err(PlaylistError::Stream { name: name() });
+            }
+            Self::M3u => {
+                let named = lines.iter().filter(|line| !line.starts_with(b"#"));
+                named.map(|line| Item::whole(resolve(base, line))).collect()
+            }
+            Self::Pls => pls(base, &lines).ok_or_else(|| malformed("it has no line '[playlist]'"))?,
+            Self::Cue => cue::read(base, &lines).ok_or_else(|| malformed("it has no line 'FILE'"))?,
+        };
+        if items.is_empty() { Err(PlaylistError::Empty { name: name() }) } else { Ok(items) }
+    }
+}
+
+fn pls(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
+    if !lines.iter().any(|line| line.eq_ignore_ascii_case(b"[playlist]")) {
+        return None;
+    }
+    let mut numbered: Vec<(u64, Item)> = lines.iter().filter_map(|line| pls_file(base, line)).collect();
+    // Stable: what has no usable number stays as it stood, at the end.
+    numbered.sort_by_key(|(number, _)| *number);
+    Some(numbered.into_iter().map(|(_, item)| item).collect())
+}
+
+fn pls_file(base: &Path, line: &[u8]) -> Option<(u64, Item)> {
+    let equals = line.iter().position(|byte| *byte == b'=')?;
+    let (key, value) = (line.get(..equals)?.trim_ascii(), line.get(equals + 1..)?.trim_ascii());
+    let number = key.get(4..).filter(|_| key[..4].eq_ignore_ascii_case(b"file"))?;
+    let number = std::str::from_utf8(number).ok().and_then(|digits| digits.parse().ok());
+    (!value.is_empty()).then(|| (number.unwrap_or(u64::MAX), Item::whole(resolve(base, value))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn paths(name: &str, text: &str) -> Result<Vec<String>, String> {
+        let path = Path::new("/m").join(name);
+        let items = Kind::of(&path).unwrap().read(&path, text.as_bytes()).map_err(|e| e.to_string())?;
+        let shown = |item: Item| match item.reference {
+            Reference::Path(path) => path.to_string_lossy().into_owned(),
+            Reference::Address(address) => format!("<{address}>"),
+        };
+        Ok(items.into_iter().map(shown).collect())
+    }
+
+    #[test]
+    fn lists_name_their_files_in_order() {
+        let m3u = "#EXTM3U\r\n#EXTINF:123,Some One - A Song\r\na b.mp3\r\n\r\n../c.ogg\r\nhttp://x/y\r\n";
+        assert_eq!(paths("x.m3u", m3u).unwrap(), ["/m/a b.mp3", "/m/../c.ogg", "<http://x/y>"]);
+        let pls = "[Playlist]\nFile10=ten.mp3\nfile2=two=2.mp3\nTitle2=Two\nFile99999999999999999999=far.mp3\n\
+                   FileX=x.mp3\nFile3=\nLength2=7\nNumberOfEntries=4000000000\nVersion=2\n";
+        assert_eq!(paths("x.PLS", pls).unwrap(), ["/m/two=2.mp3", "/m/ten.mp3", "/m/far.mp3", "/m/x.mp3"]);
+    }
+
+    #[test]
+    fn what_is_no_list_is_told_from_one_that_is_empty_or_unsupported() {
+        for (name, text, part) in [
+            ("x.m3u", "a\0b", "not a playlist"),
+            ("x.m3u8", "#EXTM3U\n", "holds no tracks"),
+            ("x.m3u8", "#EXTM3U\n#EXT-X-TARGETDURATION:10\nsegment1.ts\n", "HLS"),
+            ("x.pls", "File1=a.mp3", "[playlist]"),
+            ("x.pls", "[playlist]\nNumberOfEntries=3\n", "holds no tracks"),
+            ("x.cue", "TITLE \"x\"\n", "FILE"),
+        ] {
+            let error = paths(name, text).unwrap_err();
+            assert!(error.contains(part) && error.contains(name), "{error}");
+        }
+        assert_eq!(Kind::of(Path::new("a/song.flac")), None);
+        assert_eq!(Kind::of(Path::new("m3u")), None);
+    }
+
+    proptest! {
+        #[test]
+        fn no_list_makes_it_fail(bytes in prop::collection::vec(any::<u8>(), 0..300),
+                                 text in "(?s)(\\[playlist\\]\n|FILE \"a\" WAVE\n|TRACK 01 AUDIO\n|INDEX 01 |File|[0-9:=\"]|.){0,60}") {
+            for name in ["x.m3u", "x.pls", "x.cue"] {
+                let path = Path::new(name);
+                for bytes in [&bytes[..], text.as_bytes()] {
+                    if let Err(error) = Kind::of(path).unwrap().read(path, bytes) {
+                        prop_assert!(error.to_string().contains(name));
+                    }
+                }
+            }
+        }
+    }
+}
