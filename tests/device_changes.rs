@@ -153,7 +153,8 @@ fn a_device_that_was_named_is_waited_for() {
     let session = Session::with_server();
     let usb = session.server().plug("usb", &[]);
     let mut player = play(Some("usb"));
-    let mut live = listen(named("usb.monitor"));
+    // Named as the output.
+    let mut live = listen(Target::MonitorOf("usb".into()));
     wait_for(&mut player, "the sound", plays_on("usb"));
     wait_for_live(&mut live, "the sound", hears("usb.monitor"));
     // Pulled out: the server moves the streams to viz, where nobody asked for them.

@@ -27,7 +27,6 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::graph::Input;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
@@ -244,7 +243,7 @@ impl SceneStage {
             default: param.default,
         });
         let sliders = sliders.collect();
-        let moves = ready.world.scene.graph.holds(Input::T);
+        let moves = ready.world.scene.graph.moves_by_itself();
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
         let id = self.fresh_id();

@@ -294,13 +294,11 @@ fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> 
         ListenChoice::Microphone => (&settings.microphone, Target::Default),
         ListenChoice::System => (&settings.system, Target::Monitor),
     };
-    let device = device.map(|name| match choice {
-        ListenChoice::Microphone => name,
-        // The monitor of the output that was named.
-        ListenChoice::System if !name.contains("monitor") => format!("{name}.monitor"),
-        ListenChoice::System => name,
+    let asked = device.map(match choice {
+        ListenChoice::Microphone => Target::Named,
+        ListenChoice::System => Target::MonitorOf,
     });
-    device.or_else(|| remembered.clone()).map_or(default, Target::Named)
+    asked.or_else(|| remembered.clone().map(Target::Named)).unwrap_or(default)
 }
 
 /// Remembers a choice, by name.
@@ -308,6 +306,8 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     match target {
         Target::Default => settings.microphone = None,
         Target::Monitor => settings.system = None,
+        // Asked for on the command line, for one run.
+        Target::MonitorOf(_) => {}
         Target::Named(id) => {
             let entry = RosterEntry { id: id.clone(), name: String::new() };
             let place = if entry.is_monitor() { &mut settings.system } else { &mut settings.microphone };
@@ -345,8 +345,7 @@ mod tests {
         assert_eq!(wanted(mic, None, &settings), named("p:mic"));
         assert_eq!(wanted(system, None, &settings), named("p:tv.monitor"));
         assert_eq!(wanted(mic, Some("usb".into()), &settings), named("usb"));
-        assert_eq!(wanted(system, Some("hdmi".into()), &settings), named("hdmi.monitor"));
-        assert_eq!(wanted(system, Some("hdmi.monitor".into()), &settings), named("hdmi.monitor"));
+        assert_eq!(wanted(system, Some("hdmi".into()), &settings), Target::MonitorOf("hdmi".into()));
         let none = Settings::default();
         assert_eq!(
             (wanted(mic, None, &none), wanted(system, None, &none)),

@@ -28,6 +28,8 @@ pub enum Target {
     Monitor,
     /// The one with this id or name, or whose id or name contains it.
     Named(String),
+    /// The input that records what such an output plays.
+    MonitorOf(String),
 }
 
 /// One direction of sound as the [`Supervisor`](super::supervisor::Supervisor) sees it.
@@ -156,11 +158,14 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
             })
             .ok_or_else(|| none(DeviceError::NoDevice(direction))),
         Target::Monitor => monitor().ok_or_else(|| none(DeviceError::NoLoopback)),
-        Target::Named(name) => {
+        Target::Named(name) | Target::MonitorOf(name) => {
+            let monitors_only = matches!(target, Target::MonitorOf(_));
             let devices = hosts().filter_map(|(_, host)| host.devices().ok()).flatten();
             let fitting = devices.filter(|device| match direction {
                 Direction::Output => device.supports_output(),
-                Direction::Input => device.supports_input(),
+                Direction::Input => {
+                    device.supports_input() && (!monitors_only || RosterEntry::of(device).is_monitor())
+                }
             });
             best_match(fitting.collect(), name, RosterEntry::of)
                 .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))

@@ -374,7 +374,7 @@ impl<P: Port> Watch<P> {
     /// The id of the device that should be open, if the target is a default.
     fn default_of(&self, roster: &Roster) -> Option<String> {
         match (self.target.as_ref()?, P::DIRECTION) {
-            (Target::Named(_), _) => None,
+            (Target::Named(_) | Target::MonitorOf(_), _) => None,
             (Target::Monitor, _) => roster.default_output.as_deref().map(monitor_id),
             (Target::Default, Direction::Output) => roster.default_output.clone(),
             (Target::Default, Direction::Input) => roster.default_input.clone(),
@@ -384,7 +384,7 @@ impl<P: Port> Watch<P> {
     /// A device that was asked for by name and is no longer there: sound servers move its stream to another one without
     /// a word.
     fn has_gone(&self, roster: &Roster, entry: &RosterEntry) -> Option<DeviceError> {
-        let named = matches!(self.target, Some(Target::Named(_)));
+        let named = matches!(self.target, Some(Target::Named(_) | Target::MonitorOf(_)));
         let list = match P::DIRECTION {
             Direction::Output => &roster.outputs,
             Direction::Input => &roster.inputs,

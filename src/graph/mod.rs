@@ -105,9 +105,14 @@ impl Graph {
         self.nodes[id.index()]
     }
 
-    /// Whether any expression built so far, used or not, reads an input.
-    pub fn holds(&self, input: Input) -> bool {
-        self.nodes.contains(&Node::Input(input))
+    /// Whether any expression built so far, used or not, reads the time, or a table of the sound: both may change while the
+    /// sound's features stay the same.
+    pub fn moves_by_itself(&self) -> bool {
+        self.nodes.iter().any(|node| match node {
+            Node::Input(input) => *input == Input::T,
+            Node::Unary(op, _) | Node::Binary(op, _, _) => op.properties().has(op::Properties::READS_FRAME),
+            _ => false,
+        })
     }
 
     /// The constant that a node is, if it is one.

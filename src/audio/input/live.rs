@@ -217,6 +217,7 @@ impl Live {
         match &self.target {
             Target::Default => "the microphone".into(),
             Target::Monitor => "what the computer plays".into(),
+            Target::MonitorOf(name) => format!("what {name} plays"),
             Target::Named(id) => roster.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone()),
         }
     }
