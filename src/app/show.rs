@@ -396,11 +396,17 @@ impl Show {
             Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
             Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
             Action::Tap => stage.tap(),
-            Action::SkipTrack { forward } => stage.with_song(|player| player.skip(forward)),
+            Action::SkipTrack { forward } => {
+                stage.taps = TapTempo::default();
+                stage.with_song(|player| player.skip(forward));
+            }
             Action::ToggleShuffle => stage.set_order(|repeat, shuffled| (repeat, !shuffled)),
             Action::ChangeRepeat => stage.set_order(|repeat, shuffled| (next_repeat(repeat), shuffled)),
             Action::Shift(steps) => stage.sound.shift(steps),
-            Action::ChangeSource => stage.sound.next_source(),
+            Action::ChangeSource => {
+                stage.taps = TapTempo::default();
+                stage.sound.next_source();
+            }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
             Action::ChangeScene { forward } => stage.scene.go(forward),

@@ -39,6 +39,8 @@ pub struct Sound {
     device: Option<RosterEntry>,
     watch: Option<std::sync::Arc<RosterWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
+    /// What was chosen, and is remembered once the list is gone: on the way to it others were chosen for moments.
+    unremembered: Option<Target>,
     notice: Option<(String, Instant)>,
     /// What stays over the picture as long as it is so.
     hint: Option<String>,
@@ -77,6 +79,7 @@ impl Sound {
             device: None,
             watch: None,
             list: None,
+            unremembered: None,
             notice: None,
             hint: None,
             suggestion: None,
@@ -135,6 +138,9 @@ impl Sound {
 
     /// How the input stands, if one is listened to. Tells on the terminal what is new.
     pub fn live_status(&mut self) -> Option<LiveStatus> {
+        if self.list(Instant::now()).is_none() {
+            self.remember_choice();
+        }
         let status = self.live.as_mut()?.status();
         self.device.clone_from(&status.device);
         self.suggestion.clone_from(&status.suggestion);
@@ -223,9 +229,15 @@ impl Sound {
 
     fn choose(&mut self, source: Source) {
         (self.hint, self.device, self.told) = (None, None, None);
+        // What was asked for was of another device.
+        self.asked_ms = None;
         match source {
             Source::Song => {
-                self.live = None;
+                // Closing waits for the sound system, and the picture must not.
+                if let Some(live) = self.live.take() {
+                    std::thread::spawn(move || drop(live));
+                }
+                self.unremembered = None;
                 if let Some(player) = &self.player {
                     player.set_paused(self.paused);
                 }
@@ -244,7 +256,7 @@ impl Sound {
                         Err(error) => return self.complain(&error.to_string()),
                     },
                 }
-                self.remember(|settings| note_choice(settings, &target));
+                self.unremembered = Some(target);
             }
         }
     }
@@ -269,6 +281,12 @@ impl Sound {
         })
     }
 
+    fn remember_choice(&mut self) {
+        if let Some(target) = self.unremembered.take() {
+            self.remember(|settings| note_choice(settings, &target));
+        }
+    }
+
     fn remember(&mut self, change: impl Fn(&mut Settings)) {
         if let Err(error) = self.file.change(change) {
             self.complain(&error.to_string());
@@ -285,6 +303,12 @@ impl Sound {
 
     fn say(&mut self, text: String) {
         self.notice = Some((text, Instant::now()));
+    }
+}
+
+impl Drop for Sound {
+    fn drop(&mut self) {
+        self.remember_choice();
     }
 }
 

@@ -147,6 +147,12 @@ impl Timeline {
         }
     }
 
+    /// Whether the features of a segment's first moment are known.
+    pub fn has_begun(&self, id: u64) -> bool {
+        let first = self.find(id).and_then(|segment| segment.passages.front());
+        first.is_some_and(|passage| passage.features.span().is_some_and(|(_, last)| last >= passage.start))
+    }
+
     /// Adds the features of a moment of a passage; its time counts from the track's start on and goes on over laps.
     pub fn push_features(&mut self, passage: u64, moment: &TimedFeatures) {
         if let Some(passage) = self.passage_mut(passage) {

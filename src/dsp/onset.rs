@@ -112,7 +112,9 @@ impl Onsets {
             *slot = flux;
         }
         self.next = (self.next + 1) % self.recent.len();
-        let mean = self.recent.iter().sum::<f32>() / self.recent.len() as f32;
+        // From the oldest on, so that the sum is the same wherever the ring begins.
+        let (newer, older) = self.recent.split_at(self.next);
+        let mean = older.iter().chain(newer).sum::<f32>() / self.recent.len() as f32;
         let largest = self.recent.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
         let was_above = std::mem::replace(
             &mut self.above,

@@ -12,6 +12,7 @@
 //! | `name` as an argument | `sampler2D(name_texture, name_sampler)` |
 //! | `gl_VertexID` | `gl_VertexIndex` |
 //! | `uniform usamplerBuffer regions;`, which naga does not know | `uvec4 fetch_regions(int texel)` |
+//! | `uniform samplerBuffer sound_tables;`, the same | `vec4 fetch_sound_tables(int texel)` |
 //! | `texelFetch(regions, texel)` | `fetch_regions(texel)` |
 //!
 //! Macros are expanded by glslang before, as naga's preprocessor has no `##`.
@@ -111,10 +112,14 @@ pub fn vulkan_form(text: &str) -> Result<String, String> {
     let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
     for line in text.lines() {
-        let fetching = line.replace("texelFetch(regions, ", "fetch_regions(");
+        let fetching = line
+            .replace("texelFetch(regions, ", "fetch_regions(")
+            .replace("texelFetch(sound_tables, ", "fetch_sound_tables(");
         let line = fetching.as_str();
         if line.starts_with("uniform usamplerBuffer regions;") {
             vulkan.push_str("uvec4 fetch_regions(int texel) { return uvec4(uint(texel)); }");
+        } else if line.starts_with("uniform samplerBuffer sound_tables;") {
+            vulkan.push_str("vec4 fetch_sound_tables(int texel) { return vec4(float(texel)); }");
         } else if line.starts_with("#version") {
             vulkan.push_str("#version 450");
         } else if let Some((kind, name)) = declared_sampler(line) {

@@ -17,7 +17,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 const GAP: f64 = 0.1;
 
 /// How much silence is analysed after the last frame, in seconds: until every feature has come to rest.
-const REST: f64 = 3.0;
+const REST: f64 = 20.0;
 
 /// A signal moves by more than this within a batch of frames: -80 dB. An offset is no signal.
 pub(super) const FLAT: f32 = 1e-4;

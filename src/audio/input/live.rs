@@ -85,6 +85,8 @@ pub struct Live {
     paused_for: f64,
     /// The time in the track that was told last.
     heard_at: f64,
+    /// The sound of the moment at which it was paused: the track forgets it.
+    paused_at: Sound,
     moment: Moment,
 }
 
@@ -116,6 +118,7 @@ impl Live {
             paused: None,
             paused_for: 0.0,
             heard_at: 0.0,
+            paused_at: Sound::default(),
             moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
         })
     }
@@ -138,7 +141,10 @@ impl Live {
     pub fn set_paused(&mut self, paused: bool) {
         let now = self.ear.now();
         match (self.paused, paused) {
-            (None, true) => self.paused = Some(now),
+            (None, true) => {
+                self.paused_at = self.sound();
+                self.paused = Some(now);
+            }
             (Some(since), false) => {
                 self.paused_for += now - since;
                 self.paused = None;
@@ -175,7 +181,10 @@ impl Live {
 
     /// The sound of what [`Live::now`] told last, with its curves.
     pub fn sound(&self) -> Sound {
-        self.track.sound_at(self.heard_at)
+        match self.paused {
+            Some(_) => self.paused_at.clone(),
+            None => self.track.sound_at(self.heard_at),
+        }
     }
 
     /// The sample that the newest features belong to: the number of the stream, and its own in the stream.

@@ -29,17 +29,21 @@ const PAUSE_MAX: Duration = Duration::from_secs(30);
 pub(super) struct Prober {
     search: Option<(Worker, Receiver<Option<RosterEntry>>)>,
     found: Option<RosterEntry>,
+    /// Whether the answer of the search does not count any more.
+    stale: bool,
     next: Option<Instant>,
     pause: Duration,
 }
 
 impl Prober {
     pub(super) fn new() -> Self {
-        Self { search: None, found: None, next: None, pause: PAUSE }
+        Self { search: None, found: None, stale: false, next: None, pause: PAUSE }
     }
 
     /// Forgets what was found.
     pub(super) fn reset(&mut self) {
+        // The answer of a search that is on its way is for what was listened to before.
+        self.stale = self.search.is_some();
         (self.found, self.next, self.pause) = (None, None, PAUSE);
     }
 
@@ -47,14 +51,14 @@ impl Prober {
     pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<RosterEntry>) -> Option<&RosterEntry> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {
-                self.found = found;
+                self.found = found.filter(|_| !std::mem::take(&mut self.stale));
                 self.next = Some(Instant::now() + self.pause);
                 self.pause = (2 * self.pause).min(PAUSE_MAX);
             }
             if !worker.has_ended() {
                 return self.found.as_ref();
             }
-            self.search = None;
+            (self.search, self.stale) = (None, false);
         }
         if self.next.is_none_or(|next| next <= Instant::now()) {
             let candidates = candidates();

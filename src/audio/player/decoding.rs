@@ -250,7 +250,14 @@ impl Decoding {
             // Something was asked for that is not wanted any more.
             return false;
         }
+        // The list had ended and goes on after all, as repeating was asked for.
+        let ended = self.filling.as_ref().is_some_and(|filling| filling.finished);
         self.next = match found {
+            Found::Track(track) if ended => {
+                self.replace(track);
+                return true;
+            }
+            Found::Again if ended => return true,
             Found::Track(track) => Next::Track(track),
             Found::Again => Next::Again,
             Found::End => Next::End,
@@ -392,7 +399,10 @@ impl Decoding {
             self.timeline.lock().finish(filling.id, filling.pushed);
         }
         let prefill = ((PREFILL * f64::from(link.rate)) as u64).min(filling.ring.buffer().capacity() as u64);
-        if (filling.pushed >= prefill || filling.finished)
+        // What is heard first must have its features, unless there is no room to wait for them.
+        let is_full = !filling.is_pushed();
+        let is_ready = filling.pushed >= prefill && (is_full || self.timeline.lock().has_begun(filling.id));
+        if (is_ready || filling.finished)
             && let Some(segment) = filling.waiting.take()
         {
             filling.waiting = link.offer(segment).err();

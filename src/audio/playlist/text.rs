@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::limits::LIMITS;
+
 /// What a list names: a path as it stands there, or an address.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reference {
@@ -29,7 +31,8 @@ pub fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
         return None;
     }
     let lines = text.split(|byte| matches!(byte, b'\n' | b'\r'));
-    Some(lines.map(|line| line.trim_ascii().to_vec()).filter(|line| !line.is_empty()).collect())
+    let lines = lines.map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
+    Some(lines.take(LIMITS.playlist_looks_max).map(<[u8]>::to_vec).collect())
 }
 
 /// UTF-8 where it is, else Latin-1, in which every byte is a character.
