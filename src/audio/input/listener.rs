@@ -258,8 +258,8 @@ mod tests {
         listener.attach(None);
         // As if time had passed.
         let mut made = 0;
-        for _ in 0..40 {
-            listener.last -= 0.2;
+        for _ in 0..2 * REST as usize {
+            listener.last -= 0.6;
             listener.listen();
             let moments = all(&mut heard);
             made += moments.len();
@@ -279,7 +279,8 @@ mod tests {
         tap.take(&tone(1_000), 1, None);
         listener.listen();
         // As if that had been long ago.
-        listener.ear = Arc::new(Ear { epoch: Instant::now() - Duration::from_secs(10), ..Ear::new() });
+        listener.ear =
+            Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
         assert!(!all(&mut heard).is_empty());
         tap.take(&[0.0; 1_000], 1, None);
         listener.listen();
