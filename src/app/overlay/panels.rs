@@ -87,15 +87,15 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
-    if let Some(list) = &content.sources {
-        sources::draw(&front, space, list);
-    }
     let mut below = space;
     if let Some(text) = content.hint {
         below.min.y = draw_sentence(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(notice) = &content.notice {
-        draw_notice(&front, below, notice, now);
+        below.min.y = draw_notice(&front, below, notice, now).bottom() + 0.5 * style::MARGIN;
+    }
+    if let Some(list) = &content.sources {
+        sources::draw(&front, below, list);
     }
     changed
 }
@@ -111,10 +111,10 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
     rect
 }
 
-fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) {
+fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) -> Rect {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
-    draw_sentence(&painter, space, notice.text, style::TEXT);
+    draw_sentence(&painter, space, notice.text, style::TEXT)
 }
 
 /// Draws a sentence at the top; where it is.
