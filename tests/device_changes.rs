@@ -185,13 +185,16 @@ fn an_input_is_chosen_while_another_is_heard() {
     assert!(second.segment > first.segment && second.song_time > first.song_time);
     live.choose(named("no_such_box"));
     let told = |status: &LiveStatus| status.silent.clone().unwrap_or_default();
-    // What is heard goes on until there is something else.
-    std::thread::sleep(Duration::from_millis(500));
+    // What is heard goes on until there is something else, and why it does is told.
+    wait_for_live(&mut live, "the sentence", |status, _| {
+        status.refused.as_ref().is_some_and(|reason| reason.contains("no_such_box"))
+    });
     wait_for_live(&mut live, "the other", hears("other.monitor"));
     session.server().plug("such", &["sink_properties=device.description=no_such_box"]);
     wait_for_live(&mut live, "the box", |status, _| {
         status.device.as_ref().is_some_and(|device| device.id.ends_with("such.monitor"))
             && told(status).is_empty()
+            && status.refused.is_none()
     });
 }
 

@@ -144,7 +144,7 @@ impl Sound {
         let status = self.live.as_mut()?.status();
         self.device.clone_from(&status.device);
         self.suggestion.clone_from(&status.suggestion);
-        self.hint = status.silent.clone().or_else(|| status.flat.clone());
+        self.hint = status.silent.clone().or_else(|| status.refused.clone()).or_else(|| status.flat.clone());
         if self.told != status.silent {
             if let Some(reason) = &status.silent {
                 tell(&format!("nothing is heard: {reason}"));

@@ -38,6 +38,8 @@ pub(crate) struct StreamStatus<N> {
     pub(crate) device: Option<RosterEntry>,
     /// Why there is no sound, if there is none.
     pub(crate) silent: Option<String>,
+    /// Why what was chosen is not there, while what was there before goes on.
+    pub(crate) refused: Option<String>,
     /// What the port notes of what is open.
     pub(crate) note: N,
     /// How often a device was opened.
@@ -242,6 +244,7 @@ impl<P: Port> Watch<P> {
                 self.target = Some(target);
                 self.had = None;
                 self.superseded = true;
+                lock(&self.status).refused = None;
                 if self.roster.is_none() {
                     self.roster = RosterWatch::shared().ok();
                 }
@@ -288,7 +291,14 @@ impl<P: Port> Watch<P> {
             let mut status = lock(&self.status);
             let openings = status.openings + 1;
             let note = P::note(&link);
-            *status = StreamStatus { description, device: Some(entry), silent: None, note, openings };
+            *status = StreamStatus {
+                description,
+                device: Some(entry),
+                silent: None,
+                refused: None,
+                note,
+                openings,
+            };
         }
         self.port.ready(link);
         close::<P>(before);
@@ -309,6 +319,8 @@ impl<P: Port> Watch<P> {
         };
         if !stands {
             self.go_silent(error.to_string());
+        } else if self.superseded {
+            lock(&self.status).refused = Some(error.to_string());
         }
         self.retry_at = Some(Instant::now() + wait_before_retry(kind));
     }
@@ -322,6 +334,8 @@ impl<P: Port> Watch<P> {
             let error = DeviceError::Timeout { direction: P::DIRECTION, seconds: OPEN_LIMIT.as_secs() };
             if !matches!(self.current, Current::Device { .. }) {
                 self.go_silent(error.to_string());
+            } else if self.superseded {
+                lock(&self.status).refused = Some(error.to_string());
             }
         }
         if let Current::Device { calls, called, silent_looks, .. } = &mut self.current {

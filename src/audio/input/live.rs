@@ -53,6 +53,8 @@ pub struct LiveStatus {
     pub description: String,
     /// Why there is no sound, if there is none.
     pub silent: Option<String>,
+    /// Why what was chosen last is not there, while what was there before goes on.
+    pub refused: Option<String>,
     /// What is wrong with an input that gives nothing but silence, and what to do.
     pub flat: Option<String>,
     /// The input that would have signal, then.
@@ -212,6 +214,7 @@ impl Live {
             device: status.device,
             description: status.description,
             silent: status.silent,
+            refused: status.refused,
             flat,
             suggestion,
             lost: count(|counters| counters.lost.load(Ordering::Relaxed)),

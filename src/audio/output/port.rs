@@ -85,7 +85,7 @@ impl Supervisor {
 
     /// What is played on now.
     pub fn status(&self) -> OutputStatus {
-        let StreamStatus { description, device, silent, note: history, openings } = self.0.status();
+        let StreamStatus { description, device, silent, note: history, openings, .. } = self.0.status();
         OutputStatus { description, device, silent, history, openings }
     }
 
