@@ -12,6 +12,7 @@ mod scene_regions;
 mod scene_stage;
 mod show;
 mod sound;
+mod stage;
 mod title;
 mod window;
 

@@ -49,6 +49,8 @@ struct Cast {
     compilable: bool,
     /// Whether it moves without sound, too.
     moves: bool,
+    /// Whether it reads curves of the sound.
+    hears_curves: bool,
     sliders: Vec<Slider>,
 }
 
@@ -243,7 +245,8 @@ impl SceneStage {
             default: param.default,
         });
         let sliders = sliders.collect();
-        let moves = ready.world.scene.graph.moves_by_itself();
+        let graph = &ready.world.scene.graph;
+        let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
         let id = self.fresh_id();
@@ -256,6 +259,7 @@ impl SceneStage {
             compiled: None,
             compilable: true,
             moves,
+            hears_curves,
             sliders,
         });
         self.forget_obsolete();
@@ -401,7 +405,7 @@ impl SceneStage {
     }
 
     /// Shows a line for a moment.
-    pub fn tell(&mut self, text: String) {
+    fn tell(&mut self, text: String) {
         self.notice = Some((text, Instant::now()));
     }
 
@@ -534,6 +538,11 @@ impl SceneStage {
     /// A number that changes whenever the same moment would look different.
     pub fn revision(&self) -> u64 {
         self.revision
+    }
+
+    /// Whether the scene on the stage reads curves of the sound.
+    pub fn hears_curves(&self) -> bool {
+        self.on_stage.as_ref().is_none_or(|cast| cast.hears_curves)
     }
 
     /// Whether the scene on the stage moves without sound, too.

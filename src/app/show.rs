@@ -10,21 +10,21 @@ use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
-use super::announcer::{Announcer, next_repeat, words_of};
+use super::announcer::{Announcer, next_repeat};
 use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::{self, Action};
 use super::media_controls::{Asked, MediaControls};
-use super::overlay::{Overlay, OverlayContent};
+use super::overlay::Overlay;
 use super::pacing::Pacing;
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::sound::{Sound, Start};
+use super::stage::{IDLE_INTERVAL, Stage, show_sound};
 use super::title::{live_title, title};
 use super::window::GlWindowContext;
 use crate::audio::playlist::Opened;
-use crate::audio::track::Repeat;
-use crate::audio::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus};
+use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::dsp::{self, TapTempo};
 use crate::export::painter::SceneChoice;
@@ -37,10 +37,6 @@ use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 const FPS_DEFAULT: f64 = 60.0;
 /// Threads that compile programs: one for the scene's own, one for the interpreter's.
 const COMPILERS: usize = 2;
-/// How often a show that stands still looks around.
-const IDLE_INTERVAL: Duration = Duration::from_millis(250);
-/// How often it does while it waits for a sound that it could show.
-const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 /// Two clicks within this time and distance in pixels are a double click.
@@ -140,117 +136,6 @@ struct Show {
     started: Instant,
     stage: Option<Stage>,
     error: Option<AppError>,
-}
-
-/// Everything that lives as long as the window.
-struct Stage {
-    sound: Sound,
-    /// The tempo by hand.
-    taps: TapTempo,
-    /// What the user wants; until the first picture the player waits in any case.
-    paused: bool,
-    renderer: Renderer,
-    scene: SceneStage,
-    pacing: Pacing,
-    /// What the last frame showed. A show that stands still is not drawn again.
-    shown: Option<Shown>,
-    frame_times: FrameTimes,
-    status_due: Instant,
-    told_silent: Option<String>,
-    announcer: Announcer,
-    controls: MediaControls,
-    title: String,
-    last_click: Option<(Instant, PhysicalPosition<f64>)>,
-    cursor: PhysicalPosition<f64>,
-    occluded: bool,
-    overlay: Overlay,
-    /// Whether the keys are shown.
-    help: bool,
-    /// Whether the parameters' sliders are shown.
-    sliders: bool,
-    /// Whether the line about the scene is shown.
-    corner: bool,
-    // Last: everything above that holds OpenGL objects goes first.
-    window: GlWindowContext,
-}
-
-impl Stage {
-    fn set_paused(&mut self, paused: bool) {
-        self.paused = paused;
-        if self.shown.is_some() {
-            self.sound.set_paused(paused);
-        }
-    }
-
-    /// Changes what follows what; nothing while another source is listened to.
-    fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
-        let Some(player) = self.sound.player() else { return };
-        let status = player.status();
-        let before = (status.repeat, status.shuffled);
-        let (repeat, shuffled) = change(before.0, before.1);
-        player.set_order(repeat, shuffled);
-        self.announcer.answer(words_of(before, (repeat, shuffled)).to_owned());
-    }
-
-    /// Plays files that were dropped onto the window.
-    fn play_files(&mut self, files: Vec<PathBuf>) {
-        match self.sound.player() {
-            Some(player) => player.play_files(files),
-            None => {
-                self.announcer.answer("files play only while the song is listened to: press D".to_owned())
-            }
-        }
-    }
-
-    /// Takes this moment as a beat.
-    fn tap(&mut self) {
-        let Some(Moment { song_time, .. }) = self.sound.now() else { return };
-        self.taps.tap(song_time);
-        self.announcer.answer(match self.taps.at(song_time) {
-            Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
-            None => "tap again to set the tempo".to_owned(),
-        });
-    }
-
-    /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
-    fn moment(&mut self) -> Option<Moment> {
-        let mut now = self.sound.now()?;
-        self.taps.apply(now.song_time, &mut now.features);
-        let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
-        Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
-    }
-
-    /// How long a show that stands still sleeps: in silence it listens.
-    fn idle_interval(&self, seen: bool) -> Duration {
-        if seen && !self.paused { LISTEN_INTERVAL } else { IDLE_INTERVAL }
-    }
-
-    /// Does something with the song, if it is what is listened to.
-    fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
-        if let Some(player) = self.sound.player() {
-            act(player);
-        }
-    }
-
-    fn set_title(&mut self, title: String) {
-        if title != self.title {
-            self.window.window().set_title(&title);
-            self.title = title;
-        }
-    }
-}
-
-/// Adds what there is to tell of the sound and the tracks.
-fn show_sound<'a>(
-    sound: &'a Sound,
-    announcer: &'a Announcer,
-    content: &mut OverlayContent<'a>,
-    now: Instant,
-) {
-    content.add(sound.notice());
-    content.add(announcer.notice());
-    content.hint = sound.hint();
-    content.sources = sound.list(now);
 }
 
 impl Show {
@@ -358,7 +243,10 @@ impl Show {
         let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) {
-            let sound = dsp::Sound { features: moment.features, ..stage.sound.heard() };
+            // Its curves take longer than all the rest of a frame's inputs: only for scenes that read them.
+            let curves =
+                if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
+            let sound = dsp::Sound { features: moment.features, tables: curves };
             new = stage.scene.draw(&mut stage.renderer, (moment, sound), drawn)?;
         }
         let corner = stage.corner.then(|| stage.scene.corner()).flatten();
@@ -396,13 +284,13 @@ impl Show {
             Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
             Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
             Action::Tap => stage.tap(),
-            Action::SkipTrack { forward } => {
-                stage.taps = TapTempo::default();
-                stage.with_song(|player| player.skip(forward));
-            }
+            Action::SkipTrack { forward } => stage.skip(forward),
             Action::ToggleShuffle => stage.set_order(|repeat, shuffled| (repeat, !shuffled)),
             Action::ChangeRepeat => stage.set_order(|repeat, shuffled| (next_repeat(repeat), shuffled)),
-            Action::Shift(steps) => stage.sound.shift(steps),
+            Action::Shift(steps) => {
+                let words = stage.sound.shift(steps);
+                stage.announcer.answer(words);
+            }
             Action::ChangeSource => {
                 stage.taps = TapTempo::default();
                 stage.sound.next_source();
@@ -432,7 +320,7 @@ impl Show {
             match asked {
                 Asked::Play(play) => stage.set_paused(!play),
                 Asked::TogglePause => stage.set_paused(!stage.paused),
-                Asked::Skip { forward } => stage.with_song(|player| player.skip(forward)),
+                Asked::Skip { forward } => stage.skip(forward),
                 Asked::SeekBy(seconds) => stage.with_song(|player| player.seek_by(seconds)),
                 Asked::SeekTo(seconds) => stage.with_song(|player| player.seek_to(seconds)),
                 Asked::Volume(volume) => stage.with_song(|player| player.set_volume(volume)),

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::error::AppError;
-use super::overlay::{Notice, SourceList};
+use super::overlay::SourceList;
 use crate::audio::input::{Live, LiveOptions, LiveStatus};
 use crate::audio::roster::{Roster, RosterEntry, RosterWatch};
 use crate::audio::{Moment, Player, PlayerStatus, Target};
@@ -41,7 +41,6 @@ pub struct Sound {
     list: Option<(Vec<(Source, String)>, Instant)>,
     /// What was chosen, and is remembered once the list is gone: on the way to it others were chosen for moments.
     unremembered: Option<Target>,
-    notice: Option<(String, Instant)>,
     /// What stays over the picture as long as it is so.
     hint: Option<String>,
     suggestion: Option<RosterEntry>,
@@ -80,7 +79,6 @@ impl Sound {
             watch: None,
             list: None,
             unremembered: None,
-            notice: None,
             hint: None,
             suggestion: None,
             told: None,
@@ -154,21 +152,21 @@ impl Sound {
         Some(status)
     }
 
-    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers that of the device.
-    pub fn shift(&mut self, steps: f64) {
+    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers that of the device. Says in words what it is now.
+    pub fn shift(&mut self, steps: f64) -> String {
         // What is heard live cannot be shown before it comes.
         let least = if self.live.is_some() { 0.0 } else { -LIMITS.latency_ms_max };
         let shift = (self.shift_ms() + steps * SHIFT_STEP_MS).clamp(least, LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
         let Some(device) = self.device.clone() else {
-            return self.say(shift_in_words(shift, None));
+            return shift_in_words(shift, None);
         };
-        self.say(shift_in_words(shift, Some(&device.name)));
         // Remembered of the device from now on; with another device another shift.
         self.asked_ms = None;
         self.remember(|settings| {
             settings.latency_ms.insert(device.id.clone(), shift);
         });
+        shift_in_words(shift, Some(&device.name))
     }
 
     /// How much later than the device says the picture is shown, in milliseconds.
@@ -261,11 +259,6 @@ impl Sound {
         }
     }
 
-    /// What comes up over the picture and fades.
-    pub fn notice(&self) -> Option<Notice<'_>> {
-        self.notice.as_ref().map(|(text, since)| Notice { text, since: *since })
-    }
-
     /// What stays over the picture.
     pub fn hint(&self) -> Option<&str> {
         self.hint.as_deref().filter(|_| self.live.is_some())
@@ -299,10 +292,6 @@ impl Sound {
             tell(text);
         }
         self.told = Some(text.to_owned());
-    }
-
-    fn say(&mut self, text: String) {
-        self.notice = Some((text, Instant::now()));
     }
 }
 

@@ -227,6 +227,30 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
+/// Calls a function that is generic over the type of samples with the type of a format; none for a format that is no
+/// plain number.
+macro_rules! with_sample_type {
+    ($format:expr, $function:ident($($argument:expr),*)) => {{
+        use cpal::{I24, SampleFormat, U24};
+        match $format {
+            SampleFormat::F32 => Some($function::<f32>($($argument),*)),
+            SampleFormat::I16 => Some($function::<i16>($($argument),*)),
+            SampleFormat::I32 => Some($function::<i32>($($argument),*)),
+            SampleFormat::I24 => Some($function::<I24>($($argument),*)),
+            SampleFormat::U8 => Some($function::<u8>($($argument),*)),
+            SampleFormat::I8 => Some($function::<i8>($($argument),*)),
+            SampleFormat::U16 => Some($function::<u16>($($argument),*)),
+            SampleFormat::U24 => Some($function::<U24>($($argument),*)),
+            SampleFormat::U32 => Some($function::<u32>($($argument),*)),
+            SampleFormat::I64 => Some($function::<i64>($($argument),*)),
+            SampleFormat::U64 => Some($function::<u64>($($argument),*)),
+            SampleFormat::F64 => Some($function::<f64>($($argument),*)),
+            _ => None,
+        }
+    }};
+}
+pub(crate) use with_sample_type;
+
 #[cfg(test)]
 mod tests {
     use std::sync::atomic::AtomicU64;

@@ -9,7 +9,7 @@ pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
     // A world's graph has been checked.
     let used = world.graph.inputs_used(&roots).unwrap_or_default();
-    [Op::Spectrum, Op::Waveform, Op::History].iter().any(|table| used.tables.contains(table))
+    Op::CURVES.iter().any(|table| used.tables.contains(table))
 }
 
 /// The texels, a float each. A table of another shape than the shaders know is silence.

@@ -115,6 +115,13 @@ impl Graph {
         })
     }
 
+    /// Whether any expression built so far, used or not, reads one of [`Op::CURVES`].
+    pub fn reads_curves(&self) -> bool {
+        self.nodes
+            .iter()
+            .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if Op::CURVES.contains(op)))
+    }
+
     /// The constant that a node is, if it is one.
     #[inline(always)]
     pub fn as_constant(&self, id: NodeId) -> Option<f32> {

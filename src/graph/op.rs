@@ -484,6 +484,9 @@ operators! {
 pub const FIRST_BINARY: u8 = 64;
 
 impl Op {
+    /// Those that read a curve of the sound, which a frame has for them alone.
+    pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
+
     /// The operator's number.
     pub const fn number(self) -> u8 {
         self as u8

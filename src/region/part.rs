@@ -72,7 +72,7 @@ impl<'a> Part<'a> {
             trunk,
             number,
             parts,
-            room: trunk.options.texels_max.saturating_sub(trunk.texels.len()) / parts.max(1),
+            room: trunk.options.texels_max.saturating_sub(trunk.texels.len()) / parts,
             texels: Vec::new(),
             bricks: Vec::new(),
             heads: Vec::new(),
@@ -186,16 +186,17 @@ impl<'a> Part<'a> {
                 level.structure.look_at(&level.short);
             }
             for cell in cells_of(divided) {
-                if self.texels.len() + CELLS > self.room {
+                let Some(address) = self.address(CELLS) else {
                     divided &= !(1 << cell);
                     continue;
-                }
+                };
+                let brick = self.texels.len();
+                self.bricks.push(brick);
+                self.texels.resize(brick + CELLS, [0; 4]);
                 let inner = block.child(place_in(cell));
                 let children = self.cells(&level.short, &level.structure, inner, depth + 1);
-                cells[cell] = self.brick(&children).unwrap_or_else(|| {
-                    let second = self.tape(&level.short, 1);
-                    self.cell(bounds.lo[cell], second, slopes[cell])
-                });
+                self.texels[brick..brick + CELLS].copy_from_slice(&children);
+                cells[cell] = [DIVIDED, address, 0, 0];
             }
             let whole = group & !divided;
             if whole != 0 {
@@ -218,14 +219,6 @@ impl<'a> Part<'a> {
             None => 0,
             Some(_) => mask(|cell| self.is_close(block, cell)),
         }
-    }
-
-    /// A cell that is divided into these; none where there is no room.
-    fn brick(&mut self, children: &Cells) -> Option<Texel> {
-        let at = self.address(CELLS)?;
-        self.bricks.push(self.texels.len());
-        self.texels.extend_from_slice(children);
-        Some([DIVIDED, at, 0, 0])
     }
 
     /// Where the next texels come to stand, if there is room for so many.
@@ -347,13 +340,12 @@ const fn eighth_of(cell: usize) -> u64 {
 }
 
 /// The eight 2x2x2 of 64 cells.
-const EIGHTHS: [u64; 8] = [
-    eighth_of(0),
-    eighth_of(2),
-    eighth_of(8),
-    eighth_of(10),
-    eighth_of(32),
-    eighth_of(34),
-    eighth_of(40),
-    eighth_of(42),
-];
+const EIGHTHS: [u64; 8] = {
+    let mut eighths = [0; 8];
+    let mut number = 0;
+    while number < 8 {
+        eighths[number] = eighth_of((number & 1) << 1 | (number & 2) << 2 | (number & 4) << 3);
+        number += 1;
+    }
+    eighths
+};

@@ -142,8 +142,8 @@ pub(super) fn build(
     let (mut stats, mut texels) = (trunk.stats, Vec::new());
     if cells {
         trunk.divide();
-        let mut parts: Vec<Part> =
-            (0..parts.max(1)).map(|number| Part::new(&trunk, number, parts.max(1))).collect();
+        let count = parts.max(1);
+        let mut parts: Vec<Part> = (0..count).map(|number| Part::new(&trunk, number, count)).collect();
         run(&mut parts);
         texels.extend_from_slice(&trunk.texels);
         for part in parts {

@@ -155,11 +155,6 @@ impl Live {
         }
     }
 
-    /// Whether the picture stands still.
-    pub fn paused(&self) -> bool {
-        self.paused.is_some()
-    }
-
     /// What is heard now; more than 0 `latency_shift` seconds (within the limits' `latency_ms_max`) later than it came in:
     /// for sound that is heard later than it is recorded. Less than 0 cannot be had: the future is not known.
     pub fn now(&mut self, latency_shift: f64) -> Moment {

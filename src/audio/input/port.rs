@@ -7,12 +7,12 @@ use std::sync::mpsc::Sender;
 use std::thread::Thread;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
-use cpal::{BufferSize, ErrorKind, FromSample, I24, SampleFormat, SizedSample, StreamConfig, U24};
+use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
 
 use super::tap::{Tap, TapCounters, TapLink};
 use crate::audio::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
-    error_callback, find, refusal, usable_rate,
+    error_callback, find, refusal, usable_rate, with_sample_type,
 };
 use crate::audio::error::{DeviceError, Direction};
 use crate::audio::hosts::hush_sound_library;
@@ -103,23 +103,9 @@ pub(super) fn open(target: &Target, listener: &Thread, on_failure: &OnFailure) -
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.lost.fetch_add(1, Ordering::Relaxed);
         });
-        let built = match format {
-            SampleFormat::F32 => build::<f32>(&device, config, tap, on_error),
-            SampleFormat::I16 => build::<i16>(&device, config, tap, on_error),
-            SampleFormat::I32 => build::<i32>(&device, config, tap, on_error),
-            SampleFormat::I24 => build::<I24>(&device, config, tap, on_error),
-            SampleFormat::U8 => build::<u8>(&device, config, tap, on_error),
-            SampleFormat::I8 => build::<i8>(&device, config, tap, on_error),
-            SampleFormat::U16 => build::<u16>(&device, config, tap, on_error),
-            SampleFormat::U24 => build::<U24>(&device, config, tap, on_error),
-            SampleFormat::U32 => build::<u32>(&device, config, tap, on_error),
-            SampleFormat::I64 => build::<i64>(&device, config, tap, on_error),
-            SampleFormat::U64 => build::<u64>(&device, config, tap, on_error),
-            SampleFormat::F64 => build::<f64>(&device, config, tap, on_error),
-            other => {
-                let error = DeviceError::Format { direction, device: name, format: other.to_string() };
-                return Err((error, ErrorKind::UnsupportedConfig));
-            }
+        let Some(built) = with_sample_type!(format, build(&device, config, tap, on_error)) else {
+            let error = DeviceError::Format { direction, device: name, format: format.to_string() };
+            return Err((error, ErrorKind::UnsupportedConfig));
         };
         match built.and_then(|stream| stream.play().map(|()| stream)) {
             Ok(stream) => {

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use cpal::traits::{DeviceTrait, StreamTrait};
-use cpal::{BufferSize, ErrorKind, FromSample, I24, SampleFormat, SizedSample, StreamConfig, U24};
+use cpal::{BufferSize, ErrorKind, FromSample, SizedSample, StreamConfig};
 
 use super::feeder::{Controls, Counters, Feeder, FeederLink};
 use super::null_output::NullOutput;
 use crate::audio::clock::SpanHistory;
 use crate::audio::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
-    error_callback, find, refusal, usable_rate,
+    error_callback, find, refusal, usable_rate, with_sample_type,
 };
 use crate::audio::error::{DeviceError, Direction};
 use crate::audio::hosts::{for_playback, hush_sound_library};
@@ -172,23 +172,9 @@ fn open(
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.underruns.fetch_add(1, Ordering::Relaxed);
         });
-        let built = match format {
-            SampleFormat::F32 => build::<f32>(&device, config, feeder, on_error),
-            SampleFormat::I16 => build::<i16>(&device, config, feeder, on_error),
-            SampleFormat::I32 => build::<i32>(&device, config, feeder, on_error),
-            SampleFormat::I24 => build::<I24>(&device, config, feeder, on_error),
-            SampleFormat::U8 => build::<u8>(&device, config, feeder, on_error),
-            SampleFormat::I8 => build::<i8>(&device, config, feeder, on_error),
-            SampleFormat::U16 => build::<u16>(&device, config, feeder, on_error),
-            SampleFormat::U24 => build::<U24>(&device, config, feeder, on_error),
-            SampleFormat::U32 => build::<u32>(&device, config, feeder, on_error),
-            SampleFormat::I64 => build::<i64>(&device, config, feeder, on_error),
-            SampleFormat::U64 => build::<u64>(&device, config, feeder, on_error),
-            SampleFormat::F64 => build::<f64>(&device, config, feeder, on_error),
-            other => {
-                let error = DeviceError::Format { direction, device: name, format: other.to_string() };
-                return Err((error, ErrorKind::UnsupportedConfig));
-            }
+        let Some(built) = with_sample_type!(format, build(&device, config, feeder, on_error)) else {
+            let error = DeviceError::Format { direction, device: name, format: format.to_string() };
+            return Err((error, ErrorKind::UnsupportedConfig));
         };
         match built.and_then(|stream| stream.play().map(|()| stream)) {
             Ok(stream) => {

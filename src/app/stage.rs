@@ -1,0 +1,141 @@
+//! What lives as long as the window: the sound, the scene, and what stands over the picture.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use winit::dpi::PhysicalPosition;
+
+use super::announcer::{Announcer, words_of};
+use super::frame_times::FrameTimes;
+use super::media_controls::MediaControls;
+use super::overlay::{Overlay, OverlayContent};
+use super::pacing::Pacing;
+use super::scene_regions::Shown;
+use super::scene_stage::SceneStage;
+use super::sound::Sound;
+use super::window::GlWindowContext;
+use crate::audio::track::Repeat;
+use crate::audio::{Moment, Player};
+use crate::dsp::TapTempo;
+use crate::gpu::renderer::Renderer;
+
+/// How often a show that stands still looks around.
+pub(super) const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+/// How often it does while it waits for a sound that it could show.
+const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
+
+/// Everything that lives as long as the window.
+pub(super) struct Stage {
+    pub(super) sound: Sound,
+    /// The tempo by hand.
+    pub(super) taps: TapTempo,
+    /// What the user wants; until the first picture the player waits in any case.
+    pub(super) paused: bool,
+    pub(super) renderer: Renderer,
+    pub(super) scene: SceneStage,
+    pub(super) pacing: Pacing,
+    /// What the last frame showed. A show that stands still is not drawn again.
+    pub(super) shown: Option<Shown>,
+    pub(super) frame_times: FrameTimes,
+    pub(super) status_due: Instant,
+    pub(super) told_silent: Option<String>,
+    pub(super) announcer: Announcer,
+    pub(super) controls: MediaControls,
+    pub(super) title: String,
+    pub(super) last_click: Option<(Instant, PhysicalPosition<f64>)>,
+    pub(super) cursor: PhysicalPosition<f64>,
+    pub(super) occluded: bool,
+    pub(super) overlay: Overlay,
+    /// Whether the keys are shown.
+    pub(super) help: bool,
+    /// Whether the parameters' sliders are shown.
+    pub(super) sliders: bool,
+    /// Whether the line about the scene is shown.
+    pub(super) corner: bool,
+    // Last: everything above that holds OpenGL objects goes first.
+    pub(super) window: GlWindowContext,
+}
+
+impl Stage {
+    pub(super) fn set_paused(&mut self, paused: bool) {
+        self.paused = paused;
+        if self.shown.is_some() {
+            self.sound.set_paused(paused);
+        }
+    }
+
+    /// Changes what follows what; nothing while another source is listened to.
+    pub(super) fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
+        let Some(player) = self.sound.player() else { return };
+        let status = player.status();
+        let before = (status.repeat, status.shuffled);
+        let (repeat, shuffled) = change(before.0, before.1);
+        player.set_order(repeat, shuffled);
+        self.announcer.answer(words_of(before, (repeat, shuffled)).to_owned());
+    }
+
+    /// Plays files that were dropped onto the window.
+    pub(super) fn play_files(&mut self, files: Vec<PathBuf>) {
+        match self.sound.player() {
+            Some(player) => player.play_files(files),
+            None => {
+                self.announcer.answer("files play only while the song is listened to: press D".to_owned())
+            }
+        }
+    }
+
+    /// Takes this moment as a beat.
+    pub(super) fn tap(&mut self) {
+        let Some(Moment { song_time, .. }) = self.sound.now() else { return };
+        self.taps.tap(song_time);
+        self.announcer.answer(match self.taps.at(song_time) {
+            Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
+            None => "tap again to set the tempo".to_owned(),
+        });
+    }
+
+    /// Goes to the next track, or back. A tempo that was tapped was that of the one before.
+    pub(super) fn skip(&mut self, forward: bool) {
+        self.taps = TapTempo::default();
+        self.with_song(|player| player.skip(forward));
+    }
+
+    /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
+    pub(super) fn moment(&mut self) -> Option<Moment> {
+        let mut now = self.sound.now()?;
+        self.taps.apply(now.song_time, &mut now.features);
+        let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
+        Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
+    }
+
+    /// How long a show that stands still sleeps: in silence it listens.
+    pub(super) fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.paused { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        if let Some(player) = self.sound.player() {
+            act(player);
+        }
+    }
+
+    pub(super) fn set_title(&mut self, title: String) {
+        if title != self.title {
+            self.window.window().set_title(&title);
+            self.title = title;
+        }
+    }
+}
+
+/// Adds what there is to tell of the sound and the tracks.
+pub(super) fn show_sound<'a>(
+    sound: &'a Sound,
+    announcer: &'a Announcer,
+    content: &mut OverlayContent<'a>,
+    now: Instant,
+) {
+    content.add(announcer.notice());
+    content.hint = sound.hint();
+    content.sources = sound.list(now);
+}
