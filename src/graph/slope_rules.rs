@@ -117,6 +117,9 @@ pub(super) fn atan(a: Interval) -> (Interval, Interval) {
 }
 
 pub(super) fn div(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
+    if b.is_any() {
+        return (Interval::ANY, Interval::ANY);
+    }
     if rules::is_zero(b) {
         return constant(0.0, 0.0);
     }
@@ -129,7 +132,7 @@ pub(super) fn div(a: Interval, b: Interval, r: Interval) -> (Interval, Interval)
     };
     let by_b = if rules::is_zero(a) {
         ZERO
-    } else if a.is_any() || b.is_any() || a.is_unbounded() {
+    } else if a.is_any() || a.is_unbounded() {
         Interval::ANY
     } else {
         Interval::ALL

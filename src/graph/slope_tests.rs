@@ -68,6 +68,22 @@ fn bounds_hold_slopes_at_specials() {
     }
 }
 
+/// A quotient by a NaN once had bounds for its slope, which is a NaN, too.
+#[test]
+fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
+    let values = || SPECIALS.into_iter().chain([f32::NAN]);
+    for &op in Op::ALL {
+        for number in values() {
+            let (any, number) = (Interval::ANY, Interval::point(number));
+            let all: Vec<_> = values().flat_map(|x| values().map(move |y| (x, y))).collect();
+            let along = |a: bool| values().map(move |v| if a { (v, number.lo) } else { (number.lo, v) });
+            check(op, any, any, &all).unwrap();
+            check(op, any, number, &along(true).collect::<Vec<_>>()).unwrap();
+            check(op, number, any, &along(false).collect::<Vec<_>>()).unwrap();
+        }
+    }
+}
+
 /// One-operand operators between neighbours of a dense sweep over all magnitudes.
 #[test]
 fn bounds_hold_slopes_densely_for_one_operand() {
