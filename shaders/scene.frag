@@ -150,7 +150,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
             mirrored = reflect(direction, mirror);
             // No facet mirrors into the surface.
-            mirrored += s.normal * max(0.02 - dot(mirrored, s.normal), 0.0);
+            mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
         }
         if (max(sky_share.r, max(sky_share.g, sky_share.b)) > 0.0) {
             // A camera inside an object has reached 0.
