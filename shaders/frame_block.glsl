@@ -15,16 +15,20 @@ layout(std140) uniform FrameBlock {
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
     vec4 frame_stereo;      // xy volumes of mid and side; z the row of the history at age 0, w the rows from it to age 1
+    vec4 frame_reach;       // x how far away other things take ambient light and give theirs
     vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
-    vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius
+    vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
+                                        // side, w range or 0; half the upper side, w share that shadows take
     vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not four and a choice
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame
 };
 
 layout(std140) uniform PassBlock {
-    vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy which; 2 for those of
-                            // the pixels in edge_pixels, side by side
+    vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy from the centre, w
+                            // its number from 0; 2 for those of the pixels in edge_pixels, side by side
+    vec4 pass_list;         // xy texels of a block: as many as a pixel has samples
+    vec4 pass_places[8];    // xy and zw: places of samples from their pixel's centre
 };
 
 // The names of the scene language's inputs in generated code.

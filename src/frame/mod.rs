@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod camera;
+pub mod picture;
 pub mod sound_tables;
 
 pub use crate::dsp::Sound;
@@ -11,6 +12,7 @@ use crate::dsp::{HISTORY_POINTS, spectrum_place};
 use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;
+use picture::Picture;
 
 /// What one picture shows.
 #[derive(Debug, Clone)]
@@ -23,6 +25,8 @@ pub struct Frame {
     pub camera: Camera,
     /// Lights and planes.
     pub values: FrameValues,
+    /// What happens to the scene's light on its way to the screen.
+    pub picture: Picture,
 }
 
 impl Frame {
@@ -74,7 +78,8 @@ impl Frame {
         inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        Self { size, inputs, camera, values }
+        let picture = Picture::of(&values, &camera, world.traits.lens);
+        Self { size, inputs, camera, values, picture }
     }
 }
 
@@ -83,7 +88,8 @@ impl Frame {
     pub fn resized(self, size: (u32, u32)) -> Self {
         let size = (size.0.max(1), size.1.max(1));
         let camera = Camera::of(&self.values, f64::from(size.0) / f64::from(size.1));
-        Self { size, camera, ..self }
+        let picture = Picture::of(&self.values, &camera, self.picture.lens.is_some());
+        Self { size, camera, picture, ..self }
     }
 }
 

@@ -23,6 +23,8 @@ pub struct Scene {
     pub camera: Camera,
     /// What is seen where nothing is.
     pub sky: Sky,
+    /// How the picture is made of the scene's light.
+    pub picture: Picture,
     /// Sliders; `Input::Param(i)` is the i-th.
     pub params: Vec<Param>,
     /// Pictures; texture i of the graph is the i-th.
@@ -63,6 +65,8 @@ pub struct Material {
     pub emission: Vec3,
     /// Share of light that is mirrored when looked at straight on, 0..1: the ray goes on.
     pub reflect: NodeId,
+    /// How rough the mirror is, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights.
+    pub blur: NodeId,
     /// Strength of a clear coat, 0..1.
     pub coat: NodeId,
     /// Share of it that the sky covers, 0..1: for what fades into the distance.
@@ -76,6 +80,16 @@ pub enum LightPlace {
     At(Vec3),
     /// From infinitely far away, towards this direction (of any length but 0).
     Towards(Vec3),
+    /// From a rectangle around a point: `right` and `up` are half its sides. It shines to the side of their cross
+    /// product.
+    Panel {
+        /// Its middle.
+        at: Vec3,
+        /// From the middle of it to the middle of its right side.
+        right: Vec3,
+        /// The same for the upper side.
+        up: Vec3,
+    },
 }
 
 /// A light: functions of the frame alone.
@@ -85,10 +99,15 @@ pub struct Light {
     pub name: String,
     /// Where its rays come from.
     pub place: LightPlace,
-    /// Its strength in red, green and blue.
+    /// Its strength in red, green and blue: what arrives at distance 1, or from a direction; of a panel its brightness,
+    /// as that of an `emission`.
     pub color: Vec3,
     /// Radius of the ball that shines (for a direction: the tangent of its half angle); softens shadows.
     pub radius: NodeId,
+    /// Distance at which its light has faded to nothing; 0 for none.
+    pub range: NodeId,
+    /// Share of its light that shadows take away, 0..1.
+    pub shadow: NodeId,
 }
 
 /// The camera: functions of the frame alone.
@@ -111,6 +130,50 @@ pub struct Camera {
     pub keep: NodeId,
 }
 
+/// How the picture is made of the scene's light: functions of the frame alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// What light is multiplied by.
+    pub exposure: NodeId,
+    /// Share of the light that is scattered around where it belongs, 0..1.
+    pub bloom: NodeId,
+    /// Share of the light that a wide lens takes from the corners, 0..1.
+    pub vignette: NodeId,
+    /// Strength of the grain, in steps of 1/255.
+    pub grain: NodeId,
+    /// How light becomes a colour of the screen.
+    pub tone_map: ToneMap,
+}
+
+/// How light becomes a colour of the screen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ToneMap {
+    /// AgX (Troy Sobotka): a film's curve, in which bright colours fade to white.
+    #[default]
+    Agx,
+    /// ACES, fitted (Stephen Hill): more contrast, colours turn as they get brighter.
+    Aces,
+    /// Extended Reinhard on luminance (thesis, section 3.2): colours stay as they are until they are cut off.
+    Reinhard,
+    /// None: light of 0..1 as it is, brighter light as 1.
+    None,
+}
+
+impl ToneMap {
+    /// All of them, in the order of their numbers in `shaders/tone_map.glsl`.
+    pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
+
+    /// What scenes call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ToneMap::Agx => "agx",
+            ToneMap::Aces => "aces",
+            ToneMap::Reinhard => "reinhard",
+            ToneMap::None => "none",
+        }
+    }
+}
+
 /// What is seen where nothing is: functions of a direction (read where materials read the normal) and the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sky {
@@ -118,6 +181,8 @@ pub struct Sky {
     pub color: Vec3,
     /// Light that a surface with its normal in that direction gets from everywhere.
     pub ambient: Vec3,
+    /// How far away from a surface other things take that light, and give theirs: a function of the frame alone.
+    pub reach: NodeId,
 }
 
 /// A number that a user turns.

@@ -4,7 +4,7 @@ use super::super::ast::{ExprId, Item, Name, Section};
 use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
-use super::super::scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky};
+use super::super::scene::{Camera, Light, LightPlace, Material, Object, Param, Picture, Scene, Sky, ToneMap};
 use super::super::source::{Sources, Span};
 use super::super::symbol::Symbol;
 use super::super::value::Value;
@@ -19,12 +19,15 @@ pub(super) struct Parts {
     pub lights: Vec<Light>,
     pub camera: Option<Camera>,
     pub sky: Option<Sky>,
+    pub picture: Option<Picture>,
     /// Index of the material of objects that name none.
     pub default_material: Option<usize>,
 }
 
 /// What a bare expression is called.
 const BARE_NAME: &str = "shape";
+/// How far ambient occlusion acts where a scene does not tell.
+const DEFAULT_REACH: f32 = 1.1;
 
 impl<'a> Lowering<'a> {
     pub(super) fn scene(
@@ -45,19 +48,18 @@ impl<'a> Lowering<'a> {
         });
         let mut parts = Parts::default();
         // Materials come first: objects name them.
-        for wanted in
-            [&[Section::Material][..], &[Section::Light, Section::Camera, Section::Sky, Section::Object]]
-        {
+        for of_materials in [true, false] {
+            let wanted = |section: &Section| (*section == Section::Material) == of_materials;
             for item in items {
                 if self.stopped {
                     return None;
                 }
                 match item {
-                    Item::Section { section, name, span, entries, broken } if wanted.contains(section) => {
+                    Item::Section { section, name, span, entries, broken } if wanted(section) => {
                         let values = self.fields(*section, entries, *broken);
                         self.section(&mut parts, *section, *name, *span, &values);
                     }
-                    Item::Bare(value) if wanted.contains(&Section::Object) => self.bare(&mut parts, *value),
+                    Item::Bare(value) if wanted(&Section::Object) => self.bare(&mut parts, *value),
                     _ => {}
                 }
             }
@@ -82,7 +84,8 @@ impl<'a> Lowering<'a> {
         if parts.lights.is_empty() {
             let place = LightPlace::At(self.vector([-6.0, 9.0, -6.0]));
             let (color, radius) = (self.vector([500.0, 480.0, 450.0]), self.constant(0.5));
-            parts.lights.push(Light { name: "default".to_owned(), place, color, radius });
+            let (range, shadow) = (self.constant(0.0), self.constant(1.0));
+            parts.lights.push(Light { name: "default".to_owned(), place, color, radius, range, shadow });
         }
         let camera = match parts.camera {
             Some(camera) => camera,
@@ -92,6 +95,10 @@ impl<'a> Lowering<'a> {
             Some(sky) => sky,
             None => self.default_sky(),
         };
+        let picture = match parts.picture {
+            Some(picture) => picture,
+            None => self.default_picture(),
+        };
         Some(Scene {
             graph: self.graph,
             objects: parts.objects,
@@ -100,6 +107,7 @@ impl<'a> Lowering<'a> {
             lights: parts.lights,
             camera,
             sky,
+            picture,
             params: self.params,
             textures: self.textures,
             includes,
@@ -310,6 +318,7 @@ impl<'a> Lowering<'a> {
             reflect: self.constant(0.0),
             coat: self.constant(0.0),
             haze: self.constant(0.0),
+            blur: self.constant(0.0),
         };
         parts.materials.push(material);
         parts.default_material = Some(parts.materials.len() - 1);
@@ -329,12 +338,27 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// A slight glow around what is bright, grain that nobody sees.
+    pub(super) fn default_picture(&mut self) -> Picture {
+        Picture {
+            exposure: self.constant(1.0),
+            bloom: self.constant(0.04),
+            vignette: self.constant(0.0),
+            grain: self.constant(1.0),
+            tone_map: ToneMap::default(),
+        }
+    }
+
     /// Dusk, brightest at the horizon: no ray ends in a black void.
     pub(super) fn default_sky(&mut self) -> Sky {
         let symbols = ["default_sky", "default_ambient"].map(|name| self.names.get(name));
         let [color, ambient] = symbols.map(|symbol| symbol.and_then(|symbol| self.library_color(symbol)));
         let black = self.vector([0.0; 3]);
-        Sky { color: color.unwrap_or(black), ambient: ambient.unwrap_or(black) }
+        Sky {
+            color: color.unwrap_or(black),
+            ambient: ambient.unwrap_or(black),
+            reach: self.constant(DEFAULT_REACH),
+        }
     }
 
     /// A function of the library that makes a colour of a direction.
@@ -350,6 +374,19 @@ impl<'a> Lowering<'a> {
         });
         match value {
             Value::Vector(vector) => Some([vector.part(0), vector.part(1), vector.part(2)]),
+            _ => None,
+        }
+    }
+
+    /// What a function of the library makes of numbers, if that is a number.
+    pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
+        let symbol = self.names.get(name)?;
+        let mark = self.arguments.len();
+        self.arguments.extend(arguments.iter().map(|&argument| Value::scalar(argument)));
+        let value = self.library_value(symbol, mark);
+        self.arguments.truncate(mark);
+        match value {
+            Value::Vector(vector) => Some(vector.first()),
             _ => None,
         }
     }
