@@ -8,6 +8,10 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
+// Keys from here on are of rough mirrors (scene.frag), whose noise is seen from this contrast on.
+const float ROUGH_KEY = 1024.0;
+const float ROUGH_CONTRAST = 0.006;
+
 vec4 seen(ivec2 texel, ivec2 limit) {
     return texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
 }
@@ -31,6 +35,7 @@ void main() {
     // As bright as it will be seen, near enough. That keeps the order, so the extremes are enough.
     vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
     float contrast = max(range.r, max(range.g, range.b));
-    if (contrast < (high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y)) discard;
+    float least = high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y;
+    if (contrast < (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) discard;
     mark = 1.0;
 }
