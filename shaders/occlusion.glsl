@@ -29,13 +29,13 @@ float openness(vec3 p, vec3 normal, vec4 d) {
 }
 
 #ifdef GLOW
-// Where a surface asks for what shines nearby, as a share of the reach along its normal.
-const float GLOW_PROBE = 0.5;
+// Where a surface asks for what shines nearby, as a share of the reach along its normal: what faces it is nearer from
+// there, what it turns its back to farther away.
+const float GLOW_PROBE = 0.25;
 
-// Its light, from the emission there and the distance: none from the probe's height on, all of it where it touches.
+// Its light, from the emission there and the distance: none from the reach on, all of it where it touches.
 vec3 glow_from(vec4 found) {
-    float height = GLOW_PROBE * frame_reach.x;
-    float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / height, 0.0, 1.0);
-    return light_of(found.rgb) * (near * near);
+    float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / frame_reach.x, 0.0, 1.0);
+    return light_of(found.rgb) * (near * near * near);
 }
 #endif
