@@ -26,6 +26,7 @@ use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::limits::LIMITS;
 use crate::scenes::{SceneError, SceneSource};
+use crate::world::ToneMap;
 
 /// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
@@ -117,6 +118,9 @@ struct CommonArguments {
     /// bench measures both]
     #[arg(long, value_name = "ON-OFF")]
     regions: Option<Switch>,
+    /// How light becomes a colour of the screen [default: as the scene says, agx where it says nothing]
+    #[arg(long, value_name = "MAP")]
+    tone_map: Option<ToneMapChoice>,
     /// Whether quiet and loud sound are levelled for the picture; what is told in decibels is as measured either way
     #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
     gain: GainChoice,
@@ -151,6 +155,26 @@ impl From<GainChoice> for Gain {
         match choice {
             GainChoice::Auto => Gain::Auto,
             GainChoice::Off => Gain::Off,
+        }
+    }
+}
+
+/// See [`ToneMap`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum ToneMapChoice {
+    Agx,
+    Aces,
+    Reinhard,
+    None,
+}
+
+impl From<ToneMapChoice> for ToneMap {
+    fn from(choice: ToneMapChoice) -> Self {
+        match choice {
+            ToneMapChoice::Agx => ToneMap::Agx,
+            ToneMapChoice::Aces => ToneMap::Aces,
+            ToneMapChoice::Reinhard => ToneMap::Reinhard,
+            ToneMapChoice::None => ToneMap::None,
         }
     }
 }
@@ -289,6 +313,9 @@ struct BenchArguments {
     /// Frames to time
     #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true)]
     frames: u16,
+    /// Compare the picture at edges with one of 64 samples in each pixel, too; slow
+    #[arg(long)]
+    edges: bool,
     /// JSON instead of text
     #[arg(long)]
     json: bool,
@@ -432,6 +459,7 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         gain: common.gain.into(),
         scene: common.scene()?,
         both: common.regions.is_none(),
+        edges: arguments.edges,
     })?;
     if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
@@ -477,6 +505,7 @@ impl CommonArguments {
             },
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             regions: self.regions != Some(Switch::Off),
+            tone_map: self.tone_map.map(Into::into),
             verbose: self.verbose > 0,
         })
     }
