@@ -114,7 +114,7 @@ fn tone_maps_are_what_they_are_called_and_keep_hues() {
         [0.1, 1.0, 0.2],
         [0.05, 0.2, 1.0],
         [1.0, 0.6, 0.1],
-        [0.8, 0.1, 1.0],
+        [0.6, 0.1, 1.0],
     ];
     let lights: Vec<Rgb> =
         (-8..=6).flat_map(|stop| hues.map(|hue| hue.map(|part| part * 2f64.powi(stop)))).collect();
