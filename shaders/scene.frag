@@ -4,6 +4,7 @@
 #include "frame_block.glsl"
 #include "sample_place.glsl"
 #include "counters.glsl"
+#include "view_notes.glsl"
 #include "material.glsl"
 #include "scene_inputs.glsl"
 #include "footprint.glsl"
@@ -14,9 +15,12 @@
 #include "sphere_tracing.glsl"
 #include "light.glsl"
 #include "tone_map.glsl"
+#ifdef VIEWS
+#include "view.glsl"
+#endif
 
 layout(location = 0) out vec4 sample_color;         // alpha: a whole number below 2048
-#ifdef COUNT_EVALUATIONS
+#if defined(COUNT_EVALUATIONS) && !defined(VIEWS)
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
 layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, lookups of cells
 layout(location = 3) out vec4 more_clauses;         // of materials and light, 0, 0, 0
@@ -43,6 +47,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
         if (facing > 0.0) {
             float sharpness = clamp(1.0 / max(widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             float visible = light_visibility(p, normal, to_light, light_t, sharpness, cone);
+            NOTE_LIGHT(color.rgb * facing * (sun ? 1.0 : 1.0 / max(distance2, 1e-4)), visible);
             if (visible > 0.0) {
                 vec3 incoming = color.rgb * (sun ? visible : visible / max(distance2, 1e-4));
                 light += incoming * thrown_back(m, normal, to_light, direction, facing, widening);
@@ -91,6 +96,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
             Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
+            NOTE_SURFACE(s, hit.t, p);
             Material m = s.material;
             add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_share = throughput * m.haze;
@@ -120,8 +126,12 @@ void main() {
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
+#ifdef VIEWS
+    sample_color = vec4(view_color(direction), 1.0);
+#else
     sample_color = vec4(tone_map(color), pass_sample.z > 0.5 ? 1.0 : surface_key);
-#ifdef COUNT_EVALUATIONS
+#endif
+#if defined(COUNT_EVALUATIONS) && !defined(VIEWS)
 #ifndef CLAUSES_RUN
 #define CLAUSES_RUN 0.0
 #define SURFACE_CLAUSES_RUN 0.0

@@ -1,6 +1,7 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
 mod scene;
+mod view;
 
 use std::io::{BufWriter, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -101,6 +102,8 @@ struct PlayArguments {
     /// Print what OpenGL is got, and end
     #[arg(long)]
     gl_info: bool,
+    #[command(flatten)]
+    view: view::ViewArguments,
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -229,6 +232,8 @@ struct StillArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
+    view: view::ViewArguments,
+    #[command(flatten)]
     common: CommonArguments,
 }
 
@@ -251,6 +256,8 @@ struct VideoArguments {
     /// The video, or a folder ending in '/' for numbered PNGs
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    view: view::ViewArguments,
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -360,7 +367,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         RepeatChoice::One => Repeat::One,
         RepeatChoice::Off => Repeat::Off,
     };
-    let scene = common.scene()?;
+    let scene = SceneChoice { view: arguments.view.view, ..common.scene()? };
     let tracks = match listen {
         Some(_) => None,
         None => Some(Playlist::open(&arguments.files, repeat, arguments.shuffle)?),
@@ -376,7 +383,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
         size: arguments.size,
         gain: common.gain.into(),
         output: arguments.output,
-        scene: common.scene()?,
+        scene: SceneChoice { view: arguments.view.view, ..common.scene()? },
     })?;
     Ok(())
 }
@@ -391,7 +398,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
         size: arguments.size,
         gain: common.gain.into(),
         output: arguments.output,
-        scene: common.scene()?,
+        scene: SceneChoice { view: arguments.view.view, ..common.scene()? },
     };
     let on_terminal = std::io::stderr().is_terminal();
     let mut progress = |done: u64, expected: Option<u64>| {
@@ -477,6 +484,7 @@ impl CommonArguments {
             },
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             regions: self.regions != Some(Switch::Off),
+            view: None,
             verbose: self.verbose > 0,
         })
     }

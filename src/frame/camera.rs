@@ -62,7 +62,7 @@ impl Camera {
     }
 }
 
-fn place(values: [f32; 3]) -> DVec3 {
+pub(super) fn place(values: [f32; 3]) -> DVec3 {
     let finite =
         |value: f32| if value.is_finite() { f64::from(value).clamp(-PLACE_MAX, PLACE_MAX) } else { 0.0 };
     DVec3::from_array(values.map(finite))

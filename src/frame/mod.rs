@@ -79,6 +79,11 @@ impl Frame {
 }
 
 impl Frame {
+    /// What the camera looks at, finite.
+    pub fn target(&self) -> glam::DVec3 {
+        camera::place(self.values.target)
+    }
+
     /// The same moment in a picture of another size.
     pub fn resized(self, size: (u32, u32)) -> Self {
         let size = (size.0.max(1), size.1.max(1));

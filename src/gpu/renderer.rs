@@ -24,6 +24,8 @@ use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use crate::frame::Frame;
 use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
+use crate::view::legend::LegendPicture;
+use crate::view::setup::ViewBlock;
 
 /// The further samples of a pixel at an edge, as `sample_place.glsl` counts them.
 const EDGE_SAMPLES: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -102,6 +104,7 @@ pub struct Renderer {
     present: Program,
     frame_buffer: Buffer,
     pass_buffer: Buffer,
+    view_buffer: Buffer,
     vertices: VertexArray,
     counting: Counting,
     targets: Option<Targets>,
@@ -147,6 +150,7 @@ impl Renderer {
             present: present?,
             frame_buffer: Buffer::new(gl)?,
             pass_buffer: Buffer::new(gl)?,
+            view_buffer: Buffer::new(gl)?,
             vertices: VertexArray::new(gl)?,
             counting,
             targets: None,
@@ -177,10 +181,7 @@ impl Renderer {
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != size) {
-            // A size that is refused leaves the last picture.
-            self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
-        }
+        self.need_targets(size)?;
         self.bind_inputs(block);
         scene.bind(&self.gl);
         // Taken out, so that lists can grow while the rest is used.
@@ -191,19 +192,60 @@ impl Renderer {
         self.gl.check("drawing a frame")
     }
 
-    fn draw_passes(&self, targets: &mut Targets, program: &Program) -> Result<(), GpuError> {
-        // SAFETY: plain state and draws on objects of ours, in the current context.
-        unsafe {
-            let gl = &*self.gl;
-            gl.disable(glow::DEPTH_TEST);
-            gl.disable(glow::CULL_FACE);
-            gl.disable(glow::SCISSOR_TEST);
-            gl.disable(glow::FRAMEBUFFER_SRGB);
-
-            gl.clear_color(0.0, 0.0, 0.0, 0.0);
-            gl.disable(glow::STENCIL_TEST);
-            gl.disable(glow::BLEND);
+    /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], and its legend over it. Its colours
+    /// are the screen's: no pass of the picture changes them, and no pixel is a mean of several samples.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_view(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+        (view, legend): (&ViewBlock, Option<&LegendPicture>),
+    ) -> Result<(), GpuError> {
+        scene.upload_inputs(&frame.inputs);
+        let tree = scene.tree_of(frame);
+        let block = frame.block(scene.world(), &tree);
+        self.draw_view_block(frame.size, &block, &scene.names(), program, view)?;
+        if let (Some(targets), Some(legend)) = (&self.targets, legend) {
+            targets.finished.put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
         }
+        self.gl.check("drawing a legend")
+    }
+
+    /// The same without a legend, from a frame's block and what is bound for its scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_view_block(
+        &mut self,
+        size: (u32, u32),
+        block: &FrameBlock,
+        scene: &SceneNames,
+        program: &Program,
+        view: &ViewBlock,
+    ) -> Result<(), GpuError> {
+        self.need_targets(size)?;
+        self.bind_inputs(block);
+        scene.bind(&self.gl);
+        let Some(targets) = &self.targets else { return Ok(()) };
+        self.bind_block("ViewBlock", &self.view_buffer, view.as_flattened());
+        self.reset_state();
+        targets.finished.bind();
+        // SAFETY: plain state.
+        unsafe {
+            // No list of edges is read here, and what stood there may be a target.
+            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
+            self.gl.bind_texture(glow::TEXTURE_2D, None);
+        }
+        program.bind();
+        self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+        self.gl.check("drawing a view")
+    }
+
+    fn draw_passes(&self, targets: &mut Targets, program: &Program) -> Result<(), GpuError> {
+        self.reset_state();
         match &mut targets.edges {
             Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
             Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
@@ -220,6 +262,22 @@ impl Renderer {
             self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
         }
         Ok(())
+    }
+
+    /// The state in which passes begin.
+    fn reset_state(&self) {
+        // SAFETY: plain state.
+        unsafe {
+            let gl = &*self.gl;
+            gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::CULL_FACE);
+            gl.disable(glow::SCISSOR_TEST);
+            gl.disable(glow::FRAMEBUFFER_SRGB);
+
+            gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            gl.disable(glow::STENCIL_TEST);
+            gl.disable(glow::BLEND);
+        }
     }
 
     /// All samples of the picture, those of edges summed in `sum`.
@@ -323,6 +381,26 @@ impl Renderer {
             Edges::List(_) => texels / EDGE_SAMPLES.len() as f64,
         };
         sum
+    }
+
+    /// Targets of `size` pixels. A size that is refused leaves the last picture.
+    fn need_targets(&mut self, size: (u32, u32)) -> Result<(), GpuError> {
+        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != size) {
+            self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
+        }
+        Ok(())
+    }
+
+    /// Fills a uniform block and binds it to its place.
+    fn bind_block(&self, name: &str, buffer: &Buffer, values: &[f32]) {
+        let binding = UNIFORM_BLOCKS.iter().find(|(block, _)| *block == name).map_or(0, |(_, b)| *b);
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        // SAFETY: the buffer is ours, the bytes are those of the block.
+        unsafe {
+            self.gl.bind_buffer(glow::UNIFORM_BUFFER, Some(buffer.native()));
+            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding, Some(buffer.native()));
+        }
     }
 
     fn bind_inputs(&self, block: &FrameBlock) {
