@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod camera;
+pub mod hand;
 pub mod sound_tables;
 
 pub use crate::dsp::Sound;
@@ -11,6 +12,7 @@ use crate::dsp::{HISTORY_POINTS, spectrum_place};
 use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;
+use hand::Hand;
 
 /// What one picture shows.
 #[derive(Debug, Clone)]
@@ -23,6 +25,8 @@ pub struct Frame {
     pub camera: Camera,
     /// Lights and planes.
     pub values: FrameValues,
+    /// What the camera was moved by.
+    hand: Hand,
 }
 
 impl Frame {
@@ -44,7 +48,7 @@ impl Frame {
         let Sound { features, tables } = sound.into();
         let size = (size.0.max(1), size.1.max(1));
         let declared = world.scene.params.iter().enumerate();
-        let mut inputs = FrameInputs {
+        let inputs = FrameInputs {
             time: finite(time as f32),
             volume: features.volume.map(unit),
             bands: features.bands.map(unit),
@@ -71,10 +75,11 @@ impl Frame {
                 .collect(),
             ..FrameInputs::default()
         };
-        inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        Self { size, inputs, camera, values }
+        let mut frame = Self { size, inputs, camera, values, hand: Hand::OFF };
+        frame.see_from(world, size, Hand::OFF);
+        frame
     }
 }
 
@@ -85,10 +90,28 @@ impl Frame {
     }
 
     /// The same moment in a picture of another size.
-    pub fn resized(self, size: (u32, u32)) -> Self {
-        let size = (size.0.max(1), size.1.max(1));
-        let camera = Camera::of(&self.values, f64::from(size.0) / f64::from(size.1));
-        Self { size, camera, ..self }
+    pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
+        self.see_from(world, (size.0.max(1), size.1.max(1)), self.hand);
+        self
+    }
+
+    /// The same moment with the camera moved by hand.
+    pub fn by_hand(mut self, world: &World, hand: Hand) -> Self {
+        self.see_from(world, self.size, hand);
+        self
+    }
+
+    /// Puts the camera in its place, and tells the expressions where it is.
+    fn see_from(&mut self, world: &World, size: (u32, u32), hand: Hand) {
+        let camera = Camera::by_hand(&self.values, f64::from(size.0) / f64::from(size.1), &hand);
+        (self.size, self.hand, self.camera) = (size, hand, camera);
+        self.inputs.eye = camera.position.as_vec3().to_array();
+        self.inputs.hoisted = world.hoisted.values(&self.inputs);
+    }
+
+    /// How far the scene's own camera is above its target, in radians.
+    pub fn own_pitch(&self) -> f64 {
+        Hand::pitch_of(camera::place(self.values.position), self.target())
     }
 }
 

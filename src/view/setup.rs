@@ -36,11 +36,11 @@ pub struct ViewSetup {
 /// Steps that are red: as many as the thesis allowed (Abb. 4).
 const STEPS_RED: f32 = 100.0;
 /// Runs of the distance for a pixel that are red.
-const RUNS_RED: f32 = 200.0;
+const RUNS_RED: f32 = 100.0;
 /// Lines of the slice across the picture's height, about.
-const SLICE_LINES: f32 = 24.0;
+const SLICE_LINES: f32 = 40.0;
 /// Times the way to what the camera looks at that is black.
-const DEPTH_BLACK: f32 = 2.5;
+const DEPTH_BLACK: f32 = 1.6;
 /// Objects that a legend names.
 const OBJECTS_NAMED: usize = 11;
 
@@ -102,7 +102,7 @@ fn steps(legend: Legend, number: Option<f32>) -> Legend {
     let lines = ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells cost none."];
     Legend {
         lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number.unwrap_or(STEPS_RED), " or more")),
+        scale: Some(marks(Ramp::Heat, number.unwrap_or(STEPS_RED), "+")),
         ..legend
     }
 }
@@ -169,7 +169,7 @@ fn clauses(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
     };
     Legend {
         lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number.unwrap_or(RUNS_RED), " or more")),
+        scale: Some(marks(Ramp::Heat, number.unwrap_or(RUNS_RED), "+")),
         ..legend
     }
 }
@@ -183,7 +183,7 @@ fn cells(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
         ["Cells at the surfaces, and the clauses of the", "tape inside. Lines are the faces of cells,", "strong ones those of the root's."];
     Legend {
         lines: lines.map(str::to_owned).to_vec(),
-        scale: Some(marks(Ramp::Heat, number.unwrap_or(1.0), " or more")),
+        scale: Some(marks(Ramp::Heat, number.unwrap_or(1.0), "+")),
         colors: vec![
             (scale::EMPTY_CELL, "a cell without a traced surface".to_owned()),
             (scale::NO_CELL, "outside of the tree".to_owned()),
@@ -218,7 +218,7 @@ fn materials(legend: Legend, world: &World) -> Legend {
 fn depth(legend: Legend, number: Option<f32>) -> Legend {
     Legend {
         lines: vec!["The way from the eye to the surface,".to_owned(), "in the scene's units.".to_owned()],
-        scale: Some(marks(Ramp::Dark, number.unwrap_or(1.0), " or more")),
+        scale: Some(marks(Ramp::Dark, number.unwrap_or(1.0), "+")),
         colors: vec![nothing()],
         ..legend
     }

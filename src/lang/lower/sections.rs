@@ -1,7 +1,7 @@
 //! Blocks with fields: objects, materials, lights, the camera and the sky.
 
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
-use super::super::builtin::uses::{DIRECTION, FRAME, NORMAL, POINT, TEXTURE};
+use super::super::builtin::uses::{DIRECTION, EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::super::diagnostic::Diagnostic;
 use super::super::scene::{Camera, Light, LightPlace, Material, Object, Sky, Vec3};
 use super::super::source::Span;
@@ -23,7 +23,7 @@ enum Holds {
 /// A field: its name, what it holds, and the inputs that it may use.
 type Field = (&'static str, Holds, u8);
 
-const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME;
+const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
 fn fields(section: Section) -> &'static [Field] {
     use Holds::{Material, Number, Vector};
@@ -56,7 +56,7 @@ fn fields(section: Section) -> &'static [Field] {
             ("keep", Number, FRAME),
         ],
         Section::Sky => {
-            &[("color", Vector, DIRECTION | TEXTURE | FRAME), ("ambient", Vector, DIRECTION | FRAME)]
+            &[("color", Vector, DIRECTION | TEXTURE | FRAME | EYE), ("ambient", Vector, DIRECTION | FRAME | EYE)]
         }
     }
 }
