@@ -12,6 +12,7 @@ use mariana::gpu::error::GpuError;
 use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::world::Traits;
 use support::compare::{TIGHT, assert_alike, check_golden, difference, pixel_difference};
 use support::oracle::{constant, vector_constant};
 use support::shader_folder::changed_shaders;
@@ -41,7 +42,7 @@ fn show(studio: &mut Studio, head: &str, body: &str) {
          void main() {{\n    vec3 color;\n    {body}\n    sample_color = vec4(color, min(pass_sample.z, 1.0));\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    studio.program = studio.link(&library, &compiled_variant("", 0, Counting::Off));
+    studio.program = studio.link(&library, &compiled_variant("", 0, Traits::default(), Counting::Off));
 }
 
 /// What the studio's program shows in silence.

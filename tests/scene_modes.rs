@@ -192,7 +192,7 @@ fn both_modes_show_the_same_surface_without_bounds() {
 fn the_compiled_speakers_are_those_written_by_hand() {
     let mut studio = Studio::new();
     let textures = studio.world().pictures.len();
-    let variant = compiled_variant(BY_HAND, textures, Counting::Off);
+    let variant = compiled_variant(BY_HAND, textures, studio.world().traits, Counting::Off);
     let by_hand = studio.link(&ShaderLibrary::embedded(), &variant);
     let compiled = studio.program_of(Mode::Compiled, Counting::Off);
     for (name, time, features) in

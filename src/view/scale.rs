@@ -19,7 +19,7 @@ pub const HEAT: [Color; 6] = [
 
 /// Where a view has nothing to show.
 pub const NOTHING: Color = [0.11, 0.12, 0.18];
-/// A surface that faces no lamp.
+/// A surface that no lamp reaches, shadows apart.
 pub const FACES_AWAY: Color = [0.20, 0.25, 0.45];
 /// A cell that holds no surface.
 pub const EMPTY_CELL: Color = [0.27, 0.29, 0.34];

@@ -147,7 +147,7 @@ fn shadow(legend: Legend) -> Legend {
     Legend {
         lines: vec!["The share of the lamps' light that arrives.".to_owned()],
         scale: Some(marks(Ramp::Light, 1.0, "")),
-        colors: vec![(scale::FACES_AWAY, "faces no lamp".to_owned()), nothing()],
+        colors: vec![(scale::FACES_AWAY, "no lamp reaches it".to_owned()), nothing()],
         ..legend
     }
 }

@@ -16,9 +16,10 @@ use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
 use mariana::world::World;
 
-/// The scene that is shown without being told otherwise.
+/// The thesis' speakers: the scene that is also written by hand, in GLSL.
 pub fn speakers() -> SceneSource {
-    SceneSource::Shipped("speakers".into())
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/oracle/speakers.scene");
+    SceneSource::find(path).unwrap()
 }
 
 /// A scene ready to be drawn; fails with what is wrong with it.
@@ -50,7 +51,7 @@ pub struct Studio {
 }
 
 impl Studio {
-    /// The shipped speakers, compiled.
+    /// The thesis' speakers, compiled.
     pub fn new() -> Self {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
