@@ -17,7 +17,7 @@ const SIZE: &str = "320x180";
 /// A paused window at the start of a silent song, and its picture.
 fn paused<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, RgbaImage) {
     let song = desktop.folder().join("quiet.wav");
-    write_wav(&song, 48_000, 2, (0..48_000 * 20).map(|_| [0.0, 0.0]));
+    write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
     let mut app = desktop.open(&song, &[&["--silent", "--size", SIZE, "--sdf", "compiled"], options].concat());
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));

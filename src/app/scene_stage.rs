@@ -519,7 +519,9 @@ impl SceneStage {
         self.own_pitch = frame.own_pitch();
         match self.views.program(cast, mode) {
             None => renderer.draw(&frame, &cast.resources, program)?,
-            Some((view, program)) => self.views.draw(renderer, &frame, (cast, mode), (view, &program))?,
+            Some((view, mode, program)) => {
+                self.views.draw(renderer, &frame, (cast, mode), (view, &program))?;
+            }
         }
         Ok(Some(shown))
     }

@@ -49,11 +49,16 @@ impl Views {
         Self { choice, ..Self::default() }
     }
 
-    /// The program for the chosen view of a scene.
-    pub fn program(&self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Rc<Program>)> {
-        let (choice, wanted) = self.choice.zip(cast.views(mode))?;
-        let known = self.programs.iter().rev().find(|(known, _)| known.covers(&wanted));
-        known.map(|(_, program)| (choice, program.clone()))
+    /// The chosen view of a scene with a program that draws it and its mode: the scene's or, until there is one, the
+    /// other, so that a view stays when the mode changes.
+    pub fn program(&self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
+        let choice = self.choice?;
+        let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
+        [mode, other].into_iter().find_map(|mode| {
+            let wanted = cast.views(mode)?;
+            let known = self.programs.iter().rev().find(|(known, _)| known.covers(&wanted));
+            known.map(|(_, program)| (choice, mode, program.clone()))
+        })
     }
 
     /// Forgets the programs of scenes that are gone.
