@@ -49,7 +49,7 @@ Examples:
   mariana album/ list.m3u8 x.ogg  play folders, lists (m3u, m3u8, pls, cue) and files, without gaps
   mariana music/ --shuffle        ... in random order
   mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
-  mariana song.flac --scene orbs  ... in another scene, or a file of your own
+  mariana song.flac --scene metaballs  ... in another scene, or a file of your own
   mariana --system                show what the computer plays
   mariana --mic --device USB      show what a microphone hears
   mariana --scene \"min(y, length(p - vec3(0, 1, 0)) - 1)\"

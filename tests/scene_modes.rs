@@ -239,8 +239,14 @@ fn a_painter_draws_as_it_was_asked() {
         (SdfChoice::Auto, Mode::Compiled),
     ] {
         let source = SceneSource::Formula(PLANES.into());
-        let choice =
-            SceneChoice { source, sdf, shaders: ShaderLibrary::embedded(), regions: true, view: None, verbose: false };
+        let choice = SceneChoice {
+            source,
+            sdf,
+            shaders: ShaderLibrary::embedded(),
+            regions: true,
+            view: None,
+            verbose: false,
+        };
         let mut painter = Painter::open(&choice).unwrap();
         assert_eq!(painter.mode(), expected);
         painter.draw(0.0, silence().into(), (16, 9)).unwrap();

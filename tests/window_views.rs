@@ -18,7 +18,8 @@ const SIZE: &str = "320x180";
 fn paused<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, RgbaImage) {
     let song = desktop.folder().join("quiet.wav");
     write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
-    let mut app = desktop.open(&song, &[&["--silent", "--size", SIZE, "--sdf", "compiled"], options].concat());
+    let mut app =
+        desktop.open(&song, &[&["--silent", "--size", SIZE, "--sdf", "compiled"], options].concat());
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     app.press(&["Left", "Left", "Left", "Left"]);
@@ -40,7 +41,9 @@ fn share(a: &RgbaImage, b: &RgbaImage) -> f64 {
 /// Drags with the left button from the middle.
 fn drag(app: &App, (right, down): (i32, i32)) {
     let (x, y) = (160, 90);
-    let place = |x: i32, y: i32| app.xdotool(&["mousemove", "--window", app.window(), &x.to_string(), &y.to_string()]);
+    let place = |x: i32, y: i32| {
+        app.xdotool(&["mousemove", "--window", app.window(), &x.to_string(), &y.to_string()])
+    };
     place(x, y);
     app.xdotool(&["mousedown", "1"]);
     for step in 1..=4 {

@@ -75,7 +75,8 @@ impl SceneRegions {
         (params, hand): (&[f32], Hand),
     ) -> Option<(Frame, Shown)> {
         // Where the distance is none, there are cells whatever is wanted.
-        let cells = scene.world().steep || (self.wanted && (self.insists || self.late_for != Some((id, mode))));
+        let cells =
+            scene.world().steep || (self.wanted && (self.insists || self.late_for != Some((id, mode))));
         scene.set_cells(cells);
         let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
         let frame = frame.by_hand(scene.world(), hand);

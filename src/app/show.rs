@@ -344,11 +344,7 @@ impl Show {
         }
         stage.status_due = now + STATUS_INTERVAL;
         if let Some(live) = stage.sound.live_status() {
-            return stage.set_title(live_title(
-                &live,
-                stage.scene.notes(),
-                stage.paused,
-            ));
+            return stage.set_title(live_title(&live, stage.scene.notes(), stage.paused));
         }
         let Some(status) = stage.sound.song_status() else { return };
         let status = PlayerStatus { paused: stage.paused, ..status };

@@ -5,6 +5,7 @@
 pub mod block;
 pub mod camera;
 pub mod hand;
+pub mod picture;
 pub mod sound_tables;
 
 pub use crate::dsp::Sound;
@@ -13,6 +14,7 @@ use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;
 use hand::Hand;
+use picture::Picture;
 
 /// What one picture shows.
 #[derive(Debug, Clone)]
@@ -25,6 +27,8 @@ pub struct Frame {
     pub camera: Camera,
     /// Lights and planes.
     pub values: FrameValues,
+    /// What happens to the scene's light on its way to the screen.
+    pub picture: Picture,
     /// What the camera was moved by.
     hand: Hand,
 }
@@ -77,7 +81,7 @@ impl Frame {
         };
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        let mut frame = Self { size, inputs, camera, values, hand: Hand::OFF };
+        let mut frame = Self { size, inputs, camera, values, picture: Picture::default(), hand: Hand::OFF };
         frame.see_from(world, size, Hand::OFF);
         frame
     }

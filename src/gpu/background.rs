@@ -28,6 +28,7 @@ use super::scene_program::link_scene;
 use super::scene_resources::SceneNames;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::FrameBlock;
+use crate::frame::picture::Picture;
 
 /// A context for a worker, not current anywhere yet.
 pub struct WorkerContext {
@@ -80,6 +81,8 @@ pub struct ProgramJob {
     pub variant: VariantMaker,
     /// What the picture drawn to warm it up shows.
     pub block: FrameBlock,
+    /// What happens to its light.
+    pub picture: Picture,
     /// What that picture reads.
     pub scene: SceneNames,
     /// Whether it is a program of views.
@@ -257,7 +260,7 @@ fn make(
     let drawn = if job.draws_views {
         renderer.draw_view_block(WARM_UP_SIZE, &job.block, &job.scene, &program, &[[0.0, 1.0, 0.0, 0.0]; 2])
     } else {
-        renderer.draw_block(WARM_UP_SIZE, &job.block, &job.scene, &program)
+        renderer.draw_block(WARM_UP_SIZE, (&job.block, &job.picture), &job.scene, &program)
     };
     if let Err(error) = drawn {
         tracing::debug!("warming up a program: {error}");

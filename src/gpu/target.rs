@@ -200,7 +200,8 @@ impl Target {
     pub fn put_rgba8(&self, place: (u32, u32), size: (u32, u32), rgba: &[u8]) {
         let row = size.0 as usize * 4;
         let fits = place.0 + size.0 <= self.size.0 && place.1 + size.1 <= self.size.1;
-        let Some(texture) = self.colors.first().filter(|_| fits && rgba.len() == row * size.1 as usize) else {
+        let Some(texture) = self.colors.first().filter(|_| fits && rgba.len() == row * size.1 as usize)
+        else {
             return;
         };
         let mut bytes = rgba.to_vec();

@@ -87,9 +87,7 @@ impl Default for LegendPainter {
 impl LegendPainter {
     /// The legend for a picture of `size` pixels; none if it would take too much of it.
     pub fn picture(&mut self, legend: Legend, size: (u32, u32)) -> Option<Arc<LegendPicture>> {
-        if let Some((_, _, known)) =
-            self.last.as_ref().filter(|(of, at, _)| (of, *at) == (&legend, size))
-        {
+        if let Some((_, _, known)) = self.last.as_ref().filter(|(of, at, _)| (of, *at) == (&legend, size)) {
             return known.clone();
         }
         let drawn = draw(&mut self.letters, &legend, size).map(Arc::new);
@@ -127,7 +125,8 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
             parts.push(((x, y), Part::Block { size: (1, in_units(0.3)), ramp: None, color: TEXT }));
             // Centred below its mark, but within the bar.
             let width = letters.line(text, unit).size.0;
-            let left = x.saturating_sub(width / 2).clamp(padding, (padding + bar.0).max(padding + width) - width);
+            let left =
+                x.saturating_sub(width / 2).clamp(padding, (padding + bar.0).max(padding + width) - width);
             let text = Part::Text { text: text.clone(), size: unit, color: TEXT };
             parts.push(((left, y + in_units(0.3)), text));
         }
@@ -180,7 +179,8 @@ fn lay_out(
     if !fits(width, picture.0, SHARE_MAX.0) || !fits(height, picture.1, SHARE_MAX.1) {
         return None;
     }
-    let mut rgba: Vec<u8> = GROUND.map(byte).into_iter().chain([255]).cycle().take(4 * size.0 * size.1).collect();
+    let mut rgba: Vec<u8> =
+        GROUND.map(byte).into_iter().chain([255]).cycle().take(4 * size.0 * size.1).collect();
     let mut put = |x: usize, y: usize, color: Color, cover: u8| {
         if x >= size.0 {
             return;

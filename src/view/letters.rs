@@ -34,7 +34,8 @@ impl Letters {
                 let corner = row.pos.to_vec2() + glyph.pos.to_vec2() + letter.offset;
                 for y in letter.min[1]..letter.max[1] {
                     for x in letter.min[0]..letter.max[0] {
-                        let column = corner.x.round() as isize + isize::from((x - letter.min[0]).cast_signed());
+                        let column =
+                            corner.x.round() as isize + isize::from((x - letter.min[0]).cast_signed());
                         let line = corner.y.round() as isize + isize::from((y - letter.min[1]).cast_signed());
                         let place = usize::try_from(column).ok().zip(usize::try_from(line).ok());
                         let Some((column, line)) = place.filter(|(column, _)| *column < width) else {

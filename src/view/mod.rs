@@ -45,12 +45,7 @@ pub struct ViewRow {
     pub number: Option<&'static str>,
 }
 
-const fn row(
-    view: View,
-    name: &'static str,
-    meaning: &'static str,
-    number: Option<&'static str>,
-) -> ViewRow {
+const fn row(view: View, name: &'static str, meaning: &'static str, number: Option<&'static str>) -> ViewRow {
     ViewRow { view, name, meaning, number }
 }
 
@@ -164,10 +159,13 @@ impl FromStr for ViewChoice {
             None => (text, None),
         };
         let name = name.trim();
-        let row = VIEWS.iter().find(|row| row.name == name).ok_or_else(|| NoView::Unknown(name.to_owned()))?;
+        let row =
+            VIEWS.iter().find(|row| row.name == name).ok_or_else(|| NoView::Unknown(name.to_owned()))?;
         let number = match number {
             None => None,
-            Some(number) if row.number.is_none() => return Err(NoView::TakesNone(row.name, number.to_owned())),
+            Some(number) if row.number.is_none() => {
+                return Err(NoView::TakesNone(row.name, number.to_owned()));
+            }
             Some(text) => {
                 let number: f32 =
                     text.trim().parse().map_err(|_| NoView::NoNumber(row.name, text.to_owned()))?;

@@ -140,7 +140,10 @@ mod tests {
     fn heat_goes_from_blue_to_red_through_its_colours() {
         for (index, color) in HEAT.iter().enumerate() {
             let found = heat(index as f32 / (HEAT.len() - 1) as f32);
-            assert!((0..3).all(|channel| (found[channel] - color[channel]).abs() < 1e-5), "{index}: {found:?}");
+            assert!(
+                (0..3).all(|channel| (found[channel] - color[channel]).abs() < 1e-5),
+                "{index}: {found:?}"
+            );
         }
         assert_eq!((heat(-1.0), heat(9.0)), (HEAT[0], HEAT[5]));
         assert!(heat(0.0)[2] > heat(0.0)[0] && heat(1.0)[0] > heat(1.0)[2]);

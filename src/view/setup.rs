@@ -179,8 +179,11 @@ fn cells(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
         let lines = ["Regions are off: one tape holds everywhere.", "Key R, or --regions on, divides space."];
         return Legend { lines: lines.map(str::to_owned).to_vec(), ..legend };
     }
-    let lines =
-        ["Cells at the surfaces, and the clauses of the", "tape inside. Lines are the faces of cells,", "strong ones those of the root's."];
+    let lines = [
+        "Cells at the surfaces, and the clauses of the",
+        "tape inside. Lines are the faces of cells,",
+        "strong ones those of the root's.",
+    ];
     Legend {
         lines: lines.map(str::to_owned).to_vec(),
         scale: Some(marks(Ramp::Heat, number.unwrap_or(1.0), "+")),

@@ -24,6 +24,8 @@ pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use traits::Traits;
+// How a picture is made is part of a scene.
+pub use crate::lang::ToneMap;
 
 use std::sync::Arc;
 

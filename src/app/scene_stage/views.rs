@@ -126,7 +126,8 @@ impl SceneStage {
         self.revision += 1;
         self.regions.insist(choice.is_some());
         self.ask_for_view();
-        let ready = self.on_stage.as_ref().zip(self.mode()).and_then(|(cast, mode)| self.views.program(cast, mode));
+        let ready =
+            self.on_stage.as_ref().zip(self.mode()).and_then(|(cast, mode)| self.views.program(cast, mode));
         self.tell(match choice {
             None => "the picture".to_owned(),
             Some(choice) if ready.is_some() => format!("view: {choice}"),
