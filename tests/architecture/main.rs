@@ -425,7 +425,7 @@ mod scanner {
     #[test]
     fn finds_crates_outside_their_rooms() {
         breaks("src/app/window.rs", "use glow::HasContext;", "1: the crate glow belongs to gpu alone");
-        breaks("src/gpu/gl.rs", "use egui_winit::State;", "1: the crate egui belongs to app alone");
+        breaks("src/gpu/gl.rs", "use egui_winit::State;", "1: the crate egui belongs to app and view alone");
         breaks("src/gpu/gl.rs", "use glutin_winit::X;", "1: the crate glutin_winit belongs to app alone");
         breaks(
             "src/export/still.rs",
