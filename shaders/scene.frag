@@ -27,6 +27,19 @@ layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, c
 layout(location = 3) out vec4 more_clauses;         // of materials and light, 0, 0, 0
 #endif
 
+#if defined(LENS) && !defined(COUNT_EVALUATIONS)
+layout(location = 1) out float sample_spread;       // radius of the disc that a point becomes in the picture, in pixels
+
+// By a thin lens: a point at distance z is spread over radius * |1/sharp - 1/z| at distance 1; negative in front of what
+// is sharp.
+float spread_at(float nearness) {
+    float limit = picture_lens.z * viewport.y;
+    return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
+}
+#endif
+// 1 / how far away the first surface is, along the camera's axis.
+float seen_nearness = 0.0;
+
 // Light from the surface at p towards the eye, without what it mirrors.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
@@ -110,6 +123,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 mirrored = direction;
         if (hit.met) {
             travelled = reached;
+            if (surface == 0) seen_nearness = 1.0 / max(hit.t * dot(direction, camera_forward.xyz), 1e-6);
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
             // Brought onto the plane exactly: no ray from there meets it again.
@@ -166,6 +180,9 @@ void main() {
     sample_color = vec4(view_color(direction), 1.0);
 #else
     sample_color = stored_sample(color, surface_key, pass_sample.z > 0.5);
+#endif
+#if defined(LENS) && !defined(COUNT_EVALUATIONS)
+    sample_spread = spread_at(seen_nearness);
 #endif
 #if defined(COUNT_EVALUATIONS) && !defined(VIEWS)
 #ifndef CLAUSES_RUN

@@ -1,5 +1,6 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
+mod parse;
 mod scene;
 mod view;
 
@@ -9,6 +10,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
+
+use parse::{parse_duration, parse_fps, parse_latency, parse_seconds, parse_size};
 
 use crate::app;
 use crate::audio::decode::quiet_contained_panics;
@@ -25,8 +28,8 @@ use crate::export::print::print_line;
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::limits::LIMITS;
 use crate::scenes::{SceneError, SceneSource};
+use crate::world::ToneMap;
 
 /// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
@@ -120,6 +123,9 @@ struct CommonArguments {
     /// bench measures both]
     #[arg(long, value_name = "ON-OFF")]
     regions: Option<Switch>,
+    /// How light becomes a colour of the screen [default: as the scene says, agx where it says nothing]
+    #[arg(long, value_name = "MAP")]
+    tone_map: Option<ToneMapChoice>,
     /// Whether quiet and loud sound are levelled for the picture; what is told in decibels is as measured either way
     #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
     gain: GainChoice,
@@ -154,6 +160,26 @@ impl From<GainChoice> for Gain {
         match choice {
             GainChoice::Auto => Gain::Auto,
             GainChoice::Off => Gain::Off,
+        }
+    }
+}
+
+/// See [`ToneMap`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum ToneMapChoice {
+    Agx,
+    Aces,
+    Reinhard,
+    None,
+}
+
+impl From<ToneMapChoice> for ToneMap {
+    fn from(choice: ToneMapChoice) -> Self {
+        match choice {
+            ToneMapChoice::Agx => ToneMap::Agx,
+            ToneMapChoice::Aces => ToneMap::Aces,
+            ToneMapChoice::Reinhard => ToneMap::Reinhard,
+            ToneMapChoice::None => ToneMap::None,
         }
     }
 }
@@ -296,6 +322,9 @@ struct BenchArguments {
     /// Frames to time
     #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true)]
     frames: u16,
+    /// Compare the picture at edges with one of 64 samples in each pixel, too; slow
+    #[arg(long)]
+    edges: bool,
     /// JSON instead of text
     #[arg(long)]
     json: bool,
@@ -439,6 +468,7 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         gain: common.gain.into(),
         scene: common.scene()?,
         both: common.regions.is_none(),
+        edges: arguments.edges,
     })?;
     if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
@@ -485,53 +515,10 @@ impl CommonArguments {
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             regions: self.regions != Some(Switch::Off),
             view: None,
+            tone_map: self.tone_map.map(Into::into),
             verbose: self.verbose > 0,
         })
     }
-}
-
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let (width, height) =
-        text.split_once(['x', 'X', '×']).ok_or("write it as WIDTHxHEIGHT, such as 1280x720")?;
-    let side = |text: &str| {
-        let value: u32 = text.trim().parse().map_err(|_| format!("'{text}' is no whole number of pixels"))?;
-        let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
-        if (low..=high).contains(&value) {
-            Ok(value)
-        } else {
-            Err(format!("a side has {low} to {high} pixels"))
-        }
-    };
-    let (width, height) = (side(width)?, side(height)?);
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > LIMITS.picture_pixels_max {
-        return Err(format!("a picture has at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
-    }
-    Ok((width, height))
-}
-
-fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
-    if value >= low && value <= high { Ok(value) } else { Err(format!("it is from {low} to {high} {unit}")) }
-}
-
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, LIMITS.seconds_max, "seconds")
-}
-
-fn parse_duration(text: &str) -> Result<f64, String> {
-    match parse_seconds(text)? {
-        0.0 => Err("it is more than 0 seconds".into()),
-        seconds => Ok(seconds),
-    }
-}
-
-fn parse_fps(text: &str) -> Result<f64, String> {
-    parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
-}
-
-fn parse_latency(text: &str) -> Result<f64, String> {
-    parse_within(text, -LIMITS.latency_ms_max, LIMITS.latency_ms_max, "milliseconds")
 }
 
 #[cfg(test)]
@@ -542,33 +529,6 @@ mod tests {
     #[test]
     fn the_argument_parser_is_consistent() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes_within_the_limits_are_read_and_others_refused_with_the_limit() {
-        assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
-        assert_eq!(parse_size("1X16384"), Ok((1, 16384)));
-        for (text, part) in [
-            ("1280", "WIDTHxHEIGHT"),
-            ("0x5", "1 to 16384"),
-            ("16385x5", "1 to 16384"),
-            ("-3x5", "whole number"),
-            ("16384x16384", "at most"),
-            ("axb", "whole number"),
-        ] {
-            let message = parse_size(text).unwrap_err();
-            assert!(message.contains(part), "{text}: {message}");
-        }
-    }
-
-    #[test]
-    fn numbers_outside_the_limits_and_non_numbers_are_refused() {
-        for text in ["nan", "inf", "-1", "1e9", "x", ""] {
-            assert!(parse_seconds(text).is_err(), "{text}");
-        }
-        assert_eq!(parse_seconds("12.5"), Ok(12.5));
-        assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
-        assert_eq!(parse_latency("-180"), Ok(-180.0));
     }
 
     #[test]

@@ -151,7 +151,8 @@ impl Show {
             window.set_fullscreen(true);
         }
         let library = &self.scene.shaders;
-        let renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+        let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+        renderer.set_tone_map(self.scene.tone_map);
         let Some((loader, first)) = self.loader.take() else { return Ok(()) };
         let contexts = window.worker_contexts(COMPILERS);
         let waker = self.waker.clone();

@@ -4,6 +4,7 @@ use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::dsp::Sound;
 use crate::frame::Frame;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
@@ -18,7 +19,7 @@ use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPainter;
 use crate::view::setup::ViewSetup;
-use crate::world::{TapeBuffers, World};
+use crate::world::{TapeBuffers, ToneMap, World};
 
 /// Which scene to draw, and how.
 #[derive(Debug, Clone)]
@@ -33,6 +34,8 @@ pub struct SceneChoice {
     pub regions: bool,
     /// What is shown instead of the picture.
     pub view: Option<ViewChoice>,
+    /// How light becomes a colour of the screen; none for as the scene says.
+    pub tone_map: Option<ToneMap>,
     /// Log the driver's debug output.
     pub verbose: bool,
 }
@@ -60,7 +63,9 @@ impl Painter {
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
-        let renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
+        let mut renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
+        renderer.set_tone_map(choice.tone_map);
+        renderer.set_edge_samples(EdgeSamples::Sixteen);
         let counting = if choice.view.is_some() { Counting::On } else { Counting::Off };
         let mut variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)?;
         if choice.view.is_some() {

@@ -81,7 +81,8 @@ impl Frame {
         };
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        let mut frame = Self { size, inputs, camera, values, picture: Picture::default(), hand: Hand::OFF };
+        let picture = Picture::of(&values, &camera, world.traits.lens);
+        let mut frame = Self { size, inputs, camera, values, picture, hand: Hand::OFF };
         frame.see_from(world, size, Hand::OFF);
         frame
     }
@@ -109,6 +110,7 @@ impl Frame {
     fn see_from(&mut self, world: &World, size: (u32, u32), hand: Hand) {
         let camera = Camera::by_hand(&self.values, f64::from(size.0) / f64::from(size.1), &hand);
         (self.size, self.hand, self.camera) = (size, hand, camera);
+        self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
         self.inputs.eye = camera.position.as_vec3().to_array();
         self.inputs.hoisted = world.hoisted.values(&self.inputs);
     }

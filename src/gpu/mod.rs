@@ -1,11 +1,14 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
 pub mod background;
+mod bloom;
 mod edge_list;
+pub mod edge_samples;
 pub mod error;
 pub mod gl;
 mod guest;
 pub mod headless;
+mod lens;
 pub mod object;
 pub mod post;
 pub mod probe;

@@ -2,7 +2,7 @@
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
-//! 3. `scene.frag` again, four samples, only there, each elsewhere in the pixel.
+//! 3. `scene.frag` again, more samples, only there, each elsewhere in the pixel.
 //!
 //! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
 //! any of them.
@@ -14,6 +14,7 @@ use std::rc::Rc;
 use glow::HasContext;
 
 use super::edge_list::EdgeList;
+use super::edge_samples::EdgeSamples;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
@@ -27,9 +28,12 @@ use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
+use crate::world::ToneMap;
 
-/// The further samples of a pixel at an edge, as `sample_place.glsl` counts them.
-const EDGE_SAMPLES: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// Numbers in the `PassBlock` of `frame_block.glsl`.
+const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
+/// Samples of a reference along each side of a pixel.
+const REFERENCE_SIDE: u32 = 8;
 
 /// Which sample a pass draws, as in `frame_block.glsl`.
 const FIRST_SAMPLE: f32 = 0.0;
@@ -106,11 +110,13 @@ pub struct Renderer {
     view_buffer: Buffer,
     vertices: VertexArray,
     counting: Counting,
+    edge_samples: EdgeSamples,
     targets: Option<Targets>,
 }
 
 /// What depends on the picture's size.
 struct Targets {
+    has_lens: bool,
     first: Target,
     edges: Edges,
     post: PostTargets,
@@ -149,10 +155,23 @@ impl Renderer {
             view_buffer: Buffer::new(gl)?,
             vertices: VertexArray::new(gl)?,
             counting,
+            edge_samples: EdgeSamples::Four,
             targets: None,
         };
         gl.check("setting up the renderer")?;
         Ok(renderer)
+    }
+
+    /// Maps tones so from now on, whatever scenes say; none for as they say.
+    pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
+        self.post.set_tone_map(tone_map);
+    }
+
+    /// Gives pixels at edges so many samples from now on: four where nobody said.
+    pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
+        if self.edge_samples != samples {
+            (self.edge_samples, self.targets) = (samples, None);
+        }
     }
 
     /// Draws `frame` of a scene with one of its programs into the renderer's own target; [`Renderer::show`] or
@@ -178,9 +197,9 @@ impl Renderer {
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        self.need_targets(size)?;
+        self.need_targets(size, picture.lens.is_some())?;
         self.bind_inputs(block);
-        self.post.bind_picture(picture);
+        self.post.bind_picture(picture, self.edge_samples);
         scene.bind(&self.gl);
         // Taken out, so that lists can grow while the rest is used.
         let Some(mut targets) = self.targets.take() else { return Ok(()) };
@@ -205,7 +224,7 @@ impl Renderer {
         scene.upload_inputs(&frame.inputs);
         let tree = scene.tree_of(frame);
         let block = frame.block(scene.world(), &tree);
-        self.draw_view_block(frame.size, &block, &scene.names(), program, view)?;
+        self.draw_view_block(frame.size, (&block, &frame.picture), &scene.names(), program, view)?;
         if let (Some(targets), Some(legend)) = (&self.targets, legend) {
             targets.post.finished().put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
         }
@@ -219,15 +238,16 @@ impl Renderer {
     pub fn draw_view_block(
         &mut self,
         size: (u32, u32),
-        block: &FrameBlock,
+        (block, picture): (&FrameBlock, &Picture),
         scene: &SceneNames,
         program: &Program,
         view: &ViewBlock,
     ) -> Result<(), GpuError> {
-        self.need_targets(size)?;
+        self.need_targets(size, picture.lens.is_some())?;
         self.bind_inputs(block);
         scene.bind(&self.gl);
         let Some(targets) = &self.targets else { return Ok(()) };
+        self.post.bind_picture(picture, self.edge_samples);
         self.bind_block("ViewBlock", &self.view_buffer, view.as_flattened());
         self.reset_state();
         targets.post.finished().bind();
@@ -238,7 +258,7 @@ impl Renderer {
             self.gl.bind_texture(glow::TEXTURE_2D, None);
         }
         program.bind();
-        self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+        self.draw_sample([0.0, 0.0], 0.0, FIRST_SAMPLE);
         self.gl.check("drawing a view")
     }
 
@@ -258,7 +278,8 @@ impl Renderer {
             Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
             Edges::List(list) => list.bind_samples(),
         }
-        self.post.draw(&targets.post, picture);
+        self.post.resolve(&targets.post, self.edge_samples.block());
+        self.post.finish(&targets.post, picture, &targets.first);
         Ok(())
     }
 
@@ -278,6 +299,37 @@ impl Renderer {
         }
     }
 
+    /// Draws `frame` with a regular grid of 64 samples in each pixel: what other pictures are measured by. Slow.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_reference(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        self.draw(frame, scene, program)?;
+        let Some(targets) = &self.targets else { return Ok(()) };
+        scene.names().bind(&self.gl);
+        let sum = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
+        sum.bind();
+        // SAFETY: plain state.
+        unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
+        self.prepare_samples(program);
+        for number in 0..REFERENCE_SIDE * REFERENCE_SIDE {
+            let place = [number % REFERENCE_SIDE, number / REFERENCE_SIDE];
+            let place = place.map(|at| (at as f32 + 0.5) / REFERENCE_SIDE as f32 - 0.5);
+            self.draw_sample(place, number as f32, FURTHER_SAMPLE);
+        }
+        // SAFETY: plain state.
+        unsafe { self.gl.disable(glow::BLEND) }
+        sum.bind_color(0, unit_of("extra_samples"));
+        self.post.resolve_all(&targets.post);
+        self.post.finish(&targets.post, &frame.picture, &targets.first);
+        self.gl.check("drawing a reference")
+    }
+
     /// All samples of the picture, those of edges summed in `sum`.
     fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program) {
         // SAFETY: plain state and draws on objects of ours, in the current context.
@@ -288,7 +340,7 @@ impl Renderer {
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
             gl.enable(glow::STENCIL_TEST);
             self.prepare_samples(program);
-            self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+            self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE);
 
             gl.disable(glow::BLEND);
             sum.bind();
@@ -303,8 +355,8 @@ impl Renderer {
             gl.color_mask(true, true, true, true);
 
             self.prepare_samples(program);
-            for number in EDGE_SAMPLES {
-                self.draw_sample(number, FURTHER_SAMPLE);
+            for (number, place) in self.edge_samples.offsets().enumerate() {
+                self.draw_sample(place, number as f32, FURTHER_SAMPLE);
             }
             gl.disable(glow::BLEND);
             gl.disable(glow::STENCIL_TEST);
@@ -316,7 +368,7 @@ impl Renderer {
         first.bind();
         list.bind_pixels();
         program.bind();
-        self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+        self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE);
         list.marks().bind();
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
@@ -327,7 +379,7 @@ impl Renderer {
         }
         list.draw(|| {
             program.bind();
-            self.draw_sample([0.0, 0.0], LISTED_SAMPLES);
+            self.draw_sample([0.0; 2], 0.0, LISTED_SAMPLES);
         })
     }
 
@@ -372,19 +424,26 @@ impl Renderer {
                 sum.surface_clauses += f64::from(texel[0]);
             }
         }
-        let samples = targets.edges.samples().read_rgba32f(0);
-        let texels = samples.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
-        sum.edge_pixels = match &targets.edges {
-            Edges::Stencil(_) => texels,
-            Edges::List(_) => texels / EDGE_SAMPLES.len() as f64,
-        };
+        sum.edge_pixels = self.edge_pixels();
         sum
     }
 
+    /// Pixels that got the samples of an edge in the last picture.
+    pub fn edge_pixels(&self) -> f64 {
+        let Some(targets) = &self.targets else { return 0.0 };
+        let samples = targets.edges.samples().read_rgba32f(0);
+        let texels = samples.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
+        match &targets.edges {
+            Edges::Stencil(_) => texels,
+            Edges::List(_) => texels / self.edge_samples.count() as f64,
+        }
+    }
+
     /// Targets of `size` pixels. A size that is refused leaves the last picture.
-    fn need_targets(&mut self, size: (u32, u32)) -> Result<(), GpuError> {
-        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != size) {
-            self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
+    fn need_targets(&mut self, size: (u32, u32), has_lens: bool) -> Result<(), GpuError> {
+        let fits = |targets: &Targets| targets.first.size() == size && targets.has_lens == has_lens;
+        if !self.targets.as_ref().is_some_and(fits) {
+            self.targets = Some(Targets::new(&self.gl, size, has_lens, self.edge_samples, self.counting)?);
         }
         Ok(())
     }
@@ -426,9 +485,12 @@ impl Renderer {
         program.bind();
     }
 
-    /// Draws a sample everywhere: which of the further ones, and of which kind.
-    fn draw_sample(&self, number: [f32; 2], kind: f32) {
-        let block = [number[0], number[1], kind, 0.0];
+    /// Draws a sample everywhere: where in the pixel, which of the further ones, and of which kind.
+    fn draw_sample(&self, place: [f32; 2], number: f32, kind: f32) {
+        let (across, down) = self.edge_samples.block();
+        let head = [place[0], place[1], kind, number, across as f32, down as f32, 0.0, 0.0];
+        let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
+        block.resize(PASS_BLOCK_NUMBERS, 0.0);
         let bytes: Vec<u8> = block.iter().flat_map(|value| value.to_ne_bytes()).collect();
         // SAFETY: the buffer is ours and the draw reads nothing else than what `bind_inputs` bound.
         unsafe {
@@ -440,20 +502,31 @@ impl Renderer {
 }
 
 impl Targets {
-    fn new(gl: &Gl, size: (u32, u32), counting: Counting) -> Result<Self, GpuError> {
-        let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F];
-        let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
+    fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        has_lens: bool,
+        samples: EdgeSamples,
+        counting: Counting,
+    ) -> Result<Self, GpuError> {
+        // What is counted takes the place of what a lens needs: such pictures are not looked at.
+        let texels: &[Texel] = match (counting, has_lens) {
+            (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
+            (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
+            (Counting::Off, false) => &[Texel::Rgba16F],
+        };
         Target::check_size(gl, size)?;
         let (stencil, edges) = if gl.info().software {
-            (None, Edges::List(EdgeList::new(gl, size, texels)?))
+            (None, Edges::List(EdgeList::new(gl, size, texels, samples)?))
         } else {
             let stencil = Rc::new(Stencil::new(gl, size)?);
             (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, texels, Some(stencil))?))
         };
         Ok(Self {
+            has_lens,
             first: Target::new(gl, size, texels, stencil)?,
             edges,
-            post: PostTargets::new(gl, size, size)?,
+            post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
         })
     }
 }

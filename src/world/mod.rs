@@ -19,7 +19,7 @@ mod traits;
 mod validate;
 
 pub use bounds::Bounds;
-pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues};
+pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues, PictureValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
