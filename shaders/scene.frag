@@ -177,7 +177,7 @@ void main() {
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
 #ifdef VIEWS
-    sample_color = vec4(view_color(direction), 1.0);
+    sample_color = vec4(light_of(view_color(direction)), 1.0);
 #else
     sample_color = stored_sample(color, surface_key, pass_sample.z > 0.5);
 #endif
