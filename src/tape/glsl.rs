@@ -22,9 +22,9 @@ pub fn literal(value: f32) -> String {
 /// The name of an input in the generated code: `p` and `n` are the function's arguments, the rest are
 /// uniforms.
 ///
-/// What is computed once a frame is in `frame_hoisted`, vec4 too.
+/// What is computed once a frame is in `frame_hoisted`, vec4 too. `camera_position` is a vec4 with the eye in xyz.
 ///
-/// `camera_position` is a vec4 with the eye in xyz, `frame_time`, `frame_tempo`, `frame_phase`, `frame_bass_drive` and `frame_pitch` are floats, `frame_volume` (left,
+/// `frame_time`, `frame_tempo`, `frame_phase`, `frame_bass_drive` and `frame_pitch` are floats, `frame_volume` (left,
 /// right) and `frame_stereo` (mid, side) vec2, `frame_sound` a vec4 (bass,
 /// mid, treble, beat), `frame_bands` 32 vec4 with a band in x, `frame_params` vec4 as many as there are parameters, divided
 /// by four.

@@ -68,7 +68,7 @@ const DIM: Color = [0.66, 0.68, 0.73];
 const LETTERS_SHARE: f32 = 1.0 / 44.0;
 const LETTERS: (f32, f32) = (11.0, 44.0);
 /// The greatest share of the picture's width and height that a legend takes; a larger one is left out.
-const SHARE_MAX: (f32, f32) = (0.8, 0.85);
+const SHARE_MAX: (f32, f32) = (0.7, 0.7);
 /// Entries of single colours in one column.
 const ROWS_MAX: usize = 6;
 
