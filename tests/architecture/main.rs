@@ -32,16 +32,17 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("dsp", &["limits"]),
     ("audio", &["dsp", "limits"]),
     ("frame", &["world", "graph", "dsp", "limits"]),
-    ("gpu", &["frame", "world", "region", "graph", "tape", "limits"]),
+    ("flash", &["limits"]),
+    ("gpu", &["frame", "flash", "world", "region", "graph", "tape", "limits"]),
     ("scenes", &["lang", "world", "region", "limits"]),
     (
         "app",
         &[
             "lang", "graph", "tape", "region", "world", "scenes", "dsp", "audio", "frame", "gpu", "export",
-            "config", "limits",
+            "config", "flash", "limits",
         ],
     ),
-    ("export", &["world", "region", "scenes", "frame", "gpu", "audio", "dsp", "config", "limits"]),
+    ("export", &["world", "region", "scenes", "frame", "flash", "gpu", "audio", "dsp", "config", "limits"]),
     ("config", &["dsp", "limits"]),
 ];
 
@@ -63,7 +64,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
 ];
 
 /// Rooms that do no I/O, read no clock, spawn no thread and know no library of devices.
-const PURE_ROOMS: &[&str] = &["dsp", "lang", "graph", "tape", "region"];
+const PURE_ROOMS: &[&str] = &["dsp", "flash", "lang", "graph", "tape", "region"];
 const IMPURE_PATHS: &[&str] = &[
     "std::env",
     "std::fs",
