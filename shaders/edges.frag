@@ -1,6 +1,7 @@
 // Keeps the pixels whose neighbourhood differs visibly: those get more samples. The others are discarded, so
 // that the stencil, or what is written, marks the edges.
 
+#include "picture_block.glsl"
 #include "encode.glsl"
 
 uniform sampler2D picture;
@@ -16,6 +17,11 @@ vec4 seen(ivec2 texel, ivec2 limit) {
     return texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
 }
 
+vec3 shown(vec3 light) {
+    vec3 exposed = picture_look.x * light;
+    return exposed / (1.0 + exposed);
+}
+
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     ivec2 limit = textureSize(picture, 0) - 1;
@@ -27,8 +33,8 @@ void main() {
         low = min(low, other);
         high = max(high, other);
     }
-    // Encoding keeps the order: that of the extremes is enough.
-    vec3 range = srgb_from_linear(high.rgb) - srgb_from_linear(low.rgb);
+    // As bright as it will be seen, near enough. That keeps the order, so the extremes are enough.
+    vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
     float contrast = max(range.r, max(range.g, range.b));
     if (contrast < (high.a - low.a > 0.5 ? EDGE_CONTRAST : INNER_CONTRAST)) discard;
     mark = 1.0;

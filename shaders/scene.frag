@@ -1,5 +1,5 @@
 // One sample of the scene for each pixel: primary ray, light, and what mirrors show (LD?S*E, thesis 3.3).
-// Writes colour tone-mapped to 0..1, still linear, and in alpha a key of the surfaces seen.
+// Writes linear light and, in a pixel's first sample, a key of the surfaces seen.
 
 #include "frame_block.glsl"
 #include "sample_place.glsl"
@@ -13,9 +13,9 @@
 #include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
 #include "light.glsl"
-#include "tone_map.glsl"
+#include "sample_light.glsl"
 
-layout(location = 0) out vec4 sample_color;         // alpha: a whole number below 2048
+layout(location = 0) out vec4 sample_color;         // see sample_light.glsl; the key is a whole number below 2048
 #ifdef COUNT_EVALUATIONS
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
 layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, lookups of cells
@@ -120,7 +120,7 @@ void main() {
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
-    sample_color = vec4(tone_map(color), pass_sample.z > 0.5 ? 1.0 : surface_key);
+    sample_color = stored_sample(color, surface_key, pass_sample.z > 0.5);
 #ifdef COUNT_EVALUATIONS
 #ifndef CLAUSES_RUN
 #define CLAUSES_RUN 0.0

@@ -12,6 +12,7 @@ use mariana::gpu::error::GpuError;
 use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::world::ToneMap;
 use support::compare::{TIGHT, assert_alike, check_golden, difference, pixel_difference};
 use support::oracle::{constant, vector_constant};
 use support::shader_folder::changed_shaders;
@@ -34,11 +35,11 @@ fn a_frame_has_the_same_bytes_every_time() {
     assert!(first.as_raw() == &second.read(), "another renderer draws it differently");
 }
 
-/// Gives the studio a program that shows `body`, statements that set `vec3 color`, before which stands `head`.
-fn show(studio: &mut Studio, head: &str, body: &str) {
+/// Gives the studio a program that shows `body`, statements that set `vec3 color`.
+fn show(studio: &mut Studio, body: &str) {
     let scene = format!(
-        "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n{head}\nlayout(location = 0) out vec4 sample_color;\n\
-         void main() {{\n    vec3 color;\n    {body}\n    sample_color = vec4(color, min(pass_sample.z, 1.0));\n}}\n"
+        "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\nlayout(location = 0) out vec4 sample_color;\n\
+         void main() {{\n    vec3 color;\n    {body}\n    sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
     studio.program = studio.link(&library, &compiled_variant("", 0, Counting::Off));
@@ -52,7 +53,9 @@ fn drawn(studio: &mut Studio, size: (u32, u32)) -> RgbaImage {
 #[test]
 fn light_is_encoded_once_and_kept_from_infinity() {
     let mut studio = Studio::new();
+    studio.tone_map = Some(ToneMap::None);
     linear_light_becomes_srgb_once(&mut studio);
+    studio.tone_map = Some(ToneMap::Reinhard);
     tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut studio);
 }
 
@@ -65,7 +68,7 @@ fn srgb_steps(linear: f64) -> f64 {
 fn linear_light_becomes_srgb_once(studio: &mut Studio) {
     // Binary fractions: the half floats between the passes hold them exactly.
     for linear in [0.0, 1.0 / 512.0, 1.0 / 16.0, 0.25, 0.5, 1.0] {
-        show(studio, "", &format!("color = vec3({linear:?});"));
+        show(studio, &format!("color = vec3({linear:?});"));
         let picture = drawn(studio, (64, 64));
         let expected = srgb_steps(linear);
         for pixel in picture.pixels() {
@@ -80,7 +83,7 @@ fn linear_light_becomes_srgb_once(studio: &mut Studio) {
             assert!((mean - expected).abs() < 0.1, "{linear} is {mean:.2} on average, not {expected:.2}");
         }
     }
-    show(studio, "", "color = vec3(0.5);");
+    show(studio, "color = vec3(0.5);");
     let middle = drawn(studio, (64, 64));
     let steps: std::collections::BTreeSet<u8> = middle.pixels().map(|pixel| pixel.0[0]).collect();
     assert_eq!(steps, [187, 188].into(), "0.5 lies between two steps: dithering shows both");
@@ -108,12 +111,12 @@ fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
     // One light for each column, read from an array so that no driver folds it away.
     let body = format!(
         "vec3 lights[{count}] = vec3[{count}]({lights});\n    \
-         color = tone_map(lights[int(sample_place().x) % {count}]);",
+         color = lights[int(sample_place().x) % {count}];",
         count = all.len(),
         lights = all.join(", ")
     );
     let width = all.len() as u32;
-    show(studio, "#include \"tone_map.glsl\"", &body);
+    show(studio, &body);
     let picture = drawn(studio, (width, 8));
     // The brightest of a column, which the dithering moves by half a step.
     let steps = |column: u32| {

@@ -9,8 +9,9 @@ mod support;
 
 use mariana::gpu::error::GpuError;
 use mariana::gpu::headless::Headless;
+use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
-use mariana::gpu::renderer::{Counting, OWN_SHADERS};
+use mariana::gpu::renderer::{Counting, EDGE_SHADER};
 use mariana::gpu::scene_program::{Mode, SCENE_SHADER, variant_of};
 use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
@@ -43,7 +44,7 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
 
 /// All shaders of the program, the vertex shader first.
 fn cases() -> Vec<Case> {
-    let own = [(VERTEX_SHADER, &[][..])].into_iter().chain(OWN_SHADERS);
+    let own = [(VERTEX_SHADER, &[][..]), (EDGE_SHADER, &[])].into_iter().chain(POST_SHADERS);
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");
@@ -119,7 +120,7 @@ fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
     for (file, mode) in [
         ("scene.frag", Mode::Compiled),
         ("light.glsl", Mode::Compiled),
-        ("tone_map.glsl", Mode::Compiled),
+        ("sample_light.glsl", Mode::Compiled),
         ("interpreter.glsl", Mode::Interpreted),
     ] {
         let (text, line) = broken(file);

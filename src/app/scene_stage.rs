@@ -335,6 +335,7 @@ impl SceneStage {
             id: self.next_id,
             variant: Box::new(variant),
             block: frame.block(world, &RegionTree::default()),
+            picture: frame.picture,
             scene: cast.resources.names(),
         }
     }

@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod camera;
+pub mod picture;
 pub mod sound_tables;
 
 pub use crate::dsp::Sound;
@@ -11,6 +12,7 @@ use crate::dsp::{HISTORY_POINTS, spectrum_place};
 use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;
+use picture::Picture;
 
 /// What one picture shows.
 #[derive(Debug, Clone)]
@@ -23,6 +25,8 @@ pub struct Frame {
     pub camera: Camera,
     /// Lights and planes.
     pub values: FrameValues,
+    /// What happens to the scene's light on its way to the screen.
+    pub picture: Picture,
 }
 
 impl Frame {
@@ -74,7 +78,7 @@ impl Frame {
         inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        Self { size, inputs, camera, values }
+        Self { size, inputs, camera, values, picture: Picture::default() }
     }
 }
 

@@ -28,6 +28,7 @@ use super::scene_program::link_scene;
 use super::scene_resources::SceneNames;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::FrameBlock;
+use crate::frame::picture::Picture;
 
 /// A context for a worker, not current anywhere yet.
 pub struct WorkerContext {
@@ -80,6 +81,8 @@ pub struct ProgramJob {
     pub variant: VariantMaker,
     /// What the picture drawn to warm it up shows.
     pub block: FrameBlock,
+    /// What happens to its light.
+    pub picture: Picture,
     /// What that picture reads.
     pub scene: SceneNames,
 }
@@ -252,7 +255,7 @@ fn make(
     let variant = (job.variant)()?;
     let program = link_scene(gl, library, &variant)?;
     // A scene that was replaced meanwhile has lost its textures: an error of the draw is none of the program.
-    if let Err(error) = renderer.draw_block(WARM_UP_SIZE, &job.block, &job.scene, &program) {
+    if let Err(error) = renderer.draw_block(WARM_UP_SIZE, (&job.block, &job.picture), &job.scene, &program) {
         tracing::debug!("warming up a program: {error}");
     }
     gl.finish();

@@ -127,7 +127,7 @@ impl EdgeList {
         self.bind(&self.pixels, "edge_pixels");
     }
 
-    /// What `present.frag` reads: the samples, and where those of a pixel are.
+    /// What `resolve.frag` reads: the samples, and where those of a pixel are.
     pub(super) fn bind_samples(&self) {
         self.samples.bind_color(0, unit_of("extra_samples"));
         self.bind(&self.squares, "edge_squares");

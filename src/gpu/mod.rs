@@ -7,6 +7,7 @@ pub mod gl;
 mod guest;
 pub mod headless;
 pub mod object;
+pub mod post;
 pub mod probe;
 pub mod program;
 pub mod renderer;

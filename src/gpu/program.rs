@@ -11,7 +11,7 @@ use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant, name_places}
 use crate::limits::LIMITS;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
-pub const UNIFORM_BLOCKS: [(&str, u32); 2] = [("FrameBlock", 0), ("PassBlock", 1)];
+pub const UNIFORM_BLOCKS: [(&str, u32); 3] = [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2)];
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). What shares a unit is never read by one program.
@@ -30,6 +30,11 @@ const _: () = assert!(LIMITS.scene_textures_max <= 12, "the scene's textures hav
 /// The unit of one of [`TEXTURE_UNITS`]; 0 for a name that is none of them.
 pub(super) fn unit_of(texture: &str) -> u32 {
     TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
+}
+
+/// The binding point of one of [`UNIFORM_BLOCKS`]; 0 for a name that is none of them.
+pub(super) fn binding_of(block: &str) -> u32 {
+    UNIFORM_BLOCKS.iter().find(|(name, _)| *name == block).map_or(0, |(_, binding)| *binding)
 }
 
 /// The name of a texture of the scene in the shaders; its unit is its number.

@@ -1,9 +1,8 @@
-//! Draws a frame: one sample a pixel, more samples where edges are, then the finished picture.
+//! Draws a frame: one sample a pixel, more samples where edges are, then the finished picture ([`super::post`]).
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
 //! 3. `scene.frag` again, four samples, only there, each elsewhere in the pixel.
-//! 4. `present.frag` averages, encodes as sRGB and dithers.
 //!
 //! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
 //! any of them.
@@ -18,12 +17,14 @@ use super::edge_list::EdgeList;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
-use super::program::{Program, UNIFORM_BLOCKS, unit_of};
+use super::post::{Post, PostTargets};
+use super::program::{Program, binding_of, unit_of};
 use super::scene_resources::{SceneNames, SceneResources};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use crate::frame::Frame;
 use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
+use crate::frame::picture::Picture;
 
 /// The further samples of a pixel at an edge, as `sample_place.glsl` counts them.
 const EDGE_SAMPLES: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
@@ -33,10 +34,8 @@ const FIRST_SAMPLE: f32 = 0.0;
 const FURTHER_SAMPLE: f32 = 1.0;
 const LISTED_SAMPLES: f32 = 2.0;
 
-/// The renderer's own fragment shaders and their defines; tests compile them all. Those of scenes are in
-/// [`super::scene_program`].
-pub const OWN_SHADERS: [(&str, &[&str]); 3] =
-    [("edges.frag", &[]), ("present.frag", &[]), ("present.frag", &["EDGE_LIST"])];
+/// Marks edges. The other shaders are in [`super::post`] and, those of scenes, in [`super::scene_program`].
+pub const EDGE_SHADER: &str = "edges.frag";
 
 /// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
@@ -99,7 +98,7 @@ pub enum Counting {
 pub struct Renderer {
     gl: Gl,
     edges: Program,
-    present: Program,
+    post: Post,
     frame_buffer: Buffer,
     pass_buffer: Buffer,
     vertices: VertexArray,
@@ -111,7 +110,7 @@ pub struct Renderer {
 struct Targets {
     first: Target,
     edges: Edges,
-    finished: Target,
+    post: PostTargets,
 }
 
 /// How pixels at edges get more samples.
@@ -138,13 +137,10 @@ impl Renderer {
     /// # Errors
     /// What the driver refuses, with its log.
     pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
-        let [edges, of_stencil, of_list] = OWN_SHADERS;
-        let link = |(name, defines): (&str, &[&str])| Program::link(gl, library, name, &Variant::of(defines));
-        let (edges, present) = (link(edges), link(if gl.info().software { of_list } else { of_stencil }));
         let renderer = Self {
             gl: gl.clone(),
-            edges: edges?,
-            present: present?,
+            edges: Program::link(gl, library, EDGE_SHADER, &Variant::default())?,
+            post: Post::new(gl, library)?,
             frame_buffer: Buffer::new(gl)?,
             pass_buffer: Buffer::new(gl)?,
             vertices: VertexArray::new(gl)?,
@@ -163,17 +159,18 @@ impl Renderer {
     pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
         scene.upload_inputs(&frame.inputs);
         let tree = scene.tree_of(frame);
-        self.draw_block(frame.size, &frame.block(scene.world(), &tree), &scene.names(), program)
+        let block = frame.block(scene.world(), &tree);
+        self.draw_block(frame.size, (&block, &frame.picture), &scene.names(), program)
     }
 
-    /// Draws a picture of `size` pixels from a frame's block and what is bound for its scene.
+    /// Draws a picture of `size` pixels from a frame's blocks and what is bound for its scene.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
     pub fn draw_block(
         &mut self,
         size: (u32, u32),
-        block: &FrameBlock,
+        (block, picture): (&FrameBlock, &Picture),
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
@@ -182,16 +179,22 @@ impl Renderer {
             self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
         }
         self.bind_inputs(block);
+        self.post.bind_picture(picture);
         scene.bind(&self.gl);
         // Taken out, so that lists can grow while the rest is used.
         let Some(mut targets) = self.targets.take() else { return Ok(()) };
-        let drawn = self.draw_passes(&mut targets, program);
+        let drawn = self.draw_passes(&mut targets, picture, program);
         self.targets = Some(targets);
         drawn?;
         self.gl.check("drawing a frame")
     }
 
-    fn draw_passes(&self, targets: &mut Targets, program: &Program) -> Result<(), GpuError> {
+    fn draw_passes(
+        &self,
+        targets: &mut Targets,
+        picture: &Picture,
+        program: &Program,
+    ) -> Result<(), GpuError> {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -208,17 +211,12 @@ impl Renderer {
             Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
             Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
         }
-        // SAFETY: as above.
-        unsafe {
-            targets.finished.bind();
-            targets.first.bind_color(0, unit_of("picture"));
-            match &targets.edges {
-                Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
-                Edges::List(list) => list.bind_samples(),
-            }
-            self.present.bind();
-            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        targets.first.bind_color(0, unit_of("picture"));
+        match &targets.edges {
+            Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
+            Edges::List(list) => list.bind_samples(),
         }
+        self.post.draw(&targets.post, picture);
         Ok(())
     }
 
@@ -281,14 +279,14 @@ impl Renderer {
     /// An error that the driver reports.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         if let Some(targets) = &self.targets {
-            targets.finished.blit_to_window(window);
+            targets.post.finished().blit_to_window(window);
         }
         self.gl.check("showing a frame")
     }
 
     /// The finished picture, four bytes a pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        self.targets.as_ref().map_or_else(Vec::new, |targets| targets.finished.read_rgba8(0))
+        self.targets.as_ref().map_or_else(Vec::new, |targets| targets.post.finished().read_rgba8(0))
     }
 
     /// Distance evaluations of the last picture; zero without [`Counting::On`].
@@ -326,8 +324,6 @@ impl Renderer {
     }
 
     fn bind_inputs(&self, block: &FrameBlock) {
-        let binding_of =
-            |name: &str| UNIFORM_BLOCKS.iter().find(|(block, _)| *block == name).map_or(0, |(_, b)| *b);
         let mut bytes = Vec::with_capacity(FRAME_BLOCK_VECTORS * 16);
         bytes.extend(block.as_flattened().iter().flat_map(|value| value.to_ne_bytes()));
         // SAFETY: buffers and textures are ours; the bytes are those of the block.
@@ -392,7 +388,7 @@ impl Targets {
         Ok(Self {
             first: Target::new(gl, size, texels, stencil)?,
             edges,
-            finished: Target::new(gl, size, &[Texel::Rgba8], None)?,
+            post: PostTargets::new(gl, size, size)?,
         })
     }
 }

@@ -111,6 +111,16 @@ pub struct Camera {
     pub keep: NodeId,
 }
 
+/// How light becomes a colour of the screen. The numbers are those of `shaders/tone_map.glsl`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum ToneMap {
+    /// Extended Reinhard on luminance (thesis, section 3.2).
+    #[default]
+    Reinhard = 2,
+    /// None: light of 0..1 as it is, brighter light as 1.
+    None = 3,
+}
+
 /// What is seen where nothing is: functions of a direction (read where materials read the normal) and the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sky {

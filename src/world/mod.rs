@@ -21,6 +21,8 @@ pub use frame_tape::{FrameTape, FrameValues, LightValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
+// How a picture is made is part of a scene.
+pub use crate::lang::ToneMap;
 
 use std::sync::Arc;
 

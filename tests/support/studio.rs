@@ -14,7 +14,7 @@ use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
 use mariana::gpu::scene_resources::SceneResources;
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
-use mariana::world::World;
+use mariana::world::{ToneMap, World};
 
 /// The scene that is shown without being told otherwise.
 pub fn speakers() -> SceneSource {
@@ -46,6 +46,8 @@ pub struct Studio {
     pub renderer: Renderer,
     pub program: Program,
     pub resources: SceneResources,
+    /// How light becomes a colour of the screen, instead of the scene's way.
+    pub tone_map: Option<ToneMap>,
     pub context: Headless,
 }
 
@@ -66,7 +68,7 @@ impl Studio {
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", scene.name()));
         let program = link(&context, &ShaderLibrary::embedded(), &variant);
         let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
-        Self { renderer, program, resources, context }
+        Self { renderer, program, resources, tone_map: None, context }
     }
 
     /// The program of the scene in a mode, for [`Studio::program`].
@@ -89,7 +91,9 @@ impl Studio {
 
     /// The frame of one moment.
     pub fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
-        Frame::new(self.world(), time, sound, size)
+        let mut frame = Frame::new(self.world(), time, sound, size);
+        frame.picture.tone_map = self.tone_map.unwrap_or(frame.picture.tone_map);
+        frame
     }
 
     /// The finished picture of one moment.

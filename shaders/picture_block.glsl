@@ -1,0 +1,6 @@
+// How the picture is made of the scene's light; written by src/frame/picture.rs, in this order.
+
+layout(std140) uniform PictureBlock {
+    vec4 picture_look;      // exposure, share of bloom, vignette, grain
+    vec4 picture_lens;      // x its radius, 0 where everything is sharp; y 1 / distance that is sharp
+};
