@@ -15,8 +15,10 @@ layout(std140) uniform FrameBlock {
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
     vec4 frame_stereo;      // xy volumes of mid and side; z the row of the history at age 0, w the rows from it to age 1
+    vec4 frame_reach;       // x how far away other things take ambient light and give theirs
     vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
-    vec4 lights[2 * LIGHTS_MAX];        // xyz place, w 1, or towards xyz, w 2; then colour, w radius
+    vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
+                                        // side, w range or 0; half the upper side, w share that shadows take
     vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not four and a choice
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame

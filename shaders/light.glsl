@@ -1,114 +1,132 @@
-// How much light arrives, and what a surface throws back of it.
-
-#ifdef STEEP
-const int SHADOW_STEPS_MAX = 512;
-// The shortest step grows so much with each: a ray that grazes a surface ends.
-const float SHADOW_STEP_GROWTH = 0.002;
-#else
-const int SHADOW_STEPS_MAX = 96;
-const float SHADOW_STEP_GROWTH = 0.0;
-#endif
-// Longest step near the scene: longer ones draw the steps into the penumbra. Farther away, half the distance.
-const float SHADOW_STEP_MAX = 0.6;
-const float SHADOW_STEP_MIN = 0.03;
-// Shadow rays also feel what they pass at a distance, outside the scene's bounds: as far as a penumbra can be wide, which
-// is the light's distance over its sharpness, within this range.
-const float SHADOW_MARGIN_MIN = 0.1;
-const float SHADOW_MARGIN_MAX = 3.0;
-// Sharpness of the penumbra, the distance of a light over its radius, is brought into this range.
-const float SHARPNESS_MIN = 2.0;
-const float SHARPNESS_MAX = 64.0;
-// Range of a light that is infinitely far away.
-const float SUN_DISTANCE = 1000.0;
-
-// Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest
-// pass between two steps estimated by triangulation (Aaltonen 2018; thesis section 3.4, Abb. 11).
-float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
-    vec3 origin = p + normal * max(0.012, 2.0 * cone);
-    if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
-    vec2 span = traced_span(origin, to_light, clamp(light_t / sharpness, SHADOW_MARGIN_MIN, SHADOW_MARGIN_MAX));
-    float end = min(span.y, light_t);
-#ifdef STEEP
-    end = min(end, steep_span(origin, to_light).y);
-#endif
-    float t = max(span.x, 0.02);
-    float visible = 1.0;
-    float previous = 1e4;
-    float stride = 1e4;
-    if (t >= end) return 1.0;
-    Walk walk = walk_of(origin, to_light);
-    for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
-        // Over cells whose surfaces are too far away to take any more light.
-        Cell cell;
-        for (int skip = 0; skip < SKIPS_MAX; skip++) {
-            vec3 q = place_on(walk, t);
-            cell = cell_at(q);
-#ifdef STEEP
-            cell.bound = cell.bound > 0.0 ? FAR * SHARPNESS_MAX : 0.0;
-#endif
-            COUNT(lookups);
-            float leaves = max(past(t), exit_of(cell, walk, q));
-            if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
-            t = leaves;
-            // Nothing is left to triangulate.
-            stride = 1e4;
-            previous = 1e4;
-            if (t >= end) break;
-        }
-        if (t >= end) break;
-        vec2 nearest = scene_distance(cell, origin + t * to_light, t / sharpness);
-#ifdef STEEP
-        nearest = steep_nearest(cell, walk, t, to_light, nearest);
-#endif
-        float d = nearest.y;
-        COUNT(shadow);
-#ifdef COUNT_EVALUATIONS
-        if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
-#endif
-        if (!(d >= 0.002)) return 0.0;
-        // Where the unbounded spheres of the last two points meet: so far behind this point, so far off the ray.
-        // A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
-        float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
-        behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
-        float closest = sqrt(max(d * d - behind * behind, 0.0));
-        visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
-        if (visible < 0.004) return 0.0;
-        previous = d;
-        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + SHADOW_STEP_GROWTH * float(i));
-        t += stride;
-        if (t >= end) break;
-    }
-    return visible * visible * (3.0 - 2.0 * visible);
-}
+// Lights: what arrives of them at a surface, and what it throws back.
 
 const float PI = 3.14159265;
+// Kinds of lights, as src/frame/block.rs numbers them.
+const float SUN = 2.0;
+const float PANEL = 3.0;
+
+// A light as a point of a surface sees it.
+struct Incoming {
+    vec3 direction;     // towards its middle
+    vec3 mirrored;      // towards the part of it that is nearest to the mirrored line of sight
+    float t;            // how far away it is
+    float widening;     // tangent of the half angle under which it is seen
+    vec3 light;         // on a surface at right angles to the direction; of a panel on this one
+    float shadow;       // share that shadows take away
+};
+
+// Light ends smoothly at its range (Karis, "Real shading in Unreal Engine 4", 2013).
+float faded(float t, float range) {
+    float share = range > 0.0 ? t / range : 0.0;
+    float left = clamp(1.0 - share * share * share * share, 0.0, 1.0);
+    return left * left;
+}
+
+#ifdef PANELS
+// An edge's part of Lambert's formula for the light of a polygon (1760), from directions to its ends: the angle times
+// the edge's normal.
+vec3 edge_of_panel(vec3 a, vec3 b) {
+    vec3 across = cross(a, b);
+    float sine = length(across);
+    float angle = atan(sine, dot(a, b));
+    // Along an edge there is no normal; for short ones the angle is the sine.
+    return sine > 1e-5 ? across * (angle / sine) : across;
+}
+
+Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec3 normal, vec3 direction) {
+    vec3 middle = place.xyz - p;
+    vec3 facing = cross(right.xyz, up.xyz);
+    float area = length(facing);
+    facing /= max(area, 1e-9);
+    float before = -dot(middle, facing);
+    vec3 a = normalize(middle - right.xyz - up.xyz);
+    vec3 b = normalize(middle + right.xyz - up.xyz);
+    vec3 c = normalize(middle + right.xyz + up.xyz);
+    vec3 d = normalize(middle - right.xyz + up.xyz);
+    vec3 flux = edge_of_panel(a, b) + edge_of_panel(b, c) + edge_of_panel(c, d) + edge_of_panel(d, a);
+    // What lies below the horizon is not cut off: panels that a surface sees in part are a little too dark.
+    float arriving = before > 0.0 ? max(-0.5 * dot(flux, normal), 0.0) : 0.0;
+    float t = length(middle);
+    // The mirrored line of sight meets the panel's plane, and is brought into the panel.
+    vec3 sight = reflect(direction, normal);
+    float slope = -dot(sight, facing);
+    vec3 met = slope > 1e-4 ? sight * (before / slope) - middle : sight * t - middle;
+    vec2 inside = vec2(dot(met, right.xyz) / max(dot(right.xyz, right.xyz), 1e-9),
+                       dot(met, up.xyz) / max(dot(up.xyz, up.xyz), 1e-9));
+    inside = clamp(inside, -1.0, 1.0);
+    Incoming incoming;
+    incoming.direction = middle / max(t, 1e-6);
+    incoming.mirrored = normalize(middle + inside.x * right.xyz + inside.y * up.xyz);
+    incoming.t = t;
+    incoming.widening = sqrt(area / PI) / max(t, 1e-3);
+    incoming.light = color.rgb * (arriving * faded(t, right.w));
+    incoming.shadow = up.w;
+    return incoming;
+}
+#endif
+
+// The light with that number at p. `direction` is that of the ray.
+Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
+    vec4 place = lights[4 * number];
+    vec4 color = lights[4 * number + 1];
+    float range = lights[4 * number + 2].w;
+    float shadow = lights[4 * number + 3].w;
+#ifdef PANELS
+    if (place.w == PANEL) {
+        return light_of_panel(place, color, lights[4 * number + 2], lights[4 * number + 3], p, normal, direction);
+    }
+#endif
+    bool sun = place.w == SUN;
+    vec3 way = sun ? -place.xyz : place.xyz - p;
+    float distance2 = dot(way, way);
+    Incoming incoming;
+    incoming.direction = way * inversesqrt(max(distance2, 1e-12));
+    incoming.t = sun ? SUN_DISTANCE : sqrt(distance2);
+    incoming.widening = sun ? color.w : color.w / max(incoming.t, 1e-3);
+    // Inside of the ball it is no brighter than at its surface.
+    float falloff = sun ? 1.0 : faded(incoming.t, range) / max(distance2, max(color.w * color.w, 1e-4));
+    incoming.light = color.rgb * (falloff * max(dot(normal, incoming.direction), 0.0));
+    // The ball's nearest part to the mirrored line of sight (Karis 2013).
+    vec3 sight = reflect(direction, normal);
+    vec3 off = dot(incoming.direction, sight) * sight - incoming.direction;
+    float reach = clamp(incoming.widening * inversesqrt(max(dot(off, off), 1e-12)), 0.0, 1.0);
+    incoming.mirrored = normalize(incoming.direction + off * reach);
+    incoming.shadow = shadow;
+    return incoming;
+}
 
 // GGX (Walter et al. 2007) with Smith's height-correlated masking (Heitz 2014, Hammon's approximation 2017) and Schlick's
-// Fresnel; `alpha` is the roughness squared, `f0` the reflectance straight on.
-vec3 highlight(float alpha, vec3 f0, float facing, float seen, vec3 normal, vec3 halfway, float grazing) {
+// Fresnel; `alpha` is the roughness squared, `f0` the reflectance straight on. Light from a wide source is spread as far
+// as it is wide (Karis 2013).
+vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, float nh, float grazing) {
+    float wide = clamp(alpha + 0.5 * widening, alpha, 1.0);
+    float share = alpha / wide;
     float a2 = alpha * alpha;
-    float nh = clamp(dot(normal, halfway), 0.0, 1.0);
     float k = nh * nh * (a2 - 1.0) + 1.0;
-    float spread = a2 / (PI * k * k);
+    float spread = share * share * a2 / (PI * k * k);
     float masking = 0.5 / max(mix(2.0 * facing * seen, facing + seen, alpha), 1e-4);
     return (f0 + (1.0 - f0) * grazing) * (spread * masking);
 }
 
-// What a surface throws towards the eye of light that arrives from `to_light`, per light on a surface at right angles.
-// `widening` is the half angle of the light: no highlight is smaller than the light's mirror image.
-vec3 thrown_back(Material m, vec3 normal, vec3 to_light, vec3 direction, float facing, float widening) {
+// The smoothest surface: a sharper highlight would be smaller than a pixel.
+const float ALPHA_MIN = 0.02;
+
+// What a surface throws towards the eye per light that arrives. What it mirrors does not enter it: the diffuse part gets
+// what Fresnel leaves.
+vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);
-    vec3 halfway = normalize(to_light - direction);
-    float grazing = pow(1.0 - clamp(dot(halfway, to_light), 0.0, 1.0), 5.0);
-    float alpha = clamp(m.roughness * m.roughness + 0.5 * widening, 0.02, 1.0);
+    float facing = max(dot(normal, incoming.mirrored), 1e-3);
+    vec3 halfway = normalize(incoming.mirrored - direction);
+    float nh = clamp(dot(normal, halfway), 0.0, 1.0);
+    float grazing = pow(1.0 - clamp(dot(halfway, incoming.mirrored), 0.0, 1.0), 5.0);
+    float alpha = clamp(m.roughness * m.roughness, ALPHA_MIN, 1.0);
     vec3 f0 = mix(vec3(0.04), m.color, m.metalness);
-    vec3 diffuse = m.color * ((1.0 - m.metalness) / PI);
-    vec3 light = diffuse + highlight(alpha, f0, facing, seen, normal, halfway, grazing);
+    vec3 diffuse = m.color * ((1.0 - m.metalness) * (0.96 - 0.96 * grazing) / PI);
+    vec3 light = diffuse + highlight(alpha, incoming.widening, f0, facing, seen, nh, grazing);
     if (m.coat > 0.0) {
-        float coat_alpha = clamp(0.01 + 0.5 * widening, 0.02, 1.0);
         float share = m.coat * (0.04 + 0.96 * grazing);
         light = light * (1.0 - share)
-              + m.coat * highlight(coat_alpha, vec3(0.04), facing, seen, normal, halfway, grazing);
+              + m.coat * highlight(ALPHA_MIN, incoming.widening, vec3(0.04), facing, seen, nh, grazing);
     }
-    return light * facing;
+    return light;
 }

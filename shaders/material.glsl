@@ -8,6 +8,7 @@ struct Material {
     float reflect;      // share of light that is mirrored when looked at straight on
     float coat;         // strength of a clear coat
     float haze;         // share that the sky covers
+    float blur;         // how rough the mirror is, 0 sharp .. 1 matt
 };
 
 // Brings what a formula gave into its ranges; what is no number becomes 0.
@@ -21,7 +22,7 @@ vec3 light_of(vec3 value) {
 
 Material within_ranges(Material m) {
     return Material(min(light_of(m.color), vec3(1.0)), share_of(m.roughness), share_of(m.metalness), light_of(m.emission),
-                    share_of(m.reflect), share_of(m.coat), share_of(m.haze));
+                    share_of(m.reflect), share_of(m.coat), share_of(m.haze), share_of(m.blur));
 }
 
 // Everything about a point of a surface but the light that falls on it from lamps.
@@ -31,4 +32,5 @@ struct Surface {
     Material material;
     vec3 ambient;       // light from everywhere
     float open;         // how much of it arrives
+    vec3 glow;          // light of what hides the rest of it
 };

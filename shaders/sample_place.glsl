@@ -2,6 +2,13 @@
 
 uniform usampler2D edge_pixels;     // the pixel of each square of two by two samples
 
+// Which sample of its pixel this is, counted from 0.
+float sample_number() {
+    if (pass_sample.z < 0.5) return 0.0;
+    vec2 number = pass_sample.z > 1.5 ? vec2(ivec2(gl_FragCoord.xy) & 1) : pass_sample.xy;
+    return 1.0 + number.x + 2.0 * number.y;
+}
+
 // In pixels from the picture's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;

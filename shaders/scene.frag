@@ -12,6 +12,7 @@
 #include "regions.glsl"
 #include "scene_functions.glsl"
 #include "sphere_tracing.glsl"
+#include "shadow.glsl"
 #include "light.glsl"
 #include "sample_light.glsl"
 
@@ -25,31 +26,22 @@ layout(location = 3) out vec4 more_clauses;         // of materials and light, 0
 // Light from the surface at p towards the eye, without what it mirrors.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
-    vec3 normal = s.normal;
     vec3 light = m.emission;
     // Left at its end: a renderer that never skips a branch would run a last round in vain.
     int last = min(int(frame_levels.z), LIGHTS_MAX) - 1;
     int i = 0;
     do {
-        vec4 place = lights[2 * i];
-        vec4 color = lights[2 * i + 1];
-        bool sun = place.w > 1.5;
-        vec3 to_light = sun ? -place.xyz : place.xyz - p;
-        float distance2 = dot(to_light, to_light);
-        to_light *= inversesqrt(max(distance2, 1e-12));
-        float light_t = sun ? SUN_DISTANCE : sqrt(distance2);
-        float widening = sun ? color.w : color.w / max(light_t, 1e-3);
-        float facing = dot(normal, to_light);
-        if (facing > 0.0) {
-            float sharpness = clamp(1.0 / max(widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
-            float visible = light_visibility(p, normal, to_light, light_t, sharpness, cone);
-            if (visible > 0.0) {
-                vec3 incoming = color.rgb * (sun ? visible : visible / max(distance2, 1e-4));
-                light += incoming * thrown_back(m, normal, to_light, direction, facing, widening);
-            }
+        Incoming incoming = light_at(i, p, s.normal, direction);
+        if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
+            float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
+            // Without shadows the way to the light has no length.
+            float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
+            float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
+            visible = mix(1.0, visible, incoming.shadow);
+            if (visible > 0.0) light += incoming.light * visible * thrown_back(m, s.normal, incoming, direction);
         }
     } while (i++ < last);
-    return light + m.color * light_of(s.ambient) * s.open;
+    return light + m.color * (light_of(s.ambient) * s.open + s.glow);
 }
 
 // A number for the surfaces of a path: where neighbours differ in it, an edge of the geometry lies between them.
@@ -63,24 +55,53 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
     surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// The most surfaces that a path meets: a mirror and what it shows.
-const int SURFACES_MAX = 2;
+// The most surfaces that a path meets: four mirrors and what the last one shows.
+#ifdef MIRRORS
+const int SURFACES_MAX = 5;
+#else
+const int SURFACES_MAX = 1;
+#endif
+// A path ends where less of its light than this would reach the eye.
+const float SHARE_MIN = 0.004;
+
+#ifdef BLUR
+// Two numbers of 0..1 for a surface of the path, other ones for each sample of a pixel and for pixels side by side, the
+// same in each frame: interleaved gradient noise (Jimenez 2014), and steps of the R2 sequence (Roberts 2018).
+vec2 scatter(int surface) {
+    vec2 pixel = floor(sample_place()) + 5.588238 * float(surface);
+    float noise = fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+    float other = fract(52.9829189 * fract(dot(pixel.yx + 47.0, vec2(0.06711056, 0.00583715))));
+    return fract(vec2(noise, other) + sample_number() * vec2(0.7548777, 0.5698403));
+}
+
+// The normal of a rough mirror's facet, by GGX (Walter et al. 2007).
+vec3 facet(vec3 normal, float alpha, vec2 random) {
+    float cosine = sqrt((1.0 - random.x) / (1.0 + (alpha * alpha - 1.0) * random.x));
+    float sine = sqrt(max(1.0 - cosine * cosine, 0.0));
+    vec3 side = normalize(abs(normal.y) < 0.9 ? vec3(normal.z, 0.0, -normal.x) : vec3(0.0, -normal.z, normal.y));
+    float turn = 2.0 * PI * random.y;
+    return normalize(normal * cosine + (side * cos(turn) + cross(normal, side) * sin(turn)) * sine);
+}
+#endif
 
 // Light along a ray from the eye. One loop over the surfaces of the path, so that a driver compiles tracing and
 // shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
     float travelled = 0.0;
-    float throughput = 1.0;
+    // Light is spread over this more for each unit of the way, once it was mirrored by something rough.
+    float blurred = 0.0;
+    vec3 throughput = vec3(1.0);
     vec3 color = vec3(0.0);
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
         // How the point moves for the pixel to the right and the one above, before the surface cuts the rays.
         float reached = travelled + (hit.met ? hit.t : 1.0);
-        vec3 dx = camera_right.xyz * (2.0 * viewport.z * reached);
-        vec3 dy = camera_up.xyz * (2.0 * viewport.w * reached);
-        float sky_share = throughput;
+        float wide = reached * (1.0 + blurred / spread);
+        vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);
+        vec3 dy = camera_up.xyz * (2.0 * viewport.w * wide);
+        vec3 sky_share = throughput;
         vec3 mirrored = direction;
         if (hit.met) {
             travelled = reached;
@@ -94,21 +115,35 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             Material m = s.material;
             add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_share = throughput * m.haze;
-            float kept = throughput * (1.0 - m.haze);
-            // Schlick's approximation of Fresnel's reflectance.
+            vec3 kept = throughput * (1.0 - m.haze);
+            // Schlick's approximation of Fresnel's reflectance; a rough mirror turns less of it to the side.
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
-            float reflectance = m.reflect > 0.0 ? m.reflect + (1.0 - m.reflect) * grazing : 0.0;
-            if (kept > 0.004) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
-            throughput = kept * reflectance;
+            float most = max(1.0 - m.blur, m.reflect);
+            float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
+            if (max(kept.r, max(kept.g, kept.b)) > SHARE_MIN) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
+            // Metals colour what they mirror.
+            throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
-            mirrored = direction - 2.0 * dot(direction, s.normal) * s.normal;
+            vec3 mirror = s.normal;
+#ifdef BLUR
+            float alpha = m.blur * m.blur;
+            if (alpha > 1e-4) {
+                mirror = facet(s.normal, alpha, scatter(surface));
+                // Neighbours that differ by the noise alone get more samples, too.
+                surface_key = mod(surface_key + 127.0 * mod(floor(sample_place().x) + floor(sample_place().y), 2.0), KEYS);
+                blurred += 0.5 * alpha;
+            }
+#endif
+            mirrored = reflect(direction, mirror);
+            // No facet mirrors into the surface.
+            mirrored += s.normal * max(0.02 - dot(mirrored, s.normal), 0.0);
         }
-        if (sky_share > 0.0) {
+        if (max(sky_share.r, max(sky_share.g, sky_share.b)) > 0.0) {
             // A camera inside an object has reached 0.
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_share * light_of(sky_color(direction, dx * scale, dy * scale));
         }
-        if (!hit.met || throughput < 0.004) return color;
+        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < SHARE_MIN) return color;
         direction = mirrored;
     }
     return color;
@@ -116,6 +151,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 
 void main() {
     load_frame();
+    load_probes();
     scene_load();
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);

@@ -5,6 +5,16 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
+#ifdef GLOW
+// Light of what hides the sky: the occluder, or a plane that hides more.
+vec3 glow_of(Occluder occluder, vec3 p, vec3 normal, int plane) {
+    Occluder flat_one = nearest_plane(p, normal, plane);
+    if (flat_one.share > occluder.share) occluder = flat_one;
+    vec3 width = vec3(0.5 * probes.w, 0.0, 0.0);
+    return occluder.share > 0.0 ? occluder.share * scene_glow(occluder.object, occluder.place, width, width.zyx) : vec3(0.0);
+}
+#endif
+
 // What is asked at points around it, in this order: the object at the point, the normal's taps, the occlusion's probes.
 const int FIRST_TAP = 1;
 const int FIRST_PROBE = 5;
@@ -15,13 +25,17 @@ const int LAST_PROBE = 8;
 Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, vec3 dy) {
     Surface s;
     s.normal = vec3(0.0);
+    s.glow = vec3(0.0);
     float object = 0.0;
     if (plane != NOTHING) {
         s.normal = plane_of(plane).xyz;
         NOTE_PLANE;
         object = plane_objects[plane];
     }
-    vec4 d = PROBES;
+    vec4 d = probes;
+#ifdef GLOW
+    vec4 found = vec4(0.0);
+#endif
     float h = tap_distance(cone);
     int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
     // One loop, so that a driver compiles the scene once for all of this; it ends early where nothing is asked.
@@ -34,7 +48,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
             s.normal = normal_of(s.normal);
         }
         float nearest;
-        float estimate = scene_estimate(p + (i < FIRST_PROBE ? h * tap : dot(PROBES, place) * s.normal), nearest);
+        float estimate = scene_estimate(p + (i < FIRST_PROBE ? h * tap : dot(probes, place) * s.normal), nearest);
         if (i == 0) {
             object = nearest;
         } else if (i < FIRST_PROBE) {
@@ -42,6 +56,9 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
             COUNT(normal);
         } else {
             d = mix(d, vec4(AS_DISTANCE(estimate)), place);
+#ifdef GLOW
+            found = mix(found, vec4(nearest), place);
+#endif
             COUNT(occlusion);
         }
     }
@@ -50,6 +67,12 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     s.material = scene_material(s.object, p, s.normal, along_surface(dx, s.normal, direction),
                                 along_surface(dy, s.normal, direction));
     s.open = openness(p, s.normal, d);
+#ifdef GLOW
+    vec4 hidden = hidden_by(d);
+    int fullest = fullest_probe(hidden);
+    Occluder occluder = Occluder(dot(hidden, vec4(1.0)), found[fullest], p + probes[fullest] * s.normal);
+    s.glow = glow_of(occluder, p, s.normal, plane);
+#endif
     s.ambient = sky_ambient(s.normal, vec3(0.0), vec3(0.0));
     return s;
 }

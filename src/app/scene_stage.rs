@@ -235,8 +235,9 @@ impl SceneStage {
         if let Err(error) = fits {
             tracing::warn!("{error}");
         }
-        let interpreter =
-            fits.is_ok().then(|| Interpreter::for_scene(&ready.buffers, &ready.plan, self.gl.info()));
+        let interpreter = fits
+            .is_ok()
+            .then(|| Interpreter::for_scene(ready.world.traits, &ready.buffers, &ready.plan, self.gl.info()));
         let sliders = ready.world.scene.params.iter().map(|param| Slider {
             name: param.name.clone(),
             value: param.default,

@@ -148,6 +148,7 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
             material.reflect,
             material.coat,
             material.haze,
+            material.blur,
         ]);
     }
     let constants =

@@ -4,19 +4,21 @@
 use super::Frame;
 use crate::dsp::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 use crate::limits::LIMITS;
-use crate::world::{PLANES_MAX, World};
+use crate::world::{LightKind, LightValues, PLANES_MAX, World};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Vectors before the arrays of the block.
-const HEAD: usize = 14;
+const HEAD: usize = 15;
+/// Vectors of a light.
+const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
 const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
 const HOISTED_QUADS: usize = LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
 pub const FRAME_BLOCK_VECTORS: usize =
-    HEAD + PLANES_MAX + 2 * LIGHTS_MAX + BAND_COUNT + PARAM_QUADS + HOISTED_QUADS;
+    HEAD + PLANES_MAX + LIGHT * LIGHTS_MAX + BAND_COUNT + PARAM_QUADS + HOISTED_QUADS;
 
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
@@ -50,6 +52,8 @@ pub struct RegionTree {
 
 /// Cells along each side of the root.
 const REGION_ROOT_SIDE: f32 = 16.0;
+/// The shader divides by the reach of ambient light.
+const REACH_MIN: f32 = 1e-4;
 
 impl Frame {
     /// Packs the frame of a world for the shaders. Every number is finite.
@@ -89,15 +93,12 @@ impl Frame {
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [inputs.volume_mid, inputs.volume_side, first_row, row_span],
+            [self.values.reach.max(REACH_MIN), 0.0, 0.0, 0.0],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);
         put(&mut rest, PLANES_MAX, planes);
-        let lamps = lights.flat_map(|light| {
-            let ([x, y, z], [r, g, b]) = (light.place, light.color);
-            [[x, y, z, if light.towards { 2.0 } else { 1.0 }], [r, g, b, light.radius.max(0.0)]]
-        });
-        put(&mut rest, 2 * LIGHTS_MAX, lamps);
+        put(&mut rest, LIGHT * LIGHTS_MAX, lights.flat_map(light));
         put(&mut rest, BAND_COUNT, inputs.bands.map(|band| [band, 0.0, 0.0, 0.0]));
         put(&mut rest, PARAM_QUADS, quads(&inputs.params));
         put(&mut rest, HOISTED_QUADS, quads(&inputs.hoisted));
@@ -117,6 +118,19 @@ impl Frame {
             if is_plane { [a, b, c, d].map(|value| (value / slope) as f32) } else { [0.0; 4] }
         })
     }
+}
+
+/// A light as `frame_block.glsl` describes it.
+fn light(light: &LightValues) -> [[f32; 4]; LIGHT] {
+    let kind = match light.kind {
+        LightKind::Lamp => 1.0,
+        LightKind::Sun => 2.0,
+        LightKind::Panel => 3.0,
+    };
+    let [[rx, ry, rz], [ux, uy, uz]] = light.sides;
+    let ([x, y, z], [r, g, b]) = (light.place, light.color);
+    let (range, shadow) = (light.range.max(0.0), light.shadow.clamp(0.0, 1.0));
+    [[x, y, z, kind], [r, g, b, light.radius.max(0.0)], [rx, ry, rz, range], [ux, uy, uz, shadow]]
 }
 
 /// Writes the vectors of one member and goes on behind it.
@@ -162,8 +176,9 @@ mod tests {
         let lights = HEAD + PLANES_MAX;
         assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);
         assert_eq!(block[lights + 1][1], 2.0);
-        assert_eq!(block[lights + 2][3], 0.0, "there is no second light");
-        let bands = lights + 2 * LIGHTS_MAX;
+        assert_eq!(block[lights + 3], [0.0, 0.0, 0.0, 1.0], "nothing is said of its shadow");
+        assert_eq!(block[lights + LIGHT][3], 0.0, "there is no second light");
+        let bands = lights + LIGHT * LIGHTS_MAX;
         assert_eq!(block[bands + 3], [3.0 / 32.0, 0.0, 0.0, 0.0]);
         assert_eq!(block[bands + 7][0], 0.0);
         assert_eq!(block[bands + BAND_COUNT], [0.5, 4.0, 0.0, 0.0]);

@@ -13,7 +13,7 @@ use crate::frame::block::block_defines;
 use crate::graph::CELL_HASH_GLSL;
 use crate::region::{RegionPlan, RegionVariant};
 use crate::tape::interpreter;
-use crate::world::{TapeBuffers, World};
+use crate::world::{TapeBuffers, Traits, World};
 
 /// The fragment shader of scenes.
 pub const SCENE_SHADER: &str = "scene.frag";
@@ -51,6 +51,8 @@ pub struct Interpreter {
     tapes: interpreter::Variant,
     /// What runs the regions' tapes.
     regions: RegionVariant,
+    /// What else the shaders hold.
+    traits: Traits,
 }
 
 /// Why a scene cannot be interpreted by a driver.
@@ -76,15 +78,16 @@ pub enum DoesNotFit {
 
 impl Interpreter {
     /// The narrowest variant for a scene on this driver.
-    pub fn for_scene(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
+    pub fn for_scene(traits: Traits, buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
         let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
-        Self { tapes, regions: plan.variant().clone() }
+        Self { tapes, regions: plan.variant().clone(), traits }
     }
 
     /// Whether what this variant was made for includes what `other` was.
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);
         self.tapes.covers(&other.tapes)
+            && self.traits.covers(other.traits)
             && regions.steep == others.steep
             && regions.slots >= others.slots
             && regions.operators.is_superset(&others.operators)
@@ -105,7 +108,7 @@ impl Interpreter {
 
     /// The shader's text of the variant.
     pub fn variant(&self, counting: Counting) -> Variant {
-        let mut variant = common(self.tapes.textures, counting);
+        let mut variant = common(self.tapes.textures, self.traits, counting);
         if self.regions.steep {
             variant.defines.push(STEEP_DEFINE.to_owned());
         }
@@ -119,18 +122,19 @@ impl Interpreter {
 }
 
 /// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same names.
-pub fn compiled_variant(functions: &str, textures: usize, counting: Counting) -> Variant {
-    let mut variant = common(textures, counting);
+pub fn compiled_variant(functions: &str, textures: usize, traits: Traits, counting: Counting) -> Variant {
+    let mut variant = common(textures, traits, counting);
     let functions = format!("{functions}#include \"surface.glsl\"\n");
     variant.generated.push(("scene_functions.glsl".into(), functions));
     variant
 }
 
 /// What both forms share.
-fn common(textures: usize, counting: Counting) -> Variant {
+fn common(textures: usize, traits: Traits, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
     variant.defines.push(format!("TEXTURES {textures}"));
+    variant.defines.extend(traits.defines().map(str::to_owned));
     if counting == Counting::On {
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
@@ -143,7 +147,8 @@ fn common(textures: usize, counting: Counting) -> Variant {
 /// # Errors
 /// Generated GLSL that is refused.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
-    let mut variant = compiled_variant(&world.compiled_glsl()?, world.pictures.len(), counting);
+    let functions = world.compiled_glsl()?;
+    let mut variant = compiled_variant(&functions, world.pictures.len(), world.traits, counting);
     if world.steep {
         variant.defines.push(STEEP_DEFINE.to_owned());
     }
@@ -167,7 +172,7 @@ pub fn variant_of(
         Mode::Compiled => compiled_variant_of(world, counting),
         Mode::Interpreted => {
             Interpreter::fits(buffers, plan, info)?;
-            Ok(Interpreter::for_scene(buffers, plan, info).variant(counting))
+            Ok(Interpreter::for_scene(world.traits, buffers, plan, info).variant(counting))
         }
     }
 }

@@ -63,6 +63,8 @@ pub struct Material {
     pub emission: Vec3,
     /// Share of light that is mirrored when looked at straight on, 0..1: the ray goes on.
     pub reflect: NodeId,
+    /// How rough the mirror is, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights.
+    pub blur: NodeId,
     /// Strength of a clear coat, 0..1.
     pub coat: NodeId,
     /// Share of it that the sky covers, 0..1: for what fades into the distance.
@@ -76,6 +78,16 @@ pub enum LightPlace {
     At(Vec3),
     /// From infinitely far away, towards this direction (of any length but 0).
     Towards(Vec3),
+    /// From a rectangle around a point: `right` and `up` are half its sides. It shines to the side of their cross
+    /// product.
+    Panel {
+        /// Its middle.
+        at: Vec3,
+        /// From the middle of it to the middle of its right side.
+        right: Vec3,
+        /// The same for the upper side.
+        up: Vec3,
+    },
 }
 
 /// A light: functions of the frame alone.
@@ -85,10 +97,15 @@ pub struct Light {
     pub name: String,
     /// Where its rays come from.
     pub place: LightPlace,
-    /// Its strength in red, green and blue.
+    /// Its strength in red, green and blue: what arrives at distance 1, or from a direction; of a panel its brightness,
+    /// as that of an `emission`.
     pub color: Vec3,
     /// Radius of the ball that shines (for a direction: the tangent of its half angle); softens shadows.
     pub radius: NodeId,
+    /// Distance at which its light has faded to nothing; 0 for none.
+    pub range: NodeId,
+    /// Share of its light that shadows take away, 0..1.
+    pub shadow: NodeId,
 }
 
 /// The camera: functions of the frame alone.
@@ -128,6 +145,8 @@ pub struct Sky {
     pub color: Vec3,
     /// Light that a surface with its normal in that direction gets from everywhere.
     pub ambient: Vec3,
+    /// How far away from a surface other things take that light, and give theirs: a function of the frame alone.
+    pub reach: NodeId,
 }
 
 /// A number that a user turns.

@@ -28,6 +28,7 @@ impl World {
             glsl::function(graph, &[roots.distance[1], roots.object], "rest_surface", Sampling::None),
             glsl::function(graph, &roots.sky, "sky", Sampling::AlongNormal),
             glsl::function(graph, &roots.ambient, "ambient", Sampling::AlongNormal),
+            glsl::function(graph, &roots.glow, "glow", Sampling::AlongPosition),
         ]
         .into_iter()
         .chain(materials.map(|(index, material)| {
@@ -61,6 +62,10 @@ impl World {
                  direction, dx, dy, color.r, color.g, color.b);\n    return color;\n}}\n"
             );
         }
+        text.push_str(
+            "vec3 scene_glow(float object, vec3 p, vec3 dx, vec3 dy) {\n    vec3 color;\n    glow(p, vec3(object, 0.0, 0.0), \
+             dx, dy, color.r, color.g, color.b);\n    return color;\n}\n",
+        );
         text.push_str(
             "Material scene_material(int object, vec3 p, vec3 n, vec3 dx, vec3 dy) {\n    Material m;\n    ",
         );

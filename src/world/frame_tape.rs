@@ -1,7 +1,7 @@
 //! What the processor evaluates once a frame: the camera, the lights and the planes, which do not depend on the point.
 
 use crate::graph::{FrameInputs, NodeId, Point};
-use crate::lang::{LightPlace, Scene};
+use crate::lang::{Light, LightPlace, Scene};
 use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
 use super::planes::Plane;
@@ -10,21 +10,39 @@ use super::planes::Plane;
 #[derive(Debug, Clone)]
 pub struct FrameTape {
     camera: Tape,
-    lights: Vec<(Tape, bool)>,
+    lights: Vec<(Tape, LightKind)>,
+    sky: Tape,
     planes: Vec<Tape>,
+}
+
+/// Where a light's rays come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LightKind {
+    /// A point or a ball.
+    Lamp,
+    /// A direction.
+    Sun,
+    /// A rectangle.
+    Panel,
 }
 
 /// A light in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightValues {
-    /// Where it is or, if `towards`, the direction of its rays.
+    /// What it is.
+    pub kind: LightKind,
+    /// Where it is or, of a sun, the direction of its rays.
     pub place: [f32; 3],
-    /// Whether it is infinitely far away.
-    pub towards: bool,
     /// Red, green and blue.
     pub color: [f32; 3],
     /// Radius of the ball that shines, or the tangent of its half angle.
     pub radius: f32,
+    /// Distance at which it has faded to nothing; 0 for none.
+    pub range: f32,
+    /// Share of it that shadows take away.
+    pub shadow: f32,
+    /// Half the sides of a panel.
+    pub sides: [[f32; 3]; 2],
 }
 
 /// What the scene says of one frame. Numbers are as the scene gives them: not even finite.
@@ -40,6 +58,8 @@ pub struct FrameValues {
     pub roll: f32,
     /// Width at the target that stays in the picture.
     pub keep: f32,
+    /// How far away other things take ambient light.
+    pub reach: f32,
     /// The lights.
     pub lights: Vec<LightValues>,
     /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
@@ -56,15 +76,13 @@ impl FrameTape {
         let camera = &scene.camera;
         let ([px, py, pz], [tx, ty, tz]) = (camera.position, camera.target);
         let lights = scene.lights.iter().map(|light| {
-            let (([x, y, z], towards), [r, g, b]) = match light.place {
-                LightPlace::At(place) => ((place, false), light.color),
-                LightPlace::Towards(direction) => ((direction, true), light.color),
-            };
-            Ok((tape(&[x, y, z, r, g, b, light.radius])?, towards))
+            let (kind, roots) = of_light(light);
+            Ok((tape(&roots)?, kind))
         });
         Ok(Self {
             camera: tape(&[px, py, pz, tx, ty, tz, camera.fov, camera.roll, camera.keep])?,
             lights: lights.collect::<Result<_, TapeError>>()?,
+            sky: tape(&[scene.sky.reach])?,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
         })
     }
@@ -78,10 +96,19 @@ impl FrameTape {
             (frame.position, frame.target) = ([px, py, pz], [tx, ty, tz]);
             (frame.fov, frame.roll, frame.keep) = (fov, roll, keep);
         }
-        for (tape, towards) in &self.lights {
-            if let [x, y, z, r, g, b, radius] = *values(tape) {
-                let (place, color) = ([x, y, z], [r, g, b]);
-                frame.lights.push(LightValues { place, towards: *towards, color, radius });
+        frame.reach = values(&self.sky).first().copied().unwrap_or_default();
+        for (tape, kind) in &self.lights {
+            if let [x, y, z, r, g, b, radius, range, shadow, ref sides @ ..] = *values(tape) {
+                let side = |number: usize| sides.as_chunks().0.get(number).copied().unwrap_or_default();
+                frame.lights.push(LightValues {
+                    kind: *kind,
+                    place: [x, y, z],
+                    color: [r, g, b],
+                    radius,
+                    range,
+                    shadow,
+                    sides: [side(0), side(1)],
+                });
             }
         }
         for tape in &self.planes {
@@ -92,4 +119,15 @@ impl FrameTape {
         }
         frame
     }
+}
+
+/// What a light is, and what is computed of it: place, colour, radius, range, shadow and, of a panel, its half sides.
+fn of_light(light: &Light) -> (LightKind, Vec<NodeId>) {
+    let (kind, place, sides) = match light.place {
+        LightPlace::At(place) => (LightKind::Lamp, place, Vec::new()),
+        LightPlace::Towards(direction) => (LightKind::Sun, direction, Vec::new()),
+        LightPlace::Panel { at, right, up } => (LightKind::Panel, at, [right, up].concat()),
+    };
+    let numbers = [light.radius, light.range, light.shadow];
+    (kind, place.into_iter().chain(light.color).chain(numbers).chain(sides).collect())
 }

@@ -2,7 +2,7 @@
 //!
 //! | texel | holds |
 //! |---|---|
-//! | 0 | where the programs of the sky and the ambient light begin |
+//! | 0 | where the programs of the sky, the ambient light and the glow begin |
 //! | 1.. | where the material of each object begins, four objects a texel |
 //! | a program | a header: the slots of up to 12 outputs, a byte each; how many textures it samples |
 //! | | a texel for each of those: the number of the picture, the first texel of the tape of its coordinates |
@@ -20,13 +20,13 @@ use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
-/// Programs before those of the materials: sky and ambient light.
-const PROGRAMS_OF_LIGHT: usize = 2;
+/// Programs before those of the materials: sky, ambient light and glow.
+const PROGRAMS_OF_LIGHT: usize = 3;
 
 /// What the interpreter shader runs on a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
-    /// Sky, ambient light, and the materials.
+    /// Sky, ambient light, glow, and the materials.
     programs: Vec<Program>,
     /// The program of each object's material.
     of_objects: Vec<usize>,
@@ -155,7 +155,7 @@ impl TapeBuffers {
             .collect();
         let start = |program: usize| starts.get(program).copied().unwrap_or(0);
         let directory =
-            [start(0), start(1), 0, 0].into_iter().chain(self.of_objects.iter().map(|&p| start(p)));
+            [start(0), start(1), start(2), 0].into_iter().chain(self.of_objects.iter().map(|&p| start(p)));
         for (to, from) in texels.as_flattened_mut().iter_mut().zip(directory) {
             *to = from;
         }
@@ -182,7 +182,8 @@ impl World {
         let program = |roots: &[NodeId]| Program::build(&self.graph, roots).map_err(failed);
         let tape =
             |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
-        let mut programs = vec![program(&self.roots.sky)?, program(&self.roots.ambient)?];
+        let of_light = [&self.roots.sky, &self.roots.ambient, &self.roots.glow];
+        let mut programs = of_light.into_iter().map(|roots| program(roots)).collect::<Result<Vec<_>, _>>()?;
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
             programs.push(program(roots)?);
@@ -228,6 +229,7 @@ mod tests {
         for (program, roots) in [
             (directory[0][0], &world.roots.sky[..]),
             (directory[0][1], &world.roots.ambient),
+            (directory[0][2], &world.roots.glow),
             (directory[1][0], &world.roots.materials[0]),
             (directory[1][1], &world.roots.materials[1]),
         ] {

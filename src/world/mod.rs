@@ -10,19 +10,22 @@
 mod bounds;
 mod compiled;
 mod frame_tape;
+mod glow;
 mod hoist;
 mod interpreted;
 mod planes;
 mod steepness;
+mod traits;
 mod validate;
 
 pub use bounds::Bounds;
-pub use frame_tape::{FrameTape, FrameValues, LightValues};
+pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 // How a picture is made is part of a scene.
 pub use crate::lang::ToneMap;
+pub use traits::Traits;
 
 use std::sync::Arc;
 
@@ -65,7 +68,7 @@ pub enum WorldError {
 }
 
 /// The numbers that a material gives for a point and a normal, in this order.
-pub const MATERIAL_OUTPUTS: [&str; 11] = [
+pub const MATERIAL_OUTPUTS: [&str; 12] = [
     "color.r",
     "color.g",
     "color.b",
@@ -77,6 +80,7 @@ pub const MATERIAL_OUTPUTS: [&str; 11] = [
     "reflect",
     "coat",
     "haze",
+    "blur",
 ];
 
 /// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled shader.
@@ -88,18 +92,20 @@ pub struct Roots {
     /// Of the rest: the number of the nearest object.
     pub object: NodeId,
     /// See [`MATERIAL_OUTPUTS`].
-    pub materials: Vec<[NodeId; 11]>,
+    pub materials: Vec<[NodeId; 12]>,
     /// Light from a direction.
     pub sky: [NodeId; 3],
     /// Light on a surface from everywhere.
     pub ambient: [NodeId; 3],
+    /// Light of an object, whose number is in the place of the normal's x, on what is near it; black where none shines.
+    pub glow: [NodeId; 3],
 }
 
 impl Roots {
     /// All of them.
     pub(crate) fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
         let materials = self.materials.iter().flatten();
-        let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient);
+        let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);
         self.distance.into_iter().chain(rest).chain(materials.copied())
     }
 
@@ -111,6 +117,7 @@ impl Roots {
             materials: self.materials.iter().map(|material| material.map(&new)).collect(),
             sky: self.sky.map(&new),
             ambient: self.ambient.map(&new),
+            glow: self.glow.map(&new),
         }
     }
 }
@@ -135,6 +142,8 @@ pub struct World {
     /// Whether the distance of the rest is none in practice: steeper than the way, or much flatter at surfaces. Rays then
     /// need to know how steep it is where they are.
     pub steep: bool,
+    /// What it needs of the shaders.
+    pub traits: Traits,
     /// What the shader evaluates.
     pub roots: Roots,
     /// What the processor evaluates once a frame.
@@ -152,7 +161,9 @@ impl World {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
-        let roots = roots(&mut scene, rest.as_ref());
+        let glow = glow::glow(&mut scene).map_err(graph_error)?;
+        let traits = Traits::of(&scene, glow.is_some());
+        let roots = roots(&mut scene, rest.as_ref(), glow);
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
         let (mut bounds, mut steep) = (None, false);
@@ -173,6 +184,7 @@ impl World {
             has_rest: rest.is_some(),
             bounds,
             steep,
+            traits,
             roots,
             graph,
             hoisted,
@@ -184,11 +196,12 @@ impl World {
     }
 }
 
-fn roots(scene: &mut Scene, rest: Option<&Rest>) -> Roots {
+fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 3]>) -> Roots {
     let materials = scene.materials.iter().map(|material| {
         let ([r, g, b], [er, eg, eb]) = (material.color, material.emission);
         let (roughness, metalness) = (material.roughness, material.metalness);
-        [r, g, b, roughness, metalness, er, eg, eb, material.reflect, material.coat, material.haze]
+        let (reflect, coat, haze) = (material.reflect, material.coat, material.haze);
+        [r, g, b, roughness, metalness, er, eg, eb, reflect, coat, haze, material.blur]
     });
     let materials = materials.collect();
     let nothing = scene.graph.constant(0.0);
@@ -198,6 +211,7 @@ fn roots(scene: &mut Scene, rest: Option<&Rest>) -> Roots {
         materials,
         sky: scene.sky.color,
         ambient: scene.sky.ambient,
+        glow: glow.unwrap_or([nothing; 3]),
     }
 }
 

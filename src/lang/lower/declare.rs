@@ -25,6 +25,8 @@ pub(super) struct Parts {
 
 /// What a bare expression is called.
 const BARE_NAME: &str = "shape";
+/// How far ambient occlusion acts where a scene does not tell.
+const DEFAULT_REACH: f32 = 1.1;
 
 impl<'a> Lowering<'a> {
     pub(super) fn scene(
@@ -82,7 +84,8 @@ impl<'a> Lowering<'a> {
         if parts.lights.is_empty() {
             let place = LightPlace::At(self.vector([-6.0, 9.0, -6.0]));
             let (color, radius) = (self.vector([500.0, 480.0, 450.0]), self.constant(0.5));
-            parts.lights.push(Light { name: "default".to_owned(), place, color, radius });
+            let (range, shadow) = (self.constant(0.0), self.constant(1.0));
+            parts.lights.push(Light { name: "default".to_owned(), place, color, radius, range, shadow });
         }
         let camera = match parts.camera {
             Some(camera) => camera,
@@ -310,6 +313,7 @@ impl<'a> Lowering<'a> {
             reflect: self.constant(0.0),
             coat: self.constant(0.0),
             haze: self.constant(0.0),
+            blur: self.constant(0.0),
         };
         parts.materials.push(material);
         parts.default_material = Some(parts.materials.len() - 1);
@@ -334,7 +338,11 @@ impl<'a> Lowering<'a> {
         let symbols = ["default_sky", "default_ambient"].map(|name| self.names.get(name));
         let [color, ambient] = symbols.map(|symbol| symbol.and_then(|symbol| self.library_color(symbol)));
         let black = self.vector([0.0; 3]);
-        Sky { color: color.unwrap_or(black), ambient: ambient.unwrap_or(black) }
+        Sky {
+            color: color.unwrap_or(black),
+            ambient: ambient.unwrap_or(black),
+            reach: self.constant(DEFAULT_REACH),
+        }
     }
 
     /// A function of the library that makes a colour of a direction.
@@ -350,6 +358,19 @@ impl<'a> Lowering<'a> {
         });
         match value {
             Value::Vector(vector) => Some([vector.part(0), vector.part(1), vector.part(2)]),
+            _ => None,
+        }
+    }
+
+    /// What a function of the library makes of numbers, if that is a number.
+    pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
+        let symbol = self.names.get(name)?;
+        let mark = self.arguments.len();
+        self.arguments.extend(arguments.iter().map(|&argument| Value::scalar(argument)));
+        let value = self.library_value(symbol, mark);
+        self.arguments.truncate(mark);
+        match value {
+            Value::Vector(vector) => Some(vector.first()),
             _ => None,
         }
     }

@@ -8,6 +8,8 @@ mod builtins;
 mod call;
 mod declare;
 mod expr;
+mod lights;
+mod objects;
 mod sections;
 
 use super::ast::{Ast, ExprId, Function, Parameter};

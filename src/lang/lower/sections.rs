@@ -1,9 +1,11 @@
 //! Blocks with fields: objects, materials, lights, the camera and the sky.
+//!
+//! What a block is made of stands in one table; `objects.rs` and `lights.rs` make the larger ones.
 
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
 use super::super::builtin::uses::{DIRECTION, FRAME, NORMAL, POINT, TEXTURE};
 use super::super::diagnostic::Diagnostic;
-use super::super::scene::{Camera, Light, LightPlace, Material, Object, Sky, Vec3};
+use super::super::scene::{Camera, Material, Sky, Vec3};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
@@ -28,9 +30,12 @@ const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME;
 fn fields(section: Section) -> &'static [Field] {
     use Holds::{Material, Number, Vector};
     match section {
-        Section::Object => {
-            &[("shape", Number, POINT | FRAME), ("material", Material, 0), ("bound", Number, POINT | FRAME)]
-        }
+        Section::Object => &[
+            ("shape", Number, POINT | FRAME),
+            ("material", Material, 0),
+            ("bound", Number, POINT | FRAME),
+            ("melt", Number, FRAME),
+        ],
         Section::Material => &[
             ("color", Vector, SURFACE),
             ("roughness", Number, SURFACE),
@@ -39,12 +44,17 @@ fn fields(section: Section) -> &'static [Field] {
             ("reflect", Number, SURFACE),
             ("coat", Number, SURFACE),
             ("haze", Number, SURFACE),
+            ("blur", Number, SURFACE),
         ],
         Section::Light => &[
             ("position", Vector, FRAME),
             ("direction", Vector, FRAME),
             ("color", Vector, FRAME),
             ("radius", Number, FRAME),
+            ("range", Number, FRAME),
+            ("shadow", Number, FRAME),
+            ("right", Vector, FRAME),
+            ("up", Vector, FRAME),
         ],
         Section::Camera => &[
             ("position", Vector, FRAME),
@@ -55,9 +65,11 @@ fn fields(section: Section) -> &'static [Field] {
             ("focus", Number, FRAME),
             ("keep", Number, FRAME),
         ],
-        Section::Sky => {
-            &[("color", Vector, DIRECTION | TEXTURE | FRAME), ("ambient", Vector, DIRECTION | FRAME)]
-        }
+        Section::Sky => &[
+            ("color", Vector, DIRECTION | TEXTURE | FRAME),
+            ("ambient", Vector, DIRECTION | FRAME),
+            ("reach", Number, FRAME),
+        ],
     }
 }
 
@@ -84,16 +96,16 @@ fn place(section: Section) -> &'static str {
 }
 
 /// The most fields that a section has.
-const FIELDS_MAX: usize = 7;
+const FIELDS_MAX: usize = 8;
 
 /// The values of a section's fields in the order of [`fields`].
 #[derive(Default)]
 pub(super) struct Values {
-    given: [Option<(Value, Span)>; FIELDS_MAX],
+    pub(super) given: [Option<(Value, Span)>; FIELDS_MAX],
     /// Index of the material that an object names.
-    material: Option<usize>,
+    pub(super) material: Option<usize>,
     /// Whether a field was wrong, so that what is made of them is of no use.
-    broken: bool,
+    pub(super) broken: bool,
 }
 
 impl Lowering<'_> {
@@ -152,8 +164,11 @@ impl Lowering<'_> {
                     return self.second(section, span);
                 }
                 let base = self.default_sky();
-                let color = self.vector_of(values, 0, base.color);
-                parts.sky = Some(Sky { color, ambient: self.vector_of(values, 1, base.ambient) });
+                parts.sky = Some(Sky {
+                    color: self.vector_of(values, 0, base.color),
+                    ambient: self.vector_of(values, 1, base.ambient),
+                    reach: self.number_of(values, 2, base.reach),
+                });
             }
         }
     }
@@ -281,27 +296,6 @@ impl Lowering<'_> {
         None
     }
 
-    fn object(&mut self, parts: &mut Parts, name: String, span: Span, values: &Values) {
-        let material = match (values.material, values.given[1]) {
-            (Some(index), _) => index,
-            (None, Some(_)) => return,
-            (None, None) => self.default_material(parts),
-        };
-        match values.given[0] {
-            Some((Value::Vector(shape), _)) => {
-                let shape = shape.first();
-                let bound = values.given[2].map(|_| self.number_of(values, 2, shape));
-                self.add_object(parts, Object { name, span, shape, bound, material });
-            }
-            Some(_) => {}
-            None if values.broken => {}
-            None => {
-                let missing = Diagnostic::new(span, format!("the object `{name}` has no shape"));
-                self.report(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
-            }
-        }
-    }
-
     fn material(&mut self, name: String, values: &Values) -> Material {
         let (zero, half) = (self.constant(0.0), self.constant(0.5));
         let (gray, black) = (self.vector([0.8; 3]), self.vector([0.0; 3]));
@@ -314,46 +308,18 @@ impl Lowering<'_> {
             reflect: self.number_of(values, 4, zero),
             coat: self.number_of(values, 5, zero),
             haze: self.number_of(values, 6, zero),
+            blur: self.number_of(values, 7, zero),
         }
     }
 
-    fn light(&mut self, name: String, span: Span, values: &Values) -> Option<Light> {
-        let (zero, white) = (self.constant(0.0), self.vector([1.0; 3]));
-        let origin = [zero; 3];
-        let place = match (values.given[0], values.given[1]) {
-            (Some(_), None) => LightPlace::At(self.vector_of(values, 0, origin)),
-            (None, Some(_)) => LightPlace::Towards(self.vector_of(values, 1, origin)),
-            (Some(_), Some((_, second))) => {
-                let both =
-                    Diagnostic::new(second, format!("the light `{name}` has a position and a direction"));
-                let hint =
-                    "a lamp has a `position`; what is infinitely far away, as the sun, has a `direction`";
-                self.report(both.hint(hint));
-                return None;
-            }
-            (None, None) => {
-                if !values.broken {
-                    let missing = Diagnostic::new(span, format!("the light `{name}` is nowhere"));
-                    self.report(
-                        missing
-                            .hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun"),
-                    );
-                }
-                return None;
-            }
-        };
-        let color = self.vector_of(values, 2, white);
-        Some(Light { name, place, color, radius: self.number_of(values, 3, zero) })
-    }
-
-    fn vector_of(&mut self, values: &Values, index: usize, default: Vec3) -> Vec3 {
+    pub(super) fn vector_of(&mut self, values: &Values, index: usize, default: Vec3) -> Vec3 {
         match values.given.get(index) {
             Some(Some((Value::Vector(vector), _))) => [vector.part(0), vector.part(1), vector.part(2)],
             _ => default,
         }
     }
 
-    fn number_of(&mut self, values: &Values, index: usize, default: NodeId) -> NodeId {
+    pub(super) fn number_of(&mut self, values: &Values, index: usize, default: NodeId) -> NodeId {
         match values.given.get(index) {
             Some(Some((Value::Vector(vector), _))) => vector.first(),
             _ => default,

@@ -1,0 +1,76 @@
+//! Lights: where they are, and what is told of them.
+
+use super::super::diagnostic::Diagnostic;
+use super::super::scene::{Light, LightPlace};
+use super::super::source::Span;
+use super::Lowering;
+use super::sections::Values;
+
+/// The places of a light's fields, as in `sections.rs`.
+const POSITION: usize = 0;
+const DIRECTION: usize = 1;
+const COLOR: usize = 2;
+const RADIUS: usize = 3;
+const RANGE: usize = 4;
+const SHADOW: usize = 5;
+const RIGHT: usize = 6;
+const UP: usize = 7;
+
+impl Lowering<'_> {
+    pub(super) fn light(&mut self, name: String, span: Span, values: &Values) -> Option<Light> {
+        let (zero, one) = (self.constant(0.0), self.constant(1.0));
+        let white = self.vector([1.0; 3]);
+        let place = self.light_place(&name, span, values)?;
+        Some(Light {
+            name,
+            place,
+            color: self.vector_of(values, COLOR, white),
+            radius: self.number_of(values, RADIUS, zero),
+            range: self.number_of(values, RANGE, zero),
+            shadow: self.number_of(values, SHADOW, one),
+        })
+    }
+
+    fn light_place(&mut self, name: &str, span: Span, values: &Values) -> Option<LightPlace> {
+        let given = |field: usize| values.given.get(field).copied().flatten().map(|(_, span)| span);
+        let origin = self.vector([0.0; 3]);
+        let (position, direction) = (given(POSITION), given(DIRECTION));
+        let wrong = match (position, direction, given(RIGHT), given(UP)) {
+            (Some(_), None, None, None) => {
+                return Some(LightPlace::At(self.vector_of(values, POSITION, origin)));
+            }
+            (None, Some(_), None, None) => {
+                return Some(LightPlace::Towards(self.vector_of(values, DIRECTION, origin)));
+            }
+            (Some(_), None, Some(_), Some(_)) => {
+                return Some(LightPlace::Panel {
+                    at: self.vector_of(values, POSITION, origin),
+                    right: self.vector_of(values, RIGHT, origin),
+                    up: self.vector_of(values, UP, origin),
+                });
+            }
+            (Some(_), Some(second), ..) => {
+                let both =
+                    Diagnostic::new(second, format!("the light `{name}` has a position and a direction"));
+                let hint =
+                    "a lamp has a `position`; what is infinitely far away, as the sun, has a `direction`";
+                both.hint(hint)
+            }
+            (None, Some(_), Some(side), _) | (None, Some(_), _, Some(side)) => {
+                let sun = Diagnostic::new(side, format!("the light `{name}` has a direction and sides"));
+                sun.hint("a panel has a `position` in its middle; it shines to the side of cross(right, up)")
+            }
+            (_, _, Some(side), None) | (_, _, None, Some(side)) => {
+                let half = Diagnostic::new(side, format!("the panel `{name}` has one side"));
+                half.hint("a panel has `right` and `up`: half of its sides, as vectors")
+            }
+            (None, None, ..) if values.broken => return None,
+            (None, None, ..) => {
+                let missing = Diagnostic::new(span, format!("the light `{name}` is nowhere"));
+                missing.hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun")
+            }
+        };
+        self.report(wrong);
+        None
+    }
+}

@@ -1,0 +1,102 @@
+//! Objects, and those that melt into the one before them.
+
+use super::super::diagnostic::Diagnostic;
+use super::super::scene::{Material, Object, Vec3};
+use super::super::source::Span;
+use super::super::value::Value;
+use super::Lowering;
+use super::declare::Parts;
+use super::sections::Values;
+use crate::graph::NodeId;
+
+/// The places of an object's fields, as in `sections.rs`.
+const SHAPE: usize = 0;
+const MATERIAL: usize = 1;
+const BOUND: usize = 2;
+const MELT: usize = 3;
+
+impl Lowering<'_> {
+    pub(super) fn object(&mut self, parts: &mut Parts, name: String, span: Span, values: &Values) {
+        let material = match (values.material, values.given[MATERIAL]) {
+            (Some(index), _) => index,
+            (None, Some(_)) => return,
+            (None, None) => self.default_material(parts),
+        };
+        let shape = match values.given[SHAPE] {
+            Some((Value::Vector(shape), _)) => shape.first(),
+            Some(_) => return,
+            None if values.broken => return,
+            None => {
+                let missing = Diagnostic::new(span, format!("the object `{name}` has no shape"));
+                self.report(missing.hint("write `shape = sphere(p, 1)`, or any other distance"));
+                return;
+            }
+        };
+        let bound = values.given[BOUND].map(|_| self.number_of(values, BOUND, shape));
+        let object = Object { name, span, shape, bound, material };
+        let Some((_, melts)) = values.given[MELT] else { return self.add_object(parts, object) };
+        let radius = self.number_of(values, MELT, shape);
+        match parts.objects.pop() {
+            Some(before) => {
+                if let Some(both) = self.melted(parts, before, object, radius) {
+                    parts.objects.push(both);
+                }
+            }
+            None => {
+                let alone =
+                    Diagnostic::new(melts, format!("the object `{}` has none before it", object.name));
+                self.report(alone.hint("`melt` lets an object flow into the one that is declared before it"));
+            }
+        }
+    }
+
+    /// Two objects as one whose shapes flow together within `radius`, and whose materials mix there: at the seam, where
+    /// both shapes are equally near, by halves.
+    fn melted(&mut self, parts: &mut Parts, a: Object, b: Object, radius: NodeId) -> Option<Object> {
+        let tiny = self.constant(1e-4);
+        let radius = self.graph.max(radius, tiny);
+        let shape = self.library_number("smooth_union", &[a.shape, b.shape, radius])?;
+        let bound = match (a.bound, b.bound) {
+            (Some(a), Some(b)) => Some(self.graph.min(a, b)),
+            (a, b) => a.or(b),
+        };
+        let material = if a.material == b.material {
+            a.material
+        } else {
+            let max = self.limits.scene_materials_max;
+            if parts.materials.len() >= max {
+                let message = format!("the scene has more than {max} materials, those that mix counted");
+                self.stop(b.span, message, "let one material depend on the point");
+                return None;
+            }
+            let difference = self.graph.sub(a.shape, b.shape);
+            let share = self.graph.div(difference, radius);
+            let (zero, half, one) = (self.constant(0.0), self.constant(0.5), self.constant(1.0));
+            let share = self.graph.mul(share, half);
+            let share = self.graph.add(share, half);
+            let share = self.graph.clamp(share, zero, one);
+            let mixed = self.mixed(parts.materials.get(a.material)?, parts.materials.get(b.material)?, share);
+            parts.materials.push(mixed);
+            parts.materials.len() - 1
+        };
+        Some(Object { name: format!("{} and {}", a.name, b.name), span: a.span, shape, bound, material })
+    }
+
+    /// A material between two: the first at share 0.
+    fn mixed(&mut self, a: &Material, b: &Material, share: NodeId) -> Material {
+        let mut number = |a: NodeId, b: NodeId| self.graph.mix(a, b, share);
+        let mut vector = |a: Vec3, b: Vec3| [0, 1, 2].map(|part| number(a[part], b[part]));
+        let (color, emission) = (vector(a.color, b.color), vector(a.emission, b.emission));
+        Material {
+            name: format!("{} and {}", a.name, b.name),
+            color,
+            roughness: number(a.roughness, b.roughness),
+            metalness: number(a.metalness, b.metalness),
+            emission,
+            reflect: number(a.reflect, b.reflect),
+            coat: number(a.coat, b.coat),
+            haze: number(a.haze, b.haze),
+            blur: number(a.blur, b.blur),
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! What a scene needs of the shaders beyond what every scene does: what it does not need is not compiled for it.
+
+use crate::graph::NodeId;
+use crate::lang::{LightPlace, Scene};
+
+/// Parts of the shaders that some scenes go without.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Traits {
+    /// Lights that are rectangles.
+    pub panels: bool,
+    /// Surfaces that mirror.
+    pub mirrors: bool,
+    /// Mirrors that are rough.
+    pub blur: bool,
+    /// Objects that shine.
+    pub glow: bool,
+}
+
+impl Traits {
+    /// Those of a scene.
+    pub(super) fn of(scene: &Scene, glow: bool) -> Self {
+        let panel = |place: &LightPlace| matches!(place, LightPlace::Panel { .. });
+        let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
+        let mirrors = scene.materials.iter().any(|material| some(material.reflect));
+        Self {
+            panels: scene.lights.iter().any(|light| panel(&light.place)),
+            mirrors,
+            blur: mirrors && scene.materials.iter().any(|material| some(material.blur)),
+            glow,
+        }
+    }
+
+    /// Their defines.
+    pub fn defines(self) -> impl Iterator<Item = &'static str> {
+        let all =
+            [(self.panels, "PANELS"), (self.mirrors, "MIRRORS"), (self.blur, "BLUR"), (self.glow, "GLOW")];
+        all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
+    }
+
+    /// Whether nothing is missing of `other`.
+    pub fn covers(self, other: Self) -> bool {
+        other.defines().all(|define| self.defines().any(|own| own == define))
+    }
+}
