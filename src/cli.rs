@@ -1,5 +1,6 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
+mod quality;
 mod scene;
 
 use std::io::{BufWriter, IsTerminal};
@@ -92,6 +93,12 @@ struct PlayArguments {
     /// Most frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
+    /// How good the picture is; auto draws fewer pixels where frames take too long
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    quality: quality::Quality,
+    /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    flash_limiter: Switch,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
@@ -248,6 +255,9 @@ struct VideoArguments {
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
+    /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    flash_limiter: Switch,
     /// The video, or a folder ending in '/' for numbered PNGs
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -350,6 +360,8 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         gain: common.gain.into(),
         listen,
         fps_cap: arguments.fps_cap,
+        quality: arguments.quality.into(),
+        limit_flashes: arguments.flash_limiter == Switch::On,
         fullscreen: arguments.fullscreen,
         size: arguments.size,
         gl_info: arguments.gl_info,
@@ -390,6 +402,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
         fps: arguments.fps,
         size: arguments.size,
         gain: common.gain.into(),
+        limit_flashes: arguments.flash_limiter == Switch::On,
         output: arguments.output,
         scene: common.scene()?,
     };

@@ -202,8 +202,9 @@ impl Limiter {
                 }
                 let (mut others, mut own_share) = (0.0, 0.0);
                 for (step, share) in NEIGHBOURS {
-                    match neighbour(place, step).and_then(|place| self.corrections.get(place)) {
-                        Some(other) if other.limited && step != (0, 0) => others += share * other.gain,
+                    let beside = neighbour(place, step);
+                    match self.corrections.get(beside) {
+                        Some(other) if other.limited && beside != place => others += share * other.gain,
                         // Where there is none that is limited, the cell goes on to its edge.
                         _ => own_share += share,
                     }
@@ -230,11 +231,11 @@ const NEIGHBOURS: [((isize, isize), f32); 9] = [
     ((1, 1), 0.015_625),
 ];
 
-/// The cell beside another one, if there is one.
-fn neighbour(place: usize, (right, down): (isize, isize)) -> Option<usize> {
-    let column = (place % COLUMNS).checked_add_signed(right).filter(|column| *column < COLUMNS)?;
-    let row = (place / COLUMNS).checked_add_signed(down).filter(|row| *row < ROWS)?;
-    Some(row * COLUMNS + column)
+/// The cell beside another one, or the last one on the way there.
+fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
+    let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
+    let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);
+    row * COLUMNS + column
 }
 
 #[cfg(test)]

@@ -95,6 +95,23 @@ fn bursts_that_begin_and_end_have_no_more_either() {
 }
 
 #[test]
+fn light_that_comes_back_while_flashes_are_remembered_is_none() {
+    for hold in 35..65 {
+        let mut show = Show::new();
+        // The flashes are at the end of a part of the memory.
+        for frame in 0..35 {
+            let flashes = frame > 26 && frame % 2 == 1;
+            show.frame(1.0 / 60.0, if flashes { WHITE } else { BLACK }, everywhere);
+        }
+        for frame in 0..hold + 4 {
+            let dips = frame >= hold && (frame - hold) % 2 == 0;
+            show.frame(1.0 / 60.0, if dips { BLACK } else { WHITE }, everywhere);
+        }
+        assert!(show.worst().general <= 3, "after {hold} frames: {:?}", show.worst());
+    }
+}
+
+#[test]
 fn what_is_slow_or_small_or_seldom_passes_untouched() {
     let cases: [(&str, f64, [[f32; 3]; 2], fn(usize) -> bool); 6] = [
         ("three flashes a second", 3.0, [WHITE, BLACK], everywhere),
@@ -192,8 +209,8 @@ fn centres_keep_the_means_of_cells_as_far_as_gains_go() {
             let (x, y) = (place(point % side), place(point / side));
             let (to_x, to_y) = (x.signum() as isize, y.signum() as isize);
             let at = |step| {
-                let other = neighbour(cell, step).map(|other| limiter.corrections[other]);
-                other.filter(|other| other.limited).unwrap_or(limiter.corrections[cell]).gain
+                let other = limiter.corrections[neighbour(cell, step)];
+                if other.limited { other.gain } else { limiter.corrections[cell].gain }
             };
             let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
             let near = mix(at((0, 0)), at((to_x, 0)), x.abs());

@@ -37,6 +37,11 @@ pub fn block_defines() -> [String; 8] {
     ]
 }
 
+/// The `frame_quality` in a block.
+pub fn quality_of(block: &FrameBlock) -> f32 {
+    block.get(HEAD - 1).map_or(1.0, |reach| reach[1])
+}
+
 /// Where the tree of regions of a frame lies, and what holds where it has no cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RegionTree {
@@ -93,7 +98,7 @@ impl Frame {
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
             [inputs.volume_mid, inputs.volume_side, first_row, row_span],
-            [self.values.reach.max(REACH_MIN), 0.0, 0.0, 0.0],
+            [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, 0.0],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);

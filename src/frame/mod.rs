@@ -23,6 +23,8 @@ pub struct Frame {
     pub inputs: FrameInputs,
     /// Where the picture is seen from.
     pub camera: Camera,
+    /// What the picture may cost beside its number of pixels, 0..1: the shaders' `frame_quality`.
+    pub quality: f32,
     /// Lights and planes.
     pub values: FrameValues,
     /// What happens to the scene's light on its way to the screen.
@@ -78,7 +80,7 @@ impl Frame {
         inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        Self { size, inputs, camera, values, picture: Picture::default() }
+        Self { size, inputs, camera, values, quality: 1.0, picture: Picture::default() }
     }
 }
 

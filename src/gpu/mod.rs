@@ -3,6 +3,7 @@
 pub mod background;
 mod edge_list;
 pub mod error;
+pub mod flash_pass;
 pub mod gl;
 mod guest;
 pub mod headless;

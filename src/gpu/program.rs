@@ -15,9 +15,10 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 3] = [("FrameBlock", 0), ("PassBlock", 1
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). What shares a unit is never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 7] = [
+pub const TEXTURE_UNITS: [(&str, u32); 8] = [
     ("edge_pixels", 12),
     ("picture", 12),
+    ("corrections", 13),
     ("extra_samples", 13),
     ("regions", 13),
     ("tape", 14),

@@ -10,11 +10,13 @@
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
 use std::rc::Rc;
+use std::time::Duration;
 
 use glow::HasContext;
 
 use super::edge_list::EdgeList;
 use super::error::GpuError;
+use super::flash_pass::FlashPass;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
 use super::post::{Post, PostTargets};
@@ -22,8 +24,9 @@ use super::program::{Program, binding_of, unit_of};
 use super::scene_resources::{SceneNames, SceneResources};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
+use super::timer::FrameTimer;
 use crate::frame::Frame;
-use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
+use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock, quality_of};
 use crate::frame::picture::Picture;
 
 /// The further samples of a pixel at an edge, as `sample_place.glsl` counts them.
@@ -33,6 +36,12 @@ const EDGE_SAMPLES: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1
 const FIRST_SAMPLE: f32 = 0.0;
 const FURTHER_SAMPLE: f32 = 1.0;
 const LISTED_SAMPLES: f32 = 2.0;
+
+/// At a lower quality edges get no further samples.
+const EDGE_QUALITY: f32 = 0.3;
+
+/// Enlarges a picture for a window.
+pub const UPSCALE_SHADER: &str = "upscale.frag";
 
 /// Marks edges. The other shaders are in [`super::post`] and, those of scenes, in [`super::scene_program`].
 pub const EDGE_SHADER: &str = "edges.frag";
@@ -104,6 +113,10 @@ pub struct Renderer {
     vertices: VertexArray,
     counting: Counting,
     targets: Option<Targets>,
+    /// Enlarges pictures for a window.
+    upscale: Option<Program>,
+    flashes: Option<FlashPass>,
+    timer: Option<FrameTimer>,
 }
 
 /// What depends on the picture's size.
@@ -146,9 +159,33 @@ impl Renderer {
             vertices: VertexArray::new(gl)?,
             counting,
             targets: None,
+            upscale: None,
+            flashes: None,
+            timer: None,
         };
         gl.check("setting up the renderer")?;
         Ok(renderer)
+    }
+
+    /// Gets what only a window needs: to show pictures that are smaller, and to tell how long they take.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.upscale = Some(Program::link(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
+        if !self.gl.info().software {
+            self.timer = Some(FrameTimer::new(&self.gl)?);
+        }
+        Ok(())
+    }
+
+    /// From now on [`Renderer::limit_flashes`] does something.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn add_flash_limiter(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.flashes = Some(FlashPass::new(&self.gl, library)?);
+        Ok(())
     }
 
     /// Draws `frame` of a scene with one of its programs into the renderer's own target; [`Renderer::show`] or
@@ -181,20 +218,50 @@ impl Renderer {
         self.bind_inputs(block);
         self.post.bind_picture(picture);
         scene.bind(&self.gl);
+        if let Some(flashes) = &mut self.flashes {
+            flashes.begin();
+        }
         // Taken out, so that lists can grow while the rest is used.
         let Some(mut targets) = self.targets.take() else { return Ok(()) };
-        let drawn = self.draw_passes(&mut targets, picture, program);
-        self.targets = Some(targets);
+        let mut timer = self.timer.take();
+        timer.iter_mut().for_each(FrameTimer::begin);
+        let drawn = self.draw_passes(&mut targets, (picture, quality_of(block)), program);
+        timer.iter_mut().for_each(FrameTimer::end);
+        (self.targets, self.timer) = (Some(targets), timer);
         drawn?;
         self.gl.check("drawing a frame")
+    }
+
+    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
+        if let (Some(flashes), Some(targets)) = (&mut self.flashes, &self.targets) {
+            flashes.take(targets.post.finished(), seconds)?;
+        }
+        self.gl.check("limiting flashes")
+    }
+
+    /// How long the GPU took for one of the last pictures, if that has become known since the last call; never on a
+    /// software renderer.
+    pub fn gpu_time(&mut self) -> Option<Duration> {
+        self.timer.as_mut()?.take()
+    }
+
+    /// What is shown: the finished picture, its flashes limited.
+    fn shown(&self) -> Option<&Target> {
+        let limited = self.flashes.as_ref().and_then(FlashPass::limited);
+        limited.or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
     fn draw_passes(
         &self,
         targets: &mut Targets,
-        picture: &Picture,
+        (picture, quality): (&Picture, f32),
         program: &Program,
     ) -> Result<(), GpuError> {
+        let smooth = quality >= EDGE_QUALITY;
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -208,8 +275,8 @@ impl Renderer {
             gl.disable(glow::BLEND);
         }
         match &mut targets.edges {
-            Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
-            Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
+            Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program, smooth),
+            Edges::List(list) => self.draw_by_list(&targets.first, list, program, smooth)?,
         }
         targets.first.bind_color(0, unit_of("picture"));
         match &targets.edges {
@@ -220,8 +287,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// All samples of the picture, those of edges summed in `sum`.
-    fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program) {
+    /// All samples of the picture, those of edges, if they are wanted, summed in `sum`.
+    fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program, smooth: bool) {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -236,6 +303,10 @@ impl Renderer {
             sum.bind();
             gl.clear_stencil(0);
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
+            if !smooth {
+                gl.disable(glow::STENCIL_TEST);
+                return;
+            }
             gl.stencil_func(glow::ALWAYS, 1, 0xff);
             gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
             gl.color_mask(false, false, false, false);
@@ -253,8 +324,14 @@ impl Renderer {
         }
     }
 
-    /// All samples of the picture, those of edges side by side in the target of `list`.
-    fn draw_by_list(&self, first: &Target, list: &mut EdgeList, program: &Program) -> Result<(), GpuError> {
+    /// All samples of the picture, those of edges, if they are wanted, side by side in the target of `list`.
+    fn draw_by_list(
+        &self,
+        first: &Target,
+        list: &mut EdgeList,
+        program: &Program,
+        smooth: bool,
+    ) -> Result<(), GpuError> {
         first.bind();
         list.bind_pixels();
         program.bind();
@@ -263,9 +340,11 @@ impl Renderer {
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
             self.gl.clear(glow::COLOR_BUFFER_BIT);
-            first.bind_color(0, unit_of("picture"));
-            self.edges.bind();
-            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            if smooth {
+                first.bind_color(0, unit_of("picture"));
+                self.edges.bind();
+                self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            }
         }
         list.draw(|| {
             program.bind();
@@ -273,20 +352,50 @@ impl Renderer {
         })
     }
 
-    /// Copies the finished picture to the window's framebuffer of `window` pixels.
+    /// Copies the finished picture to the window's framebuffer of `window` pixels, enlarged if that has more.
     ///
     /// # Errors
     /// An error that the driver reports.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
-        if let Some(targets) = &self.targets {
-            targets.post.finished().blit_to_window(window);
+        match (self.shown(), &self.upscale) {
+            (Some(picture), Some(upscale)) if picture.size() != window => {
+                self.enlarge(picture, upscale, window)
+            }
+            (Some(picture), _) => picture.blit_to_window(window),
+            (None, _) => {}
         }
         self.gl.check("showing a frame")
     }
 
-    /// The finished picture, four bytes a pixel, the top row first. Empty before the first draw.
+    fn enlarge(&self, picture: &Target, upscale: &Program, window: (u32, u32)) {
+        let size = picture.size();
+        let ratio = |of: u32, to: u32| of as f32 / to.max(1) as f32;
+        picture.bind_color(0, unit_of("picture"));
+        // SAFETY: plain state and a draw on objects of ours, in the current context.
+        unsafe {
+            let gl = &*self.gl;
+            for test in
+                [glow::DEPTH_TEST, glow::CULL_FACE, glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND]
+            {
+                gl.disable(test);
+            }
+            gl.disable(glow::FRAMEBUFFER_SRGB);
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+            gl.bind_vertex_array(Some(self.vertices.native()));
+            gl.bind_buffer_base(
+                glow::UNIFORM_BUFFER,
+                binding_of("PassBlock"),
+                Some(self.pass_buffer.native()),
+            );
+        }
+        upscale.bind();
+        self.draw_sample([ratio(size.0, window.0), ratio(size.1, window.1)], FIRST_SAMPLE);
+    }
+
+    /// The picture that is shown, four bytes a pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        self.targets.as_ref().map_or_else(Vec::new, |targets| targets.post.finished().read_rgba8(0))
+        self.shown().map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
     /// Distance evaluations of the last picture; zero without [`Counting::On`].
