@@ -8,11 +8,6 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
-// Smallest difference between neighbours, in encoded steps of 0..1, that gets more samples: between different
-// surfaces, and on one surface (textures are filtered by their mip levels already).
-const float EDGE_CONTRAST = 0.03;
-const float INNER_CONTRAST = 0.30;
-
 vec4 seen(ivec2 texel, ivec2 limit) {
     return texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
 }
@@ -36,6 +31,6 @@ void main() {
     // As bright as it will be seen, near enough. That keeps the order, so the extremes are enough.
     vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
     float contrast = max(range.r, max(range.g, range.b));
-    if (contrast < (high.a - low.a > 0.5 ? EDGE_CONTRAST : INNER_CONTRAST)) discard;
+    if (contrast < (high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y)) discard;
     mark = 1.0;
 }

@@ -24,7 +24,12 @@ layout(std140) uniform FrameBlock {
     vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame
 };
 
-#include "pass_block.glsl"
+layout(std140) uniform PassBlock {
+    vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy from the centre, w
+                            // its number from 0; 2 for those of the pixels in edge_pixels, side by side
+    vec4 pass_list;         // xy texels of a block: as many as a pixel has samples
+    vec4 pass_places[8];    // xy and zw: places of samples from their pixel's centre
+};
 
 // The names of the scene language's inputs in generated code.
 #define frame_time frame_clock.x

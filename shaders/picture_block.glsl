@@ -2,5 +2,7 @@
 
 layout(std140) uniform PictureBlock {
     vec4 picture_look;      // exposure, share of bloom, vignette, grain
-    vec4 picture_lens;      // x its radius, 0 where everything is sharp; y 1 / distance that is sharp
+    vec4 picture_lens;      // x its radius, 0 where everything is sharp; y 1 / distance that is sharp; z largest blur, in
+                            // heights of the picture
+    vec4 picture_edges;     // smallest difference that gets more samples: x between surfaces, y on one
 };

@@ -1,19 +1,38 @@
-// The finished picture: exposed, tone-mapped, encoded as sRGB, dithered against banding.
+// The finished picture: bloom, exposure, tone map, sRGB, grain.
 
 #include "picture_block.glsl"
+#include "post_block.glsl"
 #include "tone_map.glsl"
 #include "encode.glsl"
 
 uniform sampler2D picture;          // linear light
+uniform sampler2D bloom;            // the same, scattered
 
 layout(location = 0) out vec4 screen;
 
-// Interleaved gradient noise (Jimenez 2014), -0.5..0.5: less visible than random noise, and still in time.
-float dither(vec2 pixel) {
-    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715)))) - 0.5;
+// Interleaved gradient noise (Jimenez 2014), 0..1: less visible than random noise, and still in time.
+float noise(vec2 pixel) {
+    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+// -1.5..1.5 steps of 1/255 at a grain of 1. Half a step each way hides the edges of steps; the grain is more likely to be
+// small than large. The same in each frame: what stands still stays the same.
+float grain(vec2 pixel) {
+    float film = noise(pixel + vec2(57.0, 131.0)) + noise(pixel.yx + vec2(211.0, 17.0)) - 1.0;
+    return noise(pixel) - 0.5 + picture_look.w * film;
+}
+
+// Natural vignetting: the fourth power of the cosine, 45 degrees off the axis in the corners.
+float falloff(vec2 place) {
+    vec2 off = 2.0 * place - 1.0;
+    float cosine2 = 1.0 / (1.0 + 0.5 * dot(off, off));
+    return mix(1.0, cosine2 * cosine2, picture_look.z);
 }
 
 void main() {
-    vec3 light = picture_look.x * texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
-    screen = vec4(srgb_from_linear(tone_map(light)) + dither(gl_FragCoord.xy) / 255.0, 1.0);
+    vec2 place = post_place();
+    vec3 light = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
+    light = mix(light, texture(bloom, place).rgb, picture_look.y);
+    light *= picture_look.x * falloff(place);
+    screen = vec4(srgb_from_linear(tone_map(light)) + grain(gl_FragCoord.xy) / 255.0, 1.0);
 }

@@ -1,25 +1,31 @@
 // The light of each pixel: the weighed mean of its samples.
 
+#include "post_block.glsl"
 #include "sample_light.glsl"
 
 uniform sampler2D picture;          // the first samples
 #ifdef EDGE_LIST
-uniform sampler2D extra_samples;    // further samples at edges, weighed, two by two
-uniform usampler2D edge_squares;    // which two by two those of a pixel are, counted from 1; 0 for none
+uniform sampler2D extra_samples;    // further samples at edges, weighed, in blocks
+uniform usampler2D edge_squares;    // which block holds those of a pixel, counted from 1; 0 for none
 #else
-uniform sampler2D extra_samples;    // sum of further samples at edges, weighed
+uniform sampler2D extra_samples;    // sum of further samples, weighed
 #endif
 
 layout(location = 0) out vec4 light;
+
+// The most samples of a block.
+const int BLOCK_MAX = 16;
 
 // Their sum; alpha sums the weights.
 vec4 further_samples(ivec2 texel) {
 #ifdef EDGE_LIST
     ivec2 square = ivec2(texelFetch(edge_squares, texel, 0).xy);
+    ivec2 block = ivec2(post_target.zw);
+    int count = square.x == 0 ? 0 : block.x * block.y;
     vec4 sum = vec4(0.0);
-    if (square.x == 0) return sum;
-    for (int i = 0; i < 4; i++) {
-        sum += texelFetch(extra_samples, 2 * (square - 1) + ivec2(i & 1, i >> 1), 0);
+    for (int i = 0; i < BLOCK_MAX; i++) {
+        if (i >= count) break;
+        sum += texelFetch(extra_samples, block * (square - 1) + ivec2(i % block.x, i / block.x), 0);
     }
     return sum;
 #else
@@ -29,9 +35,14 @@ vec4 further_samples(ivec2 texel) {
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
-    vec3 first = texelFetch(picture, texel, 0).rgb;
     vec4 more = further_samples(texel);
+#ifdef ALL_SAMPLES
+    vec3 first = vec3(0.0);
+    float weight = 0.0;
+#else
+    vec3 first = texelFetch(picture, texel, 0).rgb;
     float weight = sample_weight(first);
-    vec3 mean = (first * weight + more.rgb) / (weight + more.a);
+#endif
+    vec3 mean = (first * weight + more.rgb) / max(weight + more.a, 1e-9);
     light = vec4(more.a > 0.0 ? min(mean, LIGHT_MAX) : first, 1.0);
 }

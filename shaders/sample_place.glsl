@@ -1,22 +1,26 @@
 // Which place of the picture a sample is of.
 
-uniform usampler2D edge_pixels;     // the pixel of each square of two by two samples
+uniform usampler2D edge_pixels;     // the pixel of each block of samples
+
+// Which of the further samples of its block a texel is.
+int block_sample() {
+    ivec2 block = ivec2(pass_list.xy);
+    ivec2 texel = ivec2(gl_FragCoord.xy) % block;
+    return texel.x + block.x * texel.y;
+}
 
 // Which sample of its pixel this is, counted from 0.
 float sample_number() {
     if (pass_sample.z < 0.5) return 0.0;
-    vec2 number = pass_sample.z > 1.5 ? vec2(ivec2(gl_FragCoord.xy) & 1) : pass_sample.xy;
-    return 1.0 + number.x + 2.0 * number.y;
+    return 1.0 + (pass_sample.z > 1.5 ? float(block_sample()) : pass_sample.w);
 }
 
 // In pixels from the picture's lower left corner.
 vec2 sample_place() {
     if (pass_sample.z < 0.5) return gl_FragCoord.xy;
-    ivec2 texel = ivec2(gl_FragCoord.xy);
-    bool listed = pass_sample.z > 1.5;
-    vec2 pixel = listed ? vec2(texelFetch(edge_pixels, texel >> 1, 0).xy) + 0.5 : gl_FragCoord.xy;
-    vec2 number = listed ? vec2(texel & 1) : pass_sample.xy;
-    // A rotated grid, so that no two samples share a row or a column.
-    vec2 corner = 0.5 * number - 0.25;
-    return pixel + corner + 0.5 * vec2(-corner.y, corner.x);
+    if (pass_sample.z < 1.5) return gl_FragCoord.xy + pass_sample.xy;
+    ivec2 square = ivec2(gl_FragCoord.xy) / ivec2(pass_list.xy);
+    int number = block_sample();
+    vec4 pair = pass_places[number >> 1];
+    return vec2(texelFetch(edge_pixels, square, 0).xy) + 0.5 + ((number & 1) == 0 ? pair.xy : pair.zw);
 }

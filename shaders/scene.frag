@@ -23,6 +23,19 @@ layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, c
 layout(location = 3) out vec4 more_clauses;         // of materials and light, 0, 0, 0
 #endif
 
+#if defined(LENS) && !defined(COUNT_EVALUATIONS)
+layout(location = 1) out float sample_spread;       // radius of the disc that a point becomes in the picture, in pixels
+
+// By a thin lens: a point at distance z is spread over radius * |1/sharp - 1/z| at distance 1; negative in front of what
+// is sharp.
+float spread_at(float nearness) {
+    float limit = picture_lens.z * viewport.y;
+    return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
+}
+#endif
+// 1 / how far away the first surface is, along the camera's axis.
+float seen_nearness = 0.0;
+
 // Light from the surface at p towards the eye, without what it mirrors.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
@@ -107,6 +120,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
         vec3 mirrored = direction;
         if (hit.met) {
             travelled = reached;
+            if (surface == 0) seen_nearness = 1.0 / max(hit.t * dot(direction, camera_forward.xyz), 1e-6);
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
             // Brought onto the plane exactly: no ray from there meets it again.
@@ -138,7 +152,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 #endif
             mirrored = reflect(direction, mirror);
             // No facet mirrors into the surface.
-            mirrored += s.normal * max(0.02 - dot(mirrored, s.normal), 0.0);
+            mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
         }
         if (max(sky_share.r, max(sky_share.g, sky_share.b)) > 0.0) {
             // A camera inside an object has reached 0.
@@ -159,6 +173,9 @@ void main() {
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
     sample_color = stored_sample(color, surface_key, pass_sample.z > 0.5);
+#if defined(LENS) && !defined(COUNT_EVALUATIONS)
+    sample_spread = spread_at(seen_nearness);
+#endif
 #ifdef COUNT_EVALUATIONS
 #ifndef CLAUSES_RUN
 #define CLAUSES_RUN 0.0

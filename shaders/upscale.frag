@@ -1,6 +1,6 @@
 // A finished picture in a window with more pixels, by Catmull-Rom splines.
 
-#include "pass_block.glsl"
+#include "post_block.glsl"
 
 uniform sampler2D picture;      // finished
 
@@ -16,8 +16,9 @@ vec4 weights(float t) {
 }
 
 void main() {
-    ivec2 limit = textureSize(picture, 0) - 1;
-    vec2 place = gl_FragCoord.xy * pass_sample.xy - 0.5;
+    ivec2 size = textureSize(picture, 0);
+    ivec2 limit = size - 1;
+    vec2 place = post_place() * vec2(size) - 0.5;
     vec2 first = floor(place);
     vec4 across = weights(place.x - first.x);
     vec4 upwards = weights(place.y - first.y);

@@ -1,8 +1,9 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
-mod quality;
+mod choices;
 mod scene;
 
+use choices::{GainChoice, Quality, RepeatChoice, Sdf, Switch, ToneMapChoice};
 use std::io::{BufWriter, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -16,8 +17,7 @@ use crate::audio::devices::list_devices;
 use crate::audio::playlist::Playlist;
 use crate::audio::song::Song;
 use crate::audio::track::Repeat;
-use crate::config::{ListenChoice, PlaySettings, SdfChoice};
-use crate::dsp::Gain;
+use crate::config::{ListenChoice, PlaySettings};
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
 use crate::export::painter::SceneChoice;
@@ -49,7 +49,7 @@ Examples:
   mariana album/ list.m3u8 x.ogg  play folders, lists (m3u, m3u8, pls, cue) and files, without gaps
   mariana music/ --shuffle        ... in random order
   mariana song.ogg --latency 180  ... over Bluetooth headphones that lag by 180 ms
-  mariana song.flac --scene orbs  ... in another scene, or a file of your own
+  mariana song.flac --scene metaballs  ... in another scene, or a file of your own
   mariana --system                show what the computer plays
   mariana --mic --device USB      show what a microphone hears
   mariana --scene \"min(y, length(p - vec3(0, 1, 0)) - 1)\"
@@ -95,7 +95,7 @@ struct PlayArguments {
     fps_cap: Option<f64>,
     /// How good the picture is; auto draws fewer pixels where frames take too long
     #[arg(long, value_name = "HOW", default_value = "auto")]
-    quality: quality::Quality,
+    quality: Quality,
     /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
@@ -124,6 +124,9 @@ struct CommonArguments {
     /// bench measures both]
     #[arg(long, value_name = "ON-OFF")]
     regions: Option<Switch>,
+    /// How light becomes a colour of the screen [default: as the scene says, agx where it says nothing]
+    #[arg(long, value_name = "MAP")]
+    tone_map: Option<ToneMapChoice>,
     /// Whether quiet and loud sound are levelled for the picture; what is told in decibels is as measured either way
     #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
     gain: GainChoice,
@@ -137,48 +140,6 @@ struct CommonArguments {
 
 /// The scene that is shown without being told otherwise.
 const DEFAULT_SCENE: &str = "speakers";
-
-/// See [`SdfChoice`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Sdf {
-    Interpreted,
-    Compiled,
-    Auto,
-}
-
-/// See [`Gain`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum GainChoice {
-    Auto,
-    Off,
-}
-
-impl From<GainChoice> for Gain {
-    fn from(choice: GainChoice) -> Self {
-        match choice {
-            GainChoice::Auto => Gain::Auto,
-            GainChoice::Off => Gain::Off,
-        }
-    }
-}
-
-/// See [`Repeat`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum RepeatChoice {
-    /// The list, again and again
-    All,
-    /// One track, again and again
-    One,
-    /// Each track once; the window stays
-    Off,
-}
-
-/// On or off.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Switch {
-    On,
-    Off,
-}
 
 #[derive(Subcommand)]
 enum Command {
@@ -299,6 +260,9 @@ struct BenchArguments {
     /// Frames to time
     #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true)]
     frames: u16,
+    /// Compare the picture at edges with one of 64 samples in each pixel, too; slow
+    #[arg(long)]
+    edges: bool,
     /// JSON instead of text
     #[arg(long)]
     json: bool,
@@ -445,6 +409,7 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         gain: common.gain.into(),
         scene: common.scene()?,
         both: common.regions.is_none(),
+        edges: arguments.edges,
     })?;
     if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
@@ -483,13 +448,10 @@ impl CommonArguments {
     fn scene(&self) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
             source: SceneSource::find(&self.scene)?,
-            sdf: match self.sdf {
-                Sdf::Interpreted => SdfChoice::Interpreted,
-                Sdf::Compiled => SdfChoice::Compiled,
-                Sdf::Auto => SdfChoice::Auto,
-            },
+            sdf: self.sdf.into(),
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             regions: self.regions != Some(Switch::Off),
+            tone_map: self.tone_map.map(Into::into),
             verbose: self.verbose > 0,
         })
     }

@@ -109,9 +109,14 @@ fn red_strobes_keep_three_flashes_a_second_of_either_kind() {
 #[test]
 fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
     // Pictures with bright and dark parts side by side, which flash together.
-    let mut strobe = Strobe::of("(0.05 + 4 * beat) * (0.3 + 0.7 * step(0.5, fract(0.8 * p.x + 0.1))) * (0.6 + 0.4 * sin(2 * p.y))");
+    let mut strobe = Strobe::of(
+        "(0.05 + 4 * beat) * (0.3 + 0.7 * step(0.5, fract(0.8 * p.x + 0.1))) * (0.6 + 0.4 * sin(2 * p.y))",
+    );
     let beats = |hz: f64| {
-        move |time: f64| Features { beat: (1.0 - 3.0 * (time * hz).fract()).max(0.0) as f32, ..Features::SILENCE }
+        move |time: f64| Features {
+            beat: (1.0 - 3.0 * (time * hz).fract()).max(0.0) as f32,
+            ..Features::SILENCE
+        }
     };
     for hz in [5.0, 8.0] {
         let (without, with, _) = strobe.count(1.0, beats(hz));
@@ -126,7 +131,7 @@ fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
 
 #[test]
 fn a_small_lamp_and_three_flashes_a_second_pass_untouched() {
-    let mut lamp = Strobe::of(&format!("6 * {BLINKS} * step(length(p.xy - vec2(1, 0.5)), 0.4)"));
+    let mut lamp = Strobe::of(&format!("6 * {BLINKS} * step(length(p.xy - vec2(0.5, 0.3)), 0.25)"));
     let (_, _, changed) = lamp.count(12.0, silence);
     assert_eq!(changed, 0, "the lamp is limited");
     let mut whole = Strobe::of(&format!("6 * {BLINKS}"));

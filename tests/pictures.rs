@@ -8,11 +8,12 @@ use glam::DVec3;
 use image::RgbaImage;
 use mariana::dsp::{BAND_COUNT, Features};
 use mariana::frame::Frame;
+use mariana::frame::picture::Picture;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
-use mariana::world::ToneMap;
+use mariana::world::{ToneMap, Traits};
 use support::compare::{TIGHT, assert_alike, check_golden, difference, pixel_difference};
 use support::oracle::{constant, vector_constant};
 use support::shader_folder::changed_shaders;
@@ -42,7 +43,7 @@ fn show(studio: &mut Studio, body: &str) {
          void main() {{\n    vec3 color;\n    {body}\n    sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    studio.program = studio.link(&library, &compiled_variant("", 0, Counting::Off));
+    studio.program = studio.link(&library, &compiled_variant("", 0, Traits::default(), Counting::Off));
 }
 
 /// What the studio's program shows in silence.
@@ -53,10 +54,21 @@ fn drawn(studio: &mut Studio, size: (u32, u32)) -> RgbaImage {
 #[test]
 fn light_is_encoded_once_and_kept_from_infinity() {
     let mut studio = Studio::new();
-    studio.tone_map = Some(ToneMap::None);
+    studio.adjust = |picture| (picture.tone_map, picture.grain) = (ToneMap::None, 0.0);
     linear_light_becomes_srgb_once(&mut studio);
-    studio.tone_map = Some(ToneMap::Reinhard);
-    tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut studio);
+    for adjust in [
+        |picture: &mut Picture| *picture = plain(picture, ToneMap::Agx),
+        |picture: &mut Picture| *picture = plain(picture, ToneMap::Aces),
+        |picture: &mut Picture| *picture = plain(picture, ToneMap::Reinhard),
+    ] {
+        studio.adjust = adjust;
+        tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut studio);
+    }
+}
+
+/// A picture without bloom and grain.
+fn plain(picture: &Picture, tone_map: ToneMap) -> Picture {
+    Picture { bloom: 0.0, grain: 0.0, tone_map, ..*picture }
 }
 
 /// IEC 61966-2-1, as a fraction of 255 steps.

@@ -47,10 +47,10 @@ pub fn text() -> String {
     text
 }
 
-/// The part of the shipped scene that makes the speakers.
+/// The part of the shipped scene that makes the woofers.
 fn excerpt() -> String {
     let scene = include_str!("../../assets/scenes/speakers.scene").replace("\r\n", "\n");
-    let rest = scene.find("fn speakers").and_then(|start| scene.get(start..)).unwrap_or("");
+    let rest = scene.find("fn woofers").and_then(|start| scene.get(start..)).unwrap_or("");
     let end = rest.find("\n}").map_or(rest.len(), |end| end + 2);
     rest.get(..end).unwrap_or("").to_owned()
 }

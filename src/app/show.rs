@@ -159,6 +159,7 @@ impl Show {
         if settings.limit_flashes {
             renderer.add_flash_limiter(library)?;
         }
+        renderer.set_tone_map(self.scene.tone_map);
         let Some((loader, first)) = self.loader.take() else { return Ok(()) };
         let contexts = window.worker_contexts(COMPILERS);
         let waker = self.waker.clone();
@@ -470,9 +471,8 @@ impl ApplicationHandler for Show {
         if stage.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision) {
             stage.moved = now;
         }
-        let moving = stage.moved == now
-            || stage.could_be_better(now)
-            || overlay_due.is_some_and(|due| due <= now);
+        let moving =
+            stage.moved == now || stage.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {

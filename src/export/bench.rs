@@ -15,6 +15,7 @@ use crate::audio::song::Song;
 use crate::config::SdfChoice;
 use crate::dsp::Gain;
 use crate::frame::Frame;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::GlInfo;
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
@@ -43,6 +44,8 @@ pub struct BenchRequest {
     pub scene: SceneChoice,
     /// Whether to measure with regions and without, whatever the scene's choice.
     pub both: bool,
+    /// Whether to measure the picture at edges, too, which takes long.
+    pub edges: bool,
 }
 
 /// What was measured.
@@ -66,8 +69,21 @@ pub struct BenchReport {
     pub scene_ms: f64,
     /// A row for each mode that was measured, with regions and without.
     pub modes: Vec<ModeReport>,
+    /// How near edges are to a picture of 64 samples a pixel, by how many samples they have; empty unless asked for.
+    pub edges: Vec<EdgeReport>,
     /// What kept a mode from being measured.
     pub notes: Vec<String>,
+}
+
+/// How near pictures are to one with a regular grid of 64 samples in each pixel.
+#[derive(Debug, Serialize)]
+pub struct EdgeReport {
+    /// Further samples of a pixel at an edge.
+    pub samples: usize,
+    /// Share of the pixels that got them, 0..1.
+    pub share: f64,
+    /// Peak signal over noise of the finished picture without grain, in dB.
+    pub decibels: f64,
 }
 
 /// What was measured of one mode.
@@ -184,6 +200,10 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
             run.cpu.push(milliseconds(cpu_start.elapsed()));
         }
     }
+    let edges = match runs.first() {
+        Some(run) if request.edges => measure_edges(&mut renderer, &resources, run, &frame)?,
+        _ => Vec::new(),
+    };
     drop(renderer);
 
     let mut counter = Renderer::new(gl, library, Counting::On)?;
@@ -208,8 +228,40 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         context_ms,
         scene_ms,
         modes: reports,
+        edges,
         notes,
     })
+}
+
+/// Compares pictures of each number of samples at edges with one of 64 everywhere.
+fn measure_edges(
+    renderer: &mut Renderer,
+    resources: &SceneResources,
+    run: &Run,
+    frame: &Frame,
+) -> Result<Vec<EdgeReport>, ExportError> {
+    resources.set_cells(run.regions);
+    resources.take_regions(run.built.clone());
+    let mut frame = frame.clone();
+    frame.picture.grain = 0.0;
+    renderer.draw_reference(&frame, resources, &run.program)?;
+    let reference = renderer.read();
+    let pixels = f64::from(frame.size.0) * f64::from(frame.size.1);
+    let report = |samples: EdgeSamples| {
+        renderer.set_edge_samples(samples);
+        renderer.draw(&frame, resources, &run.program)?;
+        let decibels = peak_signal_over_noise(&renderer.read(), &reference);
+        Ok(EdgeReport { samples: samples.count(), share: renderer.edge_pixels() / pixels, decibels })
+    };
+    EdgeSamples::ALL.into_iter().map(report).collect()
+}
+
+/// Of the colours of two pictures of four bytes a pixel, in dB; infinite where they are the same.
+pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
+    let pairs = picture.as_chunks::<4>().0.iter().zip(reference.as_chunks::<4>().0);
+    let squares = pairs.flat_map(|(a, b)| (0..3).map(|i| f64::from(a[i].abs_diff(b[i])).powi(2)));
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+    10.0 * (255.0 * 255.0 * count / sum).log10()
 }
 
 /// A row that has taken so long in all is not timed further, in ms ..
@@ -322,6 +374,13 @@ impl std::fmt::Display for BenchReport {
         }
         let edge = self.modes.first().map_or(0.0, |row| row.evaluations_per_pixel.edge_pixels);
         write!(f, "{:<32}{:>14}", "pixels with an edge's samples, %", format!("{:.2}", 100.0 * edge))?;
+        for EdgeReport { samples, share, decibels } in &self.edges {
+            let percent = 100.0 * share;
+            write!(
+                f,
+                "\n{samples} samples at edges, {percent:.2} % of the pixels: {decibels:.2} dB against 64 everywhere"
+            )?;
+        }
         let cpu = |mode: Mode, regions: bool| {
             let row = self.modes.iter().find(|row| row.mode == mode && row.regions == regions)?;
             Some(row.cpu_p50_ms.max(1e-9))

@@ -4,6 +4,7 @@ use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::dsp::Sound;
 use crate::frame::Frame;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
@@ -13,7 +14,7 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::region::RegionPlan;
 use crate::scenes::{ReadyScene, SceneSource};
-use crate::world::{TapeBuffers, World};
+use crate::world::{TapeBuffers, ToneMap, World};
 
 /// Which scene to draw, and how.
 #[derive(Debug, Clone)]
@@ -26,6 +27,8 @@ pub struct SceneChoice {
     pub shaders: ShaderLibrary,
     /// Whether regions are divided into cells.
     pub regions: bool,
+    /// How light becomes a colour of the screen; none for as the scene says.
+    pub tone_map: Option<ToneMap>,
     /// Log the driver's debug output.
     pub verbose: bool,
 }
@@ -52,7 +55,9 @@ impl Painter {
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
-        let renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
+        let mut renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
+        renderer.set_tone_map(choice.tone_map);
+        renderer.set_edge_samples(EdgeSamples::Sixteen);
         let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;

@@ -17,6 +17,10 @@ pub struct Camera {
     pub forward: DVec3,
     /// Tangents of half the field of view, horizontal and vertical.
     pub tan_half: (f64, f64),
+    /// How far away the target is.
+    pub to_target: f64,
+    /// How much further away than the scene says, so that all of it is seen.
+    pub stepped_back: f64,
 }
 
 /// Range of the vertical field of view, in degrees.
@@ -42,13 +46,15 @@ impl Camera {
         if keep.is_finite() && keep > seen && seen > 0.0 {
             eye = target + away * (keep / seen);
         }
+        let to_target = (target - eye).length();
+        let stepped_back = to_target - away.length();
         let forward = (target - eye).normalize_or(DVec3::Z);
         // Straight up or down there is no upright picture: any will do.
         let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
         let roll = if values.roll.is_finite() { f64::from(values.roll) } else { 0.0 };
         let right = DQuat::from_axis_angle(forward, roll) * level;
         let up = forward.cross(right);
-        Self { position: eye, right, up, forward, tan_half }
+        Self { position: eye, right, up, forward, tan_half, to_target, stepped_back }
     }
 
     /// Where `point` is in the picture, each axis -1..1 from edge to edge; none behind the eye.

@@ -80,7 +80,8 @@ impl Frame {
         inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
-        Self { size, inputs, camera, values, quality: 1.0, picture: Picture::default() }
+        let picture = Picture::of(&values, &camera, world.traits.lens);
+        Self { size, inputs, camera, values, quality: 1.0, picture }
     }
 }
 
@@ -89,7 +90,8 @@ impl Frame {
     pub fn resized(self, size: (u32, u32)) -> Self {
         let size = (size.0.max(1), size.1.max(1));
         let camera = Camera::of(&self.values, f64::from(size.0) / f64::from(size.1));
-        Self { size, camera, ..self }
+        let picture = Picture::of(&self.values, &camera, self.picture.lens.is_some());
+        Self { size, camera, picture, ..self }
     }
 }
 

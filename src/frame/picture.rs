@@ -1,7 +1,8 @@
 //! How a picture is made of the scene's light: the numbers of the shaders' `PictureBlock` (see
 //! `shaders/picture_block.glsl`).
 
-use crate::world::ToneMap;
+use super::camera::Camera;
+use crate::world::{FrameValues, ToneMap};
 
 /// Number of vec4 in the block.
 pub const PICTURE_BLOCK_VECTORS: usize = 2;
@@ -12,21 +13,102 @@ pub type PictureBlock = [[f32; 4]; PICTURE_BLOCK_VECTORS];
 /// What happens to the scene's light on its way to the screen. Every number is finite and in its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
-    /// What light is multiplied by.
+    /// What light is multiplied by, 0..1000.
     pub exposure: f32,
+    /// Share of the light that is scattered around where it belongs, 0..1.
+    pub bloom: f32,
+    /// Share of the light that the corners lose, 0..1.
+    pub vignette: f32,
+    /// Strength of the grain in steps of 1/255, 0..16.
+    pub grain: f32,
     /// How light becomes a colour of the screen.
     pub tone_map: ToneMap,
+    /// The lens, if the scene has one that is not sharp everywhere at all times.
+    pub lens: Option<Lens>,
 }
 
-impl Default for Picture {
-    fn default() -> Self {
-        Self { exposure: 1.0, tone_map: ToneMap::default() }
-    }
+/// A thin lens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lens {
+    /// Its radius, 0 where everything is sharp.
+    pub radius: f32,
+    /// 1 / distance that is sharp.
+    pub nearness: f32,
 }
 
 impl Picture {
+    /// The picture that a scene asks for in a frame; `has_lens` is [`crate::world::Traits::lens`]. What is no number is as
+    /// in scenes that say nothing.
+    pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
+        let picture = &values.picture;
+        let lens = || {
+            let asked = picture.focus.filter(|focus| focus.is_finite());
+            let focus = asked.map_or(camera.to_target, |focus| f64::from(focus) + camera.stepped_back) as f32;
+            let radius = within(picture.aperture, 0.0, LENS_RADIUS_MAX, 0.0);
+            Lens { radius, nearness: 1.0 / focus.clamp(FOCUS.0, FOCUS.1) }
+        };
+        Self {
+            exposure: within(picture.exposure, 0.0, EXPOSURE_MAX, 1.0),
+            bloom: within(picture.bloom, 0.0, 1.0, 0.0),
+            vignette: within(picture.vignette, 0.0, 1.0, 0.0),
+            grain: within(picture.grain, 0.0, GRAIN_MAX, 1.0),
+            tone_map: picture.tone_map,
+            lens: has_lens.then(lens),
+        }
+    }
+
     /// Packs it for the shaders.
     pub fn block(&self) -> PictureBlock {
-        [[self.exposure, 0.0, 0.0, 0.0], [0.0; 4]]
+        let lens = self.lens.unwrap_or(Lens { radius: 0.0, nearness: 0.0 });
+        [[self.exposure, self.bloom, self.vignette, self.grain], [lens.radius, lens.nearness, BLUR_MAX, 0.0]]
+    }
+}
+
+/// The largest radius of a blurred point, in heights of the picture: more takes more samples than there is time for.
+pub const BLUR_MAX: f32 = 0.04;
+/// Ten stops: nobody needs more.
+const EXPOSURE_MAX: f32 = 1000.0;
+const GRAIN_MAX: f32 = 16.0;
+const LENS_RADIUS_MAX: f32 = 1e6;
+/// Range of the distance that is sharp.
+const FOCUS: (f32, f32) = (1e-3, 1e7);
+
+/// The value in its range, `otherwise` for what is no number.
+fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
+    if value.is_nan() { otherwise } else { value.clamp(low, high) }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::dsp::Features;
+    use crate::frame::Frame;
+    use crate::world::ToneMap;
+    use crate::world::testing::world_of;
+
+    #[test]
+    fn a_picture_is_as_the_scene_says_within_its_ranges() {
+        let picture = |text: &str| {
+            let world = world_of(&format!("length(p) - 1\n{text}"));
+            Frame::new(&world, 2.0, Features::default(), (8, 8)).picture
+        };
+        let base = picture("");
+        assert_eq!((base.exposure, base.bloom, base.vignette, base.grain), (1.0, 0.04, 0.0, 1.0));
+        assert_eq!((base.tone_map, base.lens), (ToneMap::Agx, None));
+
+        let all = picture("picture { exposure = t  bloom = 9  vignette = -t  grain = 1e9  tone_map = aces }");
+        assert_eq!((all.exposure, all.bloom, all.vignette, all.grain), (2.0, 1.0, 0.0, 16.0));
+        assert_eq!(all.tone_map, ToneMap::Aces);
+
+        // sqrt(-t) is no number.
+        let none = picture("picture { exposure = sqrt(-t)  bloom = sqrt(-t)  grain = sqrt(-t) }");
+        assert_eq!((none.exposure, none.bloom, none.grain), (1.0, 0.0, 1.0));
+
+        let lens = |camera: &str| picture(camera).lens.expect("a lens");
+        let eye = "position = vec3(0, 0, -4) target = vec3(0, 0, 1)";
+        let to_target = lens(&format!("camera {{ {eye} aperture = 0.1 }}"));
+        assert!((to_target.radius - 0.1).abs() < 1e-6 && (to_target.nearness - 0.2).abs() < 1e-6);
+        let focused = lens(&format!("camera {{ {eye} aperture = sqrt(-t) focus = t }}"));
+        assert_eq!((focused.radius, focused.nearness), (0.0, 0.5));
+        assert!(lens(&format!("camera {{ {eye} aperture = 1 focus = 0 }}")).nearness <= 1001.0);
     }
 }

@@ -2,13 +2,14 @@
 //!
 //! A software renderer runs a shader for eight neighbours at once. Where few of them are at an edge, most of that is in
 //! vain: 13 % of the pixels cost more than all of them at first. Their samples therefore go side by side into a target
-//! of their own, four in a square for each pixel. Reading back which pixels those are costs nothing there; a GPU would
+//! of their own, in a block for each pixel. Reading back which pixels those are costs nothing there; a GPU would
 //! have to wait for it, and takes the stencil instead.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
 use glow::HasContext;
 
+use super::edge_samples::EdgeSamples;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
@@ -23,28 +24,44 @@ pub(super) struct EdgeList {
     gl: Gl,
     size: (u32, u32),
     texels: Vec<Texel>,
+    /// Texels to each side of a block.
+    block: (u32, u32),
+    /// Rows of blocks that there is room for.
+    rows_max: u32,
     /// 255 where an edge is.
     marks: Target,
-    /// The pixel of each square of samples.
+    /// The pixel of each block of samples.
     pixels: Texture,
-    /// The square of each pixel's samples, counted from 1; 0 for none.
+    /// The block of each pixel's samples, counted from 1; 0 for none.
     squares: Texture,
-    /// The samples, two by two for a pixel. Grows.
+    /// The samples, a block for each pixel. Grows.
     samples: Target,
 }
 
 impl EdgeList {
-    /// For pictures of `size` pixels; the samples' target is of `texels`.
+    /// For pictures of `size` pixels; the target of the `samples` is of `texels`.
     ///
     /// # Errors
     /// As [`Target::new`].
-    pub(super) fn new(gl: &Gl, size: (u32, u32), texels: &[Texel]) -> Result<Self, GpuError> {
+    pub(super) fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        texels: &[Texel],
+        samples: EdgeSamples,
+    ) -> Result<Self, GpuError> {
+        let (block, side_max) = (samples.block(), gl.info().texture_side_max);
+        let row = size.0.min(side_max / block.0).max(1);
+        let pixels = u64::from(size.0) * u64::from(size.1);
+        let rows = u32::try_from(pixels.div_ceil(u64::from(row))).unwrap_or(u32::MAX);
+        let rows_max = rows.min(side_max / block.1).max(1);
         let mut list = Self {
             gl: gl.clone(),
             size,
             texels: texels.to_vec(),
+            block,
+            rows_max,
             marks: Target::new(gl, size, &[Texel::R8], None)?,
-            pixels: index_texture(gl, size)?,
+            pixels: index_texture(gl, (row, rows_max))?,
             squares: index_texture(gl, size)?,
             samples: Target::new(gl, (1, 1), texels, None)?,
         };
@@ -62,16 +79,17 @@ impl EdgeList {
         &self.samples
     }
 
-    /// Squares in a row of the target.
+    /// Blocks in a row of the target.
     fn row(&self) -> u32 {
-        self.size.0.min(self.gl.info().texture_side_max / 2).max(1)
+        self.size.0.min(self.gl.info().texture_side_max / self.block.0).max(1)
     }
 
-    /// Makes room for so many rows of squares. As many as the driver has room for: what is beyond gets no more samples.
+    /// Makes room for so many rows of blocks. As many as the driver has room for: what is beyond gets no more samples.
     fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
-        let rows = rows.clamp(1, self.gl.info().texture_side_max / 2);
-        if self.samples.size().1 < 2 * rows {
-            self.samples = Target::new(&self.gl, (2 * self.row(), 2 * rows), &self.texels, None)?;
+        let rows = rows.clamp(1, self.rows_max);
+        if self.samples.size().1 < self.block.1 * rows {
+            let size = (self.block.0 * self.row(), self.block.1 * rows);
+            self.samples = Target::new(&self.gl, size, &self.texels, None)?;
         }
         Ok(())
     }
@@ -85,7 +103,7 @@ impl EdgeList {
         let listed = listed_pixels(&marks, self.size);
         let row = self.row() as usize;
         self.reserve(u32::try_from(listed.len().div_ceil(row)).unwrap_or(u32::MAX))?;
-        let rows = (self.samples.size().1 / 2).min(self.size.1);
+        let rows = (self.samples.size().1 / self.block.1).min(self.rows_max);
         let room = row * rows as usize;
         let listed = listed.get(..room).unwrap_or(&listed);
 
@@ -103,14 +121,17 @@ impl EdgeList {
 
         self.samples.bind();
         self.bind_pixels();
-        // SAFETY: plain state; the scissor leaves out what holds no square.
+        // SAFETY: plain state; the scissor leaves out what holds no block.
         unsafe {
             let (rows, rest) = ((listed.len() / row) as i32, (listed.len() % row) as i32);
+            let (across, down) = (self.block.0.cast_signed(), self.block.1.cast_signed());
             let gl = &*self.gl;
             // Counts that the last picture left are none of this one's.
             gl.clear(glow::COLOR_BUFFER_BIT);
             gl.enable(glow::SCISSOR_TEST);
-            for (y, width, height) in [(0, 2 * row as i32, 2 * rows), (2 * rows, 2 * rest, 2)] {
+            for (y, width, height) in
+                [(0, across * row as i32, down * rows), (down * rows, across * rest, down)]
+            {
                 if width > 0 && height > 0 {
                     gl.scissor(0, y, width, height);
                     draw();

@@ -1,12 +1,15 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
 pub mod background;
+mod bloom;
 mod edge_list;
+pub mod edge_samples;
 pub mod error;
 pub mod flash_pass;
 pub mod gl;
 mod guest;
 pub mod headless;
+mod lens;
 pub mod object;
 pub mod post;
 pub mod probe;

@@ -1,7 +1,10 @@
 //! From the scene's samples to the finished picture: passes over light, after all rays.
 //!
 //! 1. `resolve.frag` makes one light of each pixel's samples.
-//! 2. `present.frag` exposes it, maps it to the screen's range, encodes it as sRGB and dithers.
+//! 2. `lens_*.frag` blur what a lens does not show sharply ([`super::lens`]), in scenes that have one.
+//! 3. `bloom_down.frag` and `bloom_up.frag` scatter it ([`super::bloom`]).
+//! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds the
+//!    grain.
 //!
 //! Light has the size of the scene's targets, the finished picture that of the output.
 
@@ -9,35 +12,52 @@
 
 use glow::HasContext;
 
+use super::bloom::{Bloom, BloomTargets};
+use super::edge_samples::EdgeSamples;
 use super::error::GpuError;
 use super::gl::Gl;
+use super::lens::{LensBlur, LensTargets};
 use super::object::Buffer;
 use super::program::{Program, binding_of, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
-use crate::frame::picture::{PICTURE_BLOCK_VECTORS, Picture};
+use crate::frame::picture::Picture;
 use crate::world::ToneMap;
 
-/// The shaders of these passes and their defines.
-pub const POST_SHADERS: [(&str, &[&str]); 4] = [
+/// The shaders of these passes and their defines; tests compile them all.
+pub const POST_SHADERS: [(&str, &[&str]); 13] = [
     ("resolve.frag", &[]),
     ("resolve.frag", &["EDGE_LIST"]),
+    ("resolve.frag", &["ALL_SAMPLES"]),
+    ("lens_down.frag", &[]),
+    ("lens_blur.frag", &[]),
+    ("lens_mix.frag", &[]),
+    ("bloom_down.frag", &["FIRST"]),
+    ("bloom_down.frag", &[]),
+    ("bloom_up.frag", &[]),
+    ("present.frag", &["TONE_MAP 0"]),
+    ("present.frag", &["TONE_MAP 1"]),
     ("present.frag", &["TONE_MAP 2"]),
     ("present.frag", &["TONE_MAP 3"]),
 ];
 
 /// The programs of these passes.
 pub(super) struct Post {
-    gl: Gl,
+    passes: Passes,
     resolve: Program,
-    reinhard: Program,
-    unmapped: Program,
-    picture_buffer: Buffer,
+    resolve_all: Program,
+    lens: LensBlur,
+    bloom: Bloom,
+    /// In the order of [`ToneMap::ALL`].
+    present: [Program; 4],
+    tone_map: Option<ToneMap>,
 }
 
 /// What depends on the picture's size.
 pub(super) struct PostTargets {
     light: Target,
+    lens: Option<LensTargets>,
+    bloom: BloomTargets,
     finished: Target,
 }
 
@@ -47,57 +67,88 @@ impl Post {
     /// # Errors
     /// What the driver refuses, with its log.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
-        let [of_stencil, of_list, reinhard, unmapped] = POST_SHADERS;
-        let link = |(name, defines): (&str, &[&str])| Program::link(gl, library, name, &Variant::of(defines));
+        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, agx, aces, reinhard, none] =
+            POST_SHADERS
+                .map(|(name, defines)| move || Program::link(gl, library, name, &Variant::of(defines)));
         Ok(Self {
-            gl: gl.clone(),
-            resolve: link(if gl.info().software { of_list } else { of_stencil })?,
-            reinhard: link(reinhard)?,
-            unmapped: link(unmapped)?,
-            picture_buffer: Buffer::new(gl)?,
+            passes: Passes::new(gl)?,
+            resolve: if gl.info().software { of_list() } else { of_stencil() }?,
+            resolve_all: of_all()?,
+            lens: LensBlur { down: halve()?, blur: blur()?, mix: mix()? },
+            bloom: Bloom { first: first()?, down: down()?, up: up()? },
+            present: [agx()?, aces()?, reinhard()?, none()?],
+            tone_map: None,
         })
     }
 
-    /// Tells all passes how the picture is made.
-    pub(super) fn bind_picture(&self, picture: &Picture) {
-        let mut bytes = Vec::with_capacity(PICTURE_BLOCK_VECTORS * 16);
-        bytes.extend(picture.block().as_flattened().iter().flat_map(|value| value.to_ne_bytes()));
-        let (gl, buffer) = (&*self.gl, Some(self.picture_buffer.native()));
-        // SAFETY: the buffer is ours; the bytes are those of the block.
-        unsafe {
-            gl.bind_buffer(glow::UNIFORM_BUFFER, buffer);
-            gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
-            gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of("PictureBlock"), buffer);
-        }
+    /// What draws the passes.
+    pub(super) fn passes(&self) -> &Passes {
+        &self.passes
     }
 
-    /// Finishes the picture. The scene's samples are bound.
-    pub(super) fn draw(&self, targets: &PostTargets, picture: &Picture) {
-        self.pass(&self.resolve, &targets.light);
-        targets.light.bind_color(0, unit_of("picture"));
-        let present = match picture.tone_map {
-            ToneMap::Reinhard => &self.reinhard,
-            ToneMap::None => &self.unmapped,
+    /// Maps tones so from now on, whatever the scene says; none for as the scene says.
+    pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
+        self.tone_map = tone_map;
+    }
+
+    /// Tells all passes how the picture is made, the scene's, too, and which edges get more samples.
+    pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
+        let [surfaces, inner] = samples.contrasts();
+        self.passes.picture.set(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
+    }
+
+    /// Makes light of a pixel's first samples and of the further ones; both are bound. Of these `block` says how they lie
+    /// side by side.
+    pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) {
+        self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32]);
+    }
+
+    /// Makes light of nothing but the sum of samples that is bound as further ones.
+    pub(super) fn resolve_all(&self, targets: &PostTargets) {
+        self.passes.draw(&self.resolve_all, &targets.light);
+    }
+
+    /// Finishes the picture of the light that was made last; `samples` are the first ones.
+    pub(super) fn finish(&self, targets: &PostTargets, picture: &Picture, samples: &Target) {
+        let passes = &self.passes;
+        let light = match &targets.lens {
+            Some(lens) => self.lens.draw(passes, &targets.light, samples, lens),
+            None => &targets.light,
         };
-        self.pass(present, &targets.finished);
-    }
-
-    fn pass(&self, program: &Program, target: &Target) {
-        target.bind();
-        program.bind();
-        // SAFETY: a plain draw on objects of ours, in the current context.
-        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+        // Without bloom its share is 0, and any picture does.
+        let scattered = match picture.bloom {
+            share if share > 0.0 => self.bloom.draw(passes, light, &targets.bloom),
+            _ => light,
+        };
+        light.bind_color(0, unit_of("picture"));
+        scattered.bind_color(0, unit_of("bloom"));
+        let tone_map = self.tone_map.unwrap_or(picture.tone_map);
+        let [agx, aces, reinhard, none] = &self.present;
+        let present = match tone_map {
+            ToneMap::Agx => agx,
+            ToneMap::Aces => aces,
+            ToneMap::Reinhard => reinhard,
+            ToneMap::None => none,
+        };
+        passes.draw(present, &targets.finished);
     }
 }
 
 impl PostTargets {
-    /// For light of `size` pixels and finished pictures of `output`.
+    /// For light of `size` pixels, seen through a lens or not, and finished pictures of `output`.
     ///
     /// # Errors
     /// As [`Target::new`].
-    pub(super) fn new(gl: &Gl, size: (u32, u32), output: (u32, u32)) -> Result<Self, GpuError> {
+    pub(super) fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        has_lens: bool,
+        output: (u32, u32),
+    ) -> Result<Self, GpuError> {
         Ok(Self {
-            light: Target::new(gl, size, &[Texel::Rgba16F], None)?,
+            lens: has_lens.then(|| LensTargets::new(gl, size)).transpose()?,
+            light: Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth(),
+            bloom: BloomTargets::new(gl, size)?,
             finished: Target::new(gl, output, &[Texel::Rgba8], None)?,
         })
     }
@@ -105,5 +156,77 @@ impl PostTargets {
     /// The finished picture.
     pub(super) fn finished(&self) -> &Target {
         &self.finished
+    }
+}
+
+/// What all passes over light share.
+pub(super) struct Passes {
+    pub(super) gl: Gl,
+    picture: Block,
+    post: Block,
+}
+
+impl Passes {
+    fn new(gl: &Gl) -> Result<Self, GpuError> {
+        Ok(Self {
+            gl: gl.clone(),
+            picture: Block::new(gl, "PictureBlock")?,
+            post: Block::new(gl, "PostBlock")?,
+        })
+    }
+
+    /// Draws all over a target with what is bound.
+    pub(super) fn draw(&self, program: &Program, target: &Target) {
+        self.draw_with(program, target, [0.0; 2]);
+    }
+
+    /// Draws all over the window's framebuffer of `window` pixels with what is bound.
+    pub(super) fn draw_in_window(&self, program: &Program, window: (u32, u32)) {
+        self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
+        program.bind();
+        // SAFETY: plain state and a draw on objects of ours, in the current context.
+        unsafe {
+            let gl = &*self.gl;
+            for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
+                gl.disable(state);
+            }
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        }
+    }
+
+    /// The same, and tells the pass two numbers.
+    pub(super) fn draw_with(&self, program: &Program, target: &Target, told: [f32; 2]) {
+        let (width, height) = target.size();
+        self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
+        target.bind();
+        program.bind();
+        // SAFETY: a plain draw on objects of ours, in the current context.
+        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+    }
+}
+
+/// A uniform block that is written anew again and again.
+struct Block {
+    gl: Gl,
+    buffer: Buffer,
+    binding: u32,
+}
+
+impl Block {
+    fn new(gl: &Gl, name: &str) -> Result<Self, GpuError> {
+        Ok(Self { gl: gl.clone(), buffer: Buffer::new(gl)?, binding: binding_of(name) })
+    }
+
+    fn set(&self, numbers: &[f32]) {
+        let bytes: Vec<u8> = numbers.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        let buffer = Some(self.buffer.native());
+        // SAFETY: the buffer is ours.
+        unsafe {
+            self.gl.bind_buffer(glow::UNIFORM_BUFFER, buffer);
+            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, self.binding, buffer);
+        }
     }
 }

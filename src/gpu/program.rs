@@ -11,18 +11,22 @@ use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant, name_places}
 use crate::limits::LIMITS;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
-pub const UNIFORM_BLOCKS: [(&str, u32); 3] = [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2)];
+pub const UNIFORM_BLOCKS: [(&str, u32); 4] =
+    [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2), ("PostBlock", 3)];
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). What shares a unit is never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 8] = [
+pub const TEXTURE_UNITS: [(&str, u32); 11] = [
     ("edge_pixels", 12),
     ("picture", 12),
     ("corrections", 13),
     ("extra_samples", 13),
+    ("bloom", 13),
+    ("blurred", 13),
     ("regions", 13),
     ("tape", 14),
     ("edge_squares", 14),
+    ("spreads", 14),
     ("sound_tables", 15),
 ];
 

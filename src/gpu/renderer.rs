@@ -2,7 +2,7 @@
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
-//! 3. `scene.frag` again, four samples, only there, each elsewhere in the pixel.
+//! 3. `scene.frag` again, more samples, only there, each elsewhere in the pixel.
 //!
 //! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
 //! any of them.
@@ -15,6 +15,7 @@ use std::time::Duration;
 use glow::HasContext;
 
 use super::edge_list::EdgeList;
+use super::edge_samples::EdgeSamples;
 use super::error::GpuError;
 use super::flash_pass::FlashPass;
 use super::gl::Gl;
@@ -28,9 +29,12 @@ use super::timer::FrameTimer;
 use crate::frame::Frame;
 use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock, quality_of};
 use crate::frame::picture::Picture;
+use crate::world::ToneMap;
 
-/// The further samples of a pixel at an edge, as `sample_place.glsl` counts them.
-const EDGE_SAMPLES: [[f32; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+/// Numbers in the `PassBlock` of `frame_block.glsl`.
+const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
+/// Samples of a reference along each side of a pixel.
+const REFERENCE_SIDE: u32 = 8;
 
 /// Which sample a pass draws, as in `frame_block.glsl`.
 const FIRST_SAMPLE: f32 = 0.0;
@@ -112,6 +116,7 @@ pub struct Renderer {
     pass_buffer: Buffer,
     vertices: VertexArray,
     counting: Counting,
+    edge_samples: EdgeSamples,
     targets: Option<Targets>,
     /// Enlarges pictures for a window.
     upscale: Option<Program>,
@@ -121,6 +126,7 @@ pub struct Renderer {
 
 /// What depends on the picture's size.
 struct Targets {
+    has_lens: bool,
     first: Target,
     edges: Edges,
     post: PostTargets,
@@ -158,6 +164,7 @@ impl Renderer {
             pass_buffer: Buffer::new(gl)?,
             vertices: VertexArray::new(gl)?,
             counting,
+            edge_samples: EdgeSamples::Four,
             targets: None,
             upscale: None,
             flashes: None,
@@ -188,6 +195,18 @@ impl Renderer {
         Ok(())
     }
 
+    /// Maps tones so from now on, whatever scenes say; none for as they say.
+    pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
+        self.post.set_tone_map(tone_map);
+    }
+
+    /// Gives pixels at edges so many samples from now on: four where nobody said.
+    pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
+        if self.edge_samples != samples {
+            (self.edge_samples, self.targets) = (samples, None);
+        }
+    }
+
     /// Draws `frame` of a scene with one of its programs into the renderer's own target; [`Renderer::show`] or
     /// [`Renderer::read`] brings it out.
     ///
@@ -211,12 +230,14 @@ impl Renderer {
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        if self.targets.as_ref().is_none_or(|targets| targets.first.size() != size) {
+        let has_lens = picture.lens.is_some();
+        let fits = |targets: &Targets| targets.first.size() == size && targets.has_lens == has_lens;
+        if !self.targets.as_ref().is_some_and(fits) {
             // A size that is refused leaves the last picture.
-            self.targets = Some(Targets::new(&self.gl, size, self.counting)?);
+            self.targets = Some(Targets::new(&self.gl, size, has_lens, self.edge_samples, self.counting)?);
         }
         self.bind_inputs(block);
-        self.post.bind_picture(picture);
+        self.post.bind_picture(picture, self.edge_samples);
         scene.bind(&self.gl);
         if let Some(flashes) = &mut self.flashes {
             flashes.begin();
@@ -283,8 +304,40 @@ impl Renderer {
             Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
             Edges::List(list) => list.bind_samples(),
         }
-        self.post.draw(&targets.post, picture);
+        self.post.resolve(&targets.post, self.edge_samples.block());
+        self.post.finish(&targets.post, picture, &targets.first);
         Ok(())
+    }
+
+    /// Draws `frame` with a regular grid of 64 samples in each pixel: what other pictures are measured by. Slow.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_reference(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        self.draw(frame, scene, program)?;
+        let Some(targets) = &self.targets else { return Ok(()) };
+        scene.names().bind(&self.gl);
+        let sum = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba32F], None)?;
+        sum.bind();
+        // SAFETY: plain state.
+        unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
+        self.prepare_samples(program);
+        for number in 0..REFERENCE_SIDE * REFERENCE_SIDE {
+            let place = [number % REFERENCE_SIDE, number / REFERENCE_SIDE];
+            let place = place.map(|at| (at as f32 + 0.5) / REFERENCE_SIDE as f32 - 0.5);
+            self.draw_sample(place, number as f32, FURTHER_SAMPLE);
+        }
+        // SAFETY: plain state.
+        unsafe { self.gl.disable(glow::BLEND) }
+        sum.bind_color(0, unit_of("extra_samples"));
+        self.post.resolve_all(&targets.post);
+        self.post.finish(&targets.post, &frame.picture, &targets.first);
+        self.gl.check("drawing a reference")
     }
 
     /// All samples of the picture, those of edges, if they are wanted, summed in `sum`.
@@ -297,7 +350,7 @@ impl Renderer {
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
             gl.enable(glow::STENCIL_TEST);
             self.prepare_samples(program);
-            self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+            self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE);
 
             gl.disable(glow::BLEND);
             sum.bind();
@@ -316,8 +369,8 @@ impl Renderer {
             gl.color_mask(true, true, true, true);
 
             self.prepare_samples(program);
-            for number in EDGE_SAMPLES {
-                self.draw_sample(number, FURTHER_SAMPLE);
+            for (number, place) in self.edge_samples.offsets().enumerate() {
+                self.draw_sample(place, number as f32, FURTHER_SAMPLE);
             }
             gl.disable(glow::BLEND);
             gl.disable(glow::STENCIL_TEST);
@@ -335,7 +388,7 @@ impl Renderer {
         first.bind();
         list.bind_pixels();
         program.bind();
-        self.draw_sample([0.0, 0.0], FIRST_SAMPLE);
+        self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE);
         list.marks().bind();
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
@@ -348,7 +401,7 @@ impl Renderer {
         }
         list.draw(|| {
             program.bind();
-            self.draw_sample([0.0, 0.0], LISTED_SAMPLES);
+            self.draw_sample([0.0; 2], 0.0, LISTED_SAMPLES);
         })
     }
 
@@ -359,38 +412,15 @@ impl Renderer {
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
         match (self.shown(), &self.upscale) {
             (Some(picture), Some(upscale)) if picture.size() != window => {
-                self.enlarge(picture, upscale, window)
+                picture.bind_color(0, unit_of("picture"));
+                // SAFETY: the vertex array is ours.
+                unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
+                self.post.passes().draw_in_window(upscale, window);
             }
             (Some(picture), _) => picture.blit_to_window(window),
             (None, _) => {}
         }
         self.gl.check("showing a frame")
-    }
-
-    fn enlarge(&self, picture: &Target, upscale: &Program, window: (u32, u32)) {
-        let size = picture.size();
-        let ratio = |of: u32, to: u32| of as f32 / to.max(1) as f32;
-        picture.bind_color(0, unit_of("picture"));
-        // SAFETY: plain state and a draw on objects of ours, in the current context.
-        unsafe {
-            let gl = &*self.gl;
-            for test in
-                [glow::DEPTH_TEST, glow::CULL_FACE, glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND]
-            {
-                gl.disable(test);
-            }
-            gl.disable(glow::FRAMEBUFFER_SRGB);
-            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
-            gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
-            gl.bind_vertex_array(Some(self.vertices.native()));
-            gl.bind_buffer_base(
-                glow::UNIFORM_BUFFER,
-                binding_of("PassBlock"),
-                Some(self.pass_buffer.native()),
-            );
-        }
-        upscale.bind();
-        self.draw_sample([ratio(size.0, window.0), ratio(size.1, window.1)], FIRST_SAMPLE);
     }
 
     /// The picture that is shown, four bytes a pixel, the top row first. Empty before the first draw.
@@ -423,13 +453,19 @@ impl Renderer {
                 sum.surface_clauses += f64::from(texel[0]);
             }
         }
+        sum.edge_pixels = self.edge_pixels();
+        sum
+    }
+
+    /// Pixels that got the samples of an edge in the last picture.
+    pub fn edge_pixels(&self) -> f64 {
+        let Some(targets) = &self.targets else { return 0.0 };
         let samples = targets.edges.samples().read_rgba32f(0);
         let texels = samples.as_chunks::<4>().0.iter().filter(|texel| texel[3] > 0.0).count() as f64;
-        sum.edge_pixels = match &targets.edges {
+        match &targets.edges {
             Edges::Stencil(_) => texels,
-            Edges::List(_) => texels / EDGE_SAMPLES.len() as f64,
-        };
-        sum
+            Edges::List(_) => texels / self.edge_samples.count() as f64,
+        }
     }
 
     fn bind_inputs(&self, block: &FrameBlock) {
@@ -470,9 +506,12 @@ impl Renderer {
         program.bind();
     }
 
-    /// Draws a sample everywhere: which of the further ones, and of which kind.
-    fn draw_sample(&self, number: [f32; 2], kind: f32) {
-        let block = [number[0], number[1], kind, 0.0];
+    /// Draws a sample everywhere: where in the pixel, which of the further ones, and of which kind.
+    fn draw_sample(&self, place: [f32; 2], number: f32, kind: f32) {
+        let (across, down) = self.edge_samples.block();
+        let head = [place[0], place[1], kind, number, across as f32, down as f32, 0.0, 0.0];
+        let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
+        block.resize(PASS_BLOCK_NUMBERS, 0.0);
         let bytes: Vec<u8> = block.iter().flat_map(|value| value.to_ne_bytes()).collect();
         // SAFETY: the buffer is ours and the draw reads nothing else than what `bind_inputs` bound.
         unsafe {
@@ -484,20 +523,31 @@ impl Renderer {
 }
 
 impl Targets {
-    fn new(gl: &Gl, size: (u32, u32), counting: Counting) -> Result<Self, GpuError> {
-        let counted = [Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F];
-        let texels = if counting == Counting::On { &counted[..] } else { &counted[..1] };
+    fn new(
+        gl: &Gl,
+        size: (u32, u32),
+        has_lens: bool,
+        samples: EdgeSamples,
+        counting: Counting,
+    ) -> Result<Self, GpuError> {
+        // What is counted takes the place of what a lens needs: such pictures are not looked at.
+        let texels: &[Texel] = match (counting, has_lens) {
+            (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
+            (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],
+            (Counting::Off, false) => &[Texel::Rgba16F],
+        };
         Target::check_size(gl, size)?;
         let (stencil, edges) = if gl.info().software {
-            (None, Edges::List(EdgeList::new(gl, size, texels)?))
+            (None, Edges::List(EdgeList::new(gl, size, texels, samples)?))
         } else {
             let stencil = Rc::new(Stencil::new(gl, size)?);
             (Some(stencil.clone()), Edges::Stencil(Target::new(gl, size, texels, Some(stencil))?))
         };
         Ok(Self {
+            has_lens,
             first: Target::new(gl, size, texels, stencil)?,
             edges,
-            post: PostTargets::new(gl, size, size)?,
+            post: PostTargets::new(gl, size, has_lens && counting == Counting::Off, size)?,
         })
     }
 }

@@ -25,6 +25,8 @@ pub struct Target {
 pub enum Texel {
     /// One byte, stored as it is written.
     R8,
+    /// A 16-bit float.
+    R16F,
     /// Four bytes, stored as they are written.
     Rgba8,
     /// Four 16-bit floats.
@@ -37,6 +39,7 @@ impl Texel {
     fn internal_format(self) -> u32 {
         match self {
             Texel::R8 => glow::R8,
+            Texel::R16F => glow::R16F,
             Texel::Rgba8 => glow::RGBA8,
             Texel::Rgba16F => glow::RGBA16F,
             Texel::Rgba32F => glow::RGBA32F,
@@ -146,6 +149,18 @@ impl Target {
         }
         gl.check("making a render target")?;
         Ok(Self { gl: gl.clone(), framebuffer, colors, _stencil: stencil, size })
+    }
+
+    /// Reads of colour texture 0 between texels mix their neighbours, from now on.
+    pub fn smooth(self) -> Self {
+        // SAFETY: the texture is ours.
+        unsafe {
+            self.gl.bind_texture(glow::TEXTURE_2D, self.colors.first().map(Texture::native));
+            for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
+                self.gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::LINEAR.cast_signed());
+            }
+        }
+        self
     }
 
     /// Width and height in pixels.

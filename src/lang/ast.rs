@@ -174,6 +174,7 @@ pub(super) enum Section {
     Light,
     Camera,
     Sky,
+    Picture,
 }
 
 /// `name = value` or, with `is_let`, `let name = value`.
@@ -196,7 +197,7 @@ pub(super) enum Item {
         name: Name,
         value: ExprId,
     },
-    /// Camera and sky have no name; the span is that of the head. Broken: a field was reported and is missing.
+    /// Camera, sky and picture have no name; the span is that of the head. Broken: a field was reported and is missing.
     Section {
         section: Section,
         name: Option<Name>,

@@ -40,7 +40,9 @@ mod value;
 
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use library::{Accuracy, Entry, entries, inputs};
-pub use scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky, TextureRef, ToneMap, Vec3};
+pub use scene::{
+    Camera, Light, LightPlace, Material, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap, Vec3,
+};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]

@@ -23,6 +23,8 @@ pub struct Scene {
     pub camera: Camera,
     /// What is seen where nothing is.
     pub sky: Sky,
+    /// How the picture is made of the scene's light.
+    pub picture: Picture,
     /// Sliders; `Input::Param(i)` is the i-th.
     pub params: Vec<Param>,
     /// Pictures; texture i of the graph is the i-th.
@@ -128,14 +130,48 @@ pub struct Camera {
     pub keep: NodeId,
 }
 
-/// How light becomes a colour of the screen. The numbers are those of `shaders/tone_map.glsl`.
+/// How the picture is made of the scene's light: functions of the frame alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// What light is multiplied by.
+    pub exposure: NodeId,
+    /// Share of the light that is scattered around where it belongs, 0..1.
+    pub bloom: NodeId,
+    /// Share of the light that a wide lens takes from the corners, 0..1.
+    pub vignette: NodeId,
+    /// Strength of the grain, in steps of 1/255.
+    pub grain: NodeId,
+    /// How light becomes a colour of the screen.
+    pub tone_map: ToneMap,
+}
+
+/// How light becomes a colour of the screen.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ToneMap {
-    /// Extended Reinhard on luminance (thesis, section 3.2).
+    /// AgX (Troy Sobotka): a film's curve, in which bright colours fade to white.
     #[default]
-    Reinhard = 2,
+    Agx,
+    /// ACES, fitted (Stephen Hill): more contrast, colours turn as they get brighter.
+    Aces,
+    /// Extended Reinhard on luminance (thesis, section 3.2): colours stay as they are until they are cut off.
+    Reinhard,
     /// None: light of 0..1 as it is, brighter light as 1.
-    None = 3,
+    None,
+}
+
+impl ToneMap {
+    /// All of them, in the order of their numbers in `shaders/tone_map.glsl`.
+    pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
+
+    /// What scenes call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ToneMap::Agx => "agx",
+            ToneMap::Aces => "aces",
+            ToneMap::Reinhard => "reinhard",
+            ToneMap::None => "none",
+        }
+    }
 }
 
 /// What is seen where nothing is: functions of a direction (read where materials read the normal) and the frame.

@@ -1,7 +1,7 @@
 //! What the processor evaluates once a frame: the camera, the lights and the planes, which do not depend on the point.
 
 use crate::graph::{FrameInputs, NodeId, Point};
-use crate::lang::{Light, LightPlace, Scene};
+use crate::lang::{Light, LightPlace, Scene, ToneMap};
 use crate::tape::{PointEvaluator, Tape, TapeError, TapeOptions};
 
 use super::planes::Plane;
@@ -12,6 +12,8 @@ pub struct FrameTape {
     camera: Tape,
     lights: Vec<(Tape, LightKind)>,
     sky: Tape,
+    picture: Tape,
+    tone_map: ToneMap,
     planes: Vec<Tape>,
 }
 
@@ -45,6 +47,25 @@ pub struct LightValues {
     pub sides: [[f32; 3]; 2],
 }
 
+/// How the picture is made of the scene's light in one frame.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PictureValues {
+    /// What light is multiplied by.
+    pub exposure: f32,
+    /// Share of light that is scattered.
+    pub bloom: f32,
+    /// Share of light that the corners lose.
+    pub vignette: f32,
+    /// Strength of the grain, in steps of 1/255.
+    pub grain: f32,
+    /// Radius of the lens.
+    pub aperture: f32,
+    /// Distance that is sharp; none for that of the target.
+    pub focus: Option<f32>,
+    /// How light becomes a colour of the screen.
+    pub tone_map: ToneMap,
+}
+
 /// What the scene says of one frame. Numbers are as the scene gives them: not even finite.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FrameValues {
@@ -60,6 +81,8 @@ pub struct FrameValues {
     pub keep: f32,
     /// How far away other things take ambient light.
     pub reach: f32,
+    /// How the picture is made.
+    pub picture: PictureValues,
     /// The lights.
     pub lights: Vec<LightValues>,
     /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
@@ -73,7 +96,7 @@ impl FrameTape {
     /// See [`TapeError`].
     pub(super) fn build(scene: &Scene, planes: &[Plane]) -> Result<Self, TapeError> {
         let tape = |roots: &[NodeId]| Tape::build(&scene.graph, roots, &TapeOptions::default());
-        let camera = &scene.camera;
+        let (camera, picture) = (&scene.camera, &scene.picture);
         let ([px, py, pz], [tx, ty, tz]) = (camera.position, camera.target);
         let lights = scene.lights.iter().map(|light| {
             let (kind, roots) = of_light(light);
@@ -83,6 +106,13 @@ impl FrameTape {
             camera: tape(&[px, py, pz, tx, ty, tz, camera.fov, camera.roll, camera.keep])?,
             lights: lights.collect::<Result<_, TapeError>>()?,
             sky: tape(&[scene.sky.reach])?,
+            picture: tape(
+                &[picture.exposure, picture.bloom, picture.vignette, picture.grain, camera.aperture]
+                    .into_iter()
+                    .chain(camera.focus)
+                    .collect::<Vec<_>>(),
+            )?,
+            tone_map: picture.tone_map,
             planes: planes.iter().map(|plane| tape(&[plane.shape])).collect::<Result<_, _>>()?,
         })
     }
@@ -97,6 +127,10 @@ impl FrameTape {
             (frame.fov, frame.roll, frame.keep) = (fov, roll, keep);
         }
         frame.reach = values(&self.sky).first().copied().unwrap_or_default();
+        if let [exposure, bloom, vignette, grain, aperture, ref focus @ ..] = *values(&self.picture) {
+            let (focus, tone_map) = (focus.first().copied(), self.tone_map);
+            frame.picture = PictureValues { exposure, bloom, vignette, grain, aperture, focus, tone_map };
+        }
         for (tape, kind) in &self.lights {
             if let [x, y, z, r, g, b, radius, range, shadow, ref sides @ ..] = *values(tape) {
                 let side = |number: usize| sides.as_chunks().0.get(number).copied().unwrap_or_default();

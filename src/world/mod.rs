@@ -19,13 +19,13 @@ mod traits;
 mod validate;
 
 pub use bounds::Bounds;
-pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues};
+pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues, PictureValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
+pub use traits::Traits;
 // How a picture is made is part of a scene.
 pub use crate::lang::ToneMap;
-pub use traits::Traits;
 
 use std::sync::Arc;
 

@@ -148,7 +148,7 @@ mod tests {
     fn the_first_shipped_scenes_are_distances() {
         for text in [
             crate::world::testing::SPEAKERS,
-            include_str!("../../assets/scenes/orbs.scene"),
+            include_str!("../../assets/scenes/metaballs.scene"),
             include_str!("../../assets/scenes/first_steps.scene"),
         ] {
             assert!(!world_of(text).steep, "{text}");

@@ -14,6 +14,8 @@ pub struct Traits {
     pub blur: bool,
     /// Objects that shine.
     pub glow: bool,
+    /// A lens that is not sharp everywhere.
+    pub lens: bool,
 }
 
 impl Traits {
@@ -27,13 +29,19 @@ impl Traits {
             mirrors,
             blur: mirrors && scene.materials.iter().any(|material| some(material.blur)),
             glow,
+            lens: some(scene.camera.aperture),
         }
     }
 
     /// Their defines.
     pub fn defines(self) -> impl Iterator<Item = &'static str> {
-        let all =
-            [(self.panels, "PANELS"), (self.mirrors, "MIRRORS"), (self.blur, "BLUR"), (self.glow, "GLOW")];
+        let all = [
+            (self.panels, "PANELS"),
+            (self.mirrors, "MIRRORS"),
+            (self.blur, "BLUR"),
+            (self.glow, "GLOW"),
+            (self.lens, "LENS"),
+        ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }
 

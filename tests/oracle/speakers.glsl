@@ -122,24 +122,32 @@ vec3 bar_hue(float u) {
     return u < 0.5 ? mix(vec3(1.0, 0.30, 0.05), middle, 2.0 * u) : mix(middle, vec3(0.06, 0.55, 1.0), 2.0 * u - 1.0);
 }
 
+vec3 bar_light(vec3 p) {
+    float index = bar_index(p.x);
+    float level = table_band(index);
+    return bar_hue((index + 0.5) / 32.0) * (0.25 + 1.3 * level * smoothstep(-0.6, 1.0, p.y / (0.04 + BAR_HEIGHT * level)));
+}
+
+vec3 scene_glow(float object, vec3 p, vec3 dx, vec3 dy) {
+    return int(object + 0.5) == 1 ? bar_light(p) : vec3(0.0);
+}
+
 vec3 eye() {
     float t = frame_time;
     return vec3(5.0 * sin(0.2 * t), 3.95 + 1.15 * sin(0.13 * t + 0.6), -7.5 + 2.0 * sin(0.1 * t));
 }
 
 Material scene_material(int object, vec3 p, vec3 n, vec3 dx, vec3 dy) {
-    if (object == 0) return Material(cabinet_color(p, n, dx, dy), 0.45, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
+    if (object == 0) return Material(cabinet_color(p, n, dx, dy), 0.45, 0.0, vec3(0.0), 0.0, 0.0, 0.0, 0.0);
     if (object == 1) {
         float index = bar_index(p.x);
         vec3 hue = bar_hue((index + 0.5) / 32.0);
-        float level = table_band(index);
-        float glow = 0.25 + 1.3 * level * smoothstep(-0.6, 1.0, p.y / (0.04 + BAR_HEIGHT * level));
-        return Material(0.5 * hue, 0.5, 0.0, hue * glow, 0.0, 0.0, 0.0);
+        return Material(0.5 * hue, 0.5, 0.0, bar_light(p), 0.0, 0.0, 0.0, 0.0);
     }
     vec2 from_speakers = p.xz - vec2(0.0, 10.0);
     vec2 from_eye = p.xz - eye().xz;
     float away = min(dot(from_speakers, from_speakers), dot(from_eye, from_eye));
-    return Material(vec3(0.0, 0.12, 0.128), 0.9, 0.0, vec3(0.0), 0.38, 0.0, 1.0 - exp(-away / 3025.0));
+    return Material(vec3(0.0, 0.12, 0.128), 0.9, 0.0, vec3(0.0), 0.38, 0.0, 1.0 - exp(-away / 3025.0), 0.0);
 }
 
 vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use image::RgbaImage;
 use mariana::dsp::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 use mariana::frame::Frame;
+use mariana::frame::picture::Picture;
 use mariana::gpu::error::GpuError;
 use mariana::gpu::gl::GlInfo;
 use mariana::gpu::headless::Headless;
@@ -14,11 +15,12 @@ use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
 use mariana::gpu::scene_resources::SceneResources;
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
-use mariana::world::{ToneMap, World};
+use mariana::world::World;
 
-/// The scene that is shown without being told otherwise.
+/// The thesis' speakers: the scene that is also written by hand, in GLSL.
 pub fn speakers() -> SceneSource {
-    SceneSource::Shipped("speakers".into())
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/oracle/speakers.scene");
+    SceneSource::find(path).unwrap()
 }
 
 /// A scene ready to be drawn; fails with what is wrong with it.
@@ -46,13 +48,13 @@ pub struct Studio {
     pub renderer: Renderer,
     pub program: Program,
     pub resources: SceneResources,
-    /// How light becomes a colour of the screen, instead of the scene's way.
-    pub tone_map: Option<ToneMap>,
+    /// Changes how the picture is made of the scene's light.
+    pub adjust: fn(&mut Picture),
     pub context: Headless,
 }
 
 impl Studio {
-    /// The shipped speakers, compiled.
+    /// The thesis' speakers, compiled.
     pub fn new() -> Self {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
@@ -68,7 +70,7 @@ impl Studio {
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", scene.name()));
         let program = link(&context, &ShaderLibrary::embedded(), &variant);
         let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
-        Self { renderer, program, resources, tone_map: None, context }
+        Self { renderer, program, resources, adjust: |_| {}, context }
     }
 
     /// The program of the scene in a mode, for [`Studio::program`].
@@ -92,7 +94,7 @@ impl Studio {
     /// The frame of one moment.
     pub fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
         let mut frame = Frame::new(self.world(), time, sound, size);
-        frame.picture.tone_map = self.tone_map.unwrap_or(frame.picture.tone_map);
+        (self.adjust)(&mut frame.picture);
         frame
     }
 

@@ -4,7 +4,7 @@ use super::super::ast::{ExprId, Item, Name, Section};
 use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
-use super::super::scene::{Camera, Light, LightPlace, Material, Object, Param, Scene, Sky};
+use super::super::scene::{Camera, Light, LightPlace, Material, Object, Param, Picture, Scene, Sky, ToneMap};
 use super::super::source::{Sources, Span};
 use super::super::symbol::Symbol;
 use super::super::value::Value;
@@ -19,6 +19,7 @@ pub(super) struct Parts {
     pub lights: Vec<Light>,
     pub camera: Option<Camera>,
     pub sky: Option<Sky>,
+    pub picture: Option<Picture>,
     /// Index of the material of objects that name none.
     pub default_material: Option<usize>,
 }
@@ -47,19 +48,18 @@ impl<'a> Lowering<'a> {
         });
         let mut parts = Parts::default();
         // Materials come first: objects name them.
-        for wanted in
-            [&[Section::Material][..], &[Section::Light, Section::Camera, Section::Sky, Section::Object]]
-        {
+        for of_materials in [true, false] {
+            let wanted = |section: &Section| (*section == Section::Material) == of_materials;
             for item in items {
                 if self.stopped {
                     return None;
                 }
                 match item {
-                    Item::Section { section, name, span, entries, broken } if wanted.contains(section) => {
+                    Item::Section { section, name, span, entries, broken } if wanted(section) => {
                         let values = self.fields(*section, entries, *broken);
                         self.section(&mut parts, *section, *name, *span, &values);
                     }
-                    Item::Bare(value) if wanted.contains(&Section::Object) => self.bare(&mut parts, *value),
+                    Item::Bare(value) if wanted(&Section::Object) => self.bare(&mut parts, *value),
                     _ => {}
                 }
             }
@@ -95,6 +95,10 @@ impl<'a> Lowering<'a> {
             Some(sky) => sky,
             None => self.default_sky(),
         };
+        let picture = match parts.picture {
+            Some(picture) => picture,
+            None => self.default_picture(),
+        };
         Some(Scene {
             graph: self.graph,
             objects: parts.objects,
@@ -103,6 +107,7 @@ impl<'a> Lowering<'a> {
             lights: parts.lights,
             camera,
             sky,
+            picture,
             params: self.params,
             textures: self.textures,
             includes,
@@ -330,6 +335,17 @@ impl<'a> Lowering<'a> {
             aperture: self.constant(0.0),
             focus: None,
             keep: self.constant(0.0),
+        }
+    }
+
+    /// A slight glow around what is bright, grain that nobody sees.
+    pub(super) fn default_picture(&mut self) -> Picture {
+        Picture {
+            exposure: self.constant(1.0),
+            bloom: self.constant(0.04),
+            vignette: self.constant(0.0),
+            grain: self.constant(1.0),
+            tone_map: ToneMap::default(),
         }
     }
 

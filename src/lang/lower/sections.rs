@@ -5,7 +5,7 @@
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
 use super::super::builtin::uses::{DIRECTION, FRAME, NORMAL, POINT, TEXTURE};
 use super::super::diagnostic::Diagnostic;
-use super::super::scene::{Camera, Material, Sky, Vec3};
+use super::super::scene::{Camera, Material, Picture, Sky, ToneMap, Vec3};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
@@ -20,6 +20,7 @@ enum Holds {
     Number,
     Vector,
     Material,
+    ToneMap,
 }
 
 /// A field: its name, what it holds, and the inputs that it may use.
@@ -28,7 +29,7 @@ type Field = (&'static str, Holds, u8);
 const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME;
 
 fn fields(section: Section) -> &'static [Field] {
-    use Holds::{Material, Number, Vector};
+    use Holds::{Material, Number, ToneMap, Vector};
     match section {
         Section::Object => &[
             ("shape", Number, POINT | FRAME),
@@ -70,6 +71,13 @@ fn fields(section: Section) -> &'static [Field] {
             ("ambient", Vector, DIRECTION | FRAME),
             ("reach", Number, FRAME),
         ],
+        Section::Picture => &[
+            ("exposure", Number, FRAME),
+            ("bloom", Number, FRAME),
+            ("vignette", Number, FRAME),
+            ("grain", Number, FRAME),
+            ("tone_map", ToneMap, 0),
+        ],
     }
 }
 
@@ -81,6 +89,7 @@ pub(super) fn word(section: Section) -> &'static str {
         Section::Light => "light",
         Section::Camera => "camera",
         Section::Sky => "sky",
+        Section::Picture => "picture",
     }
 }
 
@@ -92,6 +101,7 @@ fn place(section: Section) -> &'static str {
         Section::Light => "a light",
         Section::Camera => "the camera",
         Section::Sky => "the sky",
+        Section::Picture => "the picture",
     }
 }
 
@@ -104,6 +114,8 @@ pub(super) struct Values {
     pub(super) given: [Option<(Value, Span)>; FIELDS_MAX],
     /// Index of the material that an object names.
     pub(super) material: Option<usize>,
+    /// The tone map that a picture names.
+    tone_map: Option<ToneMap>,
     /// Whether a field was wrong, so that what is made of them is of no use.
     pub(super) broken: bool,
 }
@@ -170,6 +182,19 @@ impl Lowering<'_> {
                     reach: self.number_of(values, 2, base.reach),
                 });
             }
+            Section::Picture => {
+                if parts.picture.is_some() {
+                    return self.second(section, span);
+                }
+                let base = self.default_picture();
+                parts.picture = Some(Picture {
+                    exposure: self.number_of(values, 0, base.exposure),
+                    bloom: self.number_of(values, 1, base.bloom),
+                    vignette: self.number_of(values, 2, base.vignette),
+                    grain: self.number_of(values, 3, base.grain),
+                    tone_map: values.tone_map.unwrap_or(base.tone_map),
+                });
+            }
         }
     }
 
@@ -209,6 +234,12 @@ impl Lowering<'_> {
                 Holds::Material => {
                     values.material = self.material_index(entry.value);
                     values.broken |= values.material.is_none();
+                    *slot = Some((Value::Unknown, entry.name.span));
+                    continue;
+                }
+                Holds::ToneMap => {
+                    values.tone_map = self.tone_map(entry.value);
+                    values.broken |= values.tone_map.is_none();
                     *slot = Some((Value::Unknown, entry.name.span));
                     continue;
                 }
@@ -263,6 +294,32 @@ impl Lowering<'_> {
             }
         };
         self.report(wrong);
+    }
+
+    /// The tone map that an expression names.
+    fn tone_map(&mut self, value: ExprId) -> Option<ToneMap> {
+        let span = self.ast.span(value);
+        let names = ToneMap::ALL.map(ToneMap::name);
+        let all = names.map(|name| format!("`{name}`")).join(", ");
+        let Expr::Name(symbol) = self.ast.expr(value) else {
+            if self.ast.expr(value) != Expr::Error {
+                let wrong = Diagnostic::new(span, "a tone map is given by its name");
+                self.report(wrong.hint(format!("there are {all}")));
+            }
+            return None;
+        };
+        let name = self.name(symbol);
+        let known = ToneMap::ALL.into_iter().find(|map| map.name() == name);
+        if known.is_none() {
+            let near = suggest::nearest(name, names);
+            let unknown = Diagnostic::new(span, format!("there is no tone map `{name}`"));
+            let unknown = match near {
+                Some(_) => unknown.did_you_mean(near),
+                None => unknown.hint(format!("there are {all}")),
+            };
+            self.report(unknown);
+        }
+        known
     }
 
     /// The material that an expression names, as its index.

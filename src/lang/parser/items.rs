@@ -22,6 +22,7 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("light", Keyword::Section(Section::Light)),
     ("camera", Keyword::Section(Section::Camera)),
     ("sky", Keyword::Section(Section::Sky)),
+    ("picture", Keyword::Section(Section::Picture)),
 ];
 
 /// Types of GLSL that people write out of habit.
@@ -107,7 +108,7 @@ impl Parser<'_> {
             let diagnostic = match near {
                 Some(_) => unknown.did_you_mean(near),
                 None => unknown
-                    .hint("a scene has `object`, `material`, `light`, `camera`, `sky`, `param`, `fn`, `let`"),
+                    .hint("a scene has `object`, `material`, `light`, `camera`, `sky`, `picture`, `param`, `fn`, `let`"),
             };
             self.report(diagnostic);
             self.advance();
@@ -314,13 +315,13 @@ impl Parser<'_> {
 
     fn section(&mut self, section: Section) -> Option<Item> {
         let head = self.advance().span;
-        let named = !matches!(section, Section::Camera | Section::Sky);
+        let named = !matches!(section, Section::Camera | Section::Sky | Section::Picture);
         let mut name = None;
         if named {
             name = Some(self.name("a name")?);
         } else if self.token().is_name() {
             let wrong = self.expected("`{`");
-            self.report(wrong.hint("a scene has one camera and one sky: they have no names"));
+            self.report(wrong.hint("a scene has one camera, one sky and one picture: they have no names"));
             self.advance();
         }
         let span = self.since(head);

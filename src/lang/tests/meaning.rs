@@ -146,7 +146,7 @@ fn textures_are_numbered_by_file() {
 
 #[test]
 fn the_speakers_are_the_thesis_scene() {
-    let text = include_str!("../../../assets/scenes/speakers.scene");
+    let text = include_str!("../../../tests/oracle/speakers.scene");
     let scene = scene(text);
     assert_eq!(scene.objects.len(), 3);
     // A cabinet's side, its top, the floor, the middle of the bridge, between the cap and the dish's rim.

@@ -1,0 +1,23 @@
+// Half the size, for the blur of a lens: light, and in alpha how far it is spread, as its largest radius in pixels of half
+// the size; negative in front of what is sharp.
+
+#include "post_block.glsl"
+
+uniform sampler2D picture;          // twice as large
+uniform sampler2D spreads;          // the same size: radius of the disc that a point becomes, in its pixels
+
+layout(location = 0) out vec4 smaller;
+
+void main() {
+    ivec2 limit = textureSize(spreads, 0) - 1;
+    ivec2 corner = 2 * ivec2(gl_FragCoord.xy);
+    vec3 sum = vec3(0.0);
+    // The nearest of them: what is sharp is not spread with what is behind it.
+    float spread = 1e4;
+    for (int i = 0; i < 4; i++) {
+        ivec2 texel = min(corner + ivec2(i & 1, i >> 1), limit);
+        sum += texelFetch(picture, texel, 0).rgb;
+        spread = min(spread, texelFetch(spreads, texel, 0).r);
+    }
+    smaller = vec4(0.25 * sum, 0.5 * spread);
+}

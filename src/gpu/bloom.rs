@@ -1,0 +1,126 @@
+//! Bloom: light that lens and eye scatter around where it belongs.
+//!
+//! Pictures of half the size, again and again, then back up, each mixed with what came from the smaller ones (Jimenez,
+//! "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike there nothing is added: each mean is
+//! a mean of light, and what `present.frag` mixes in is light that it takes away where it was, so that the picture gets no
+//! brighter.
+
+#![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+use glow::HasContext;
+
+use super::error::GpuError;
+use super::gl::Gl;
+use super::post::Passes;
+use super::program::{Program, unit_of};
+use super::target::{Target, Texel};
+
+/// Sizes at most: the smallest is then a 256th of the picture.
+const LEVELS_MAX: u32 = 8;
+/// The smallest level is about so many pixels high.
+const SMALLEST: u32 = 6;
+/// How much less each level counts than the one twice as large.
+const FADING: f32 = 0.85;
+
+/// The programs of its passes.
+pub(super) struct Bloom {
+    pub(super) first: Program,
+    pub(super) down: Program,
+    pub(super) up: Program,
+}
+
+/// Its pictures, the largest first.
+pub(super) struct BloomTargets {
+    levels: Vec<Target>,
+}
+
+impl Bloom {
+    /// Scatters light; what is returned is half as large.
+    pub(super) fn draw<'a>(
+        &self,
+        passes: &Passes,
+        light: &'a Target,
+        targets: &'a BloomTargets,
+    ) -> &'a Target {
+        let levels = &targets.levels;
+        let (mut source, mut program) = (light, &self.first);
+        let mut largest = None;
+        for level in levels {
+            source.bind_color(0, unit_of("picture"));
+            passes.draw(program, level);
+            (source, program) = (level, &self.down);
+            largest.get_or_insert(level);
+        }
+        // SAFETY: plain state.
+        unsafe {
+            passes.gl.enable(glow::BLEND);
+            passes.gl.blend_func(glow::CONSTANT_ALPHA, glow::ONE_MINUS_CONSTANT_ALPHA);
+        }
+        for (index, pair) in levels.windows(2).enumerate().rev() {
+            let [larger, smaller] = pair else { continue };
+            // SAFETY: plain state.
+            unsafe { passes.gl.blend_color(0.0, 0.0, 0.0, share_of_smaller(levels.len() - index)) }
+            smaller.bind_color(0, unit_of("picture"));
+            passes.draw(&self.up, larger);
+        }
+        // SAFETY: plain state.
+        unsafe { passes.gl.disable(glow::BLEND) }
+        largest.unwrap_or(light)
+    }
+}
+
+/// The share of the smaller levels where `levels` are left, so that all together weigh 1, each less than the one before.
+fn share_of_smaller(levels: usize) -> f32 {
+    let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
+    weights(1) / weights(0)
+}
+
+impl BloomTargets {
+    /// For light of `size` pixels.
+    ///
+    /// # Errors
+    /// As [`Target::new`].
+    pub(super) fn new(gl: &Gl, size: (u32, u32)) -> Result<Self, GpuError> {
+        let level = |size| Ok(Target::new(gl, size, &[Texel::Rgba16F], None)?.smooth());
+        Ok(Self { levels: level_sizes(size).into_iter().map(level).collect::<Result<_, GpuError>>()? })
+    }
+}
+
+/// Sizes of the levels, the largest first: at least one.
+fn level_sizes(size: (u32, u32)) -> Vec<(u32, u32)> {
+    let mut sizes = vec![(size.0.div_ceil(2).max(1), size.1.div_ceil(2).max(1))];
+    while let Some(&(width, height)) = sizes.last()
+        && width.min(height) >= 2 * SMALLEST
+        && sizes.len() < LEVELS_MAX as usize
+    {
+        sizes.push((width.div_ceil(2), height.div_ceil(2)));
+    }
+    sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_size_has_its_levels() {
+        assert_eq!(level_sizes((1, 1)), [(1, 1)]);
+        assert_eq!(level_sizes((16384, 1)), [(8192, 1)]);
+        assert_eq!(level_sizes((640, 360)), [(320, 180), (160, 90), (80, 45), (40, 23), (20, 12), (10, 6)]);
+        assert_eq!(level_sizes((16384, 16384)).len(), LEVELS_MAX as usize);
+    }
+
+    #[test]
+    fn the_levels_weigh_one_in_all_and_each_less_than_the_one_before() {
+        for count in 1..=8 {
+            let (mut left, mut weights) = (1.0, Vec::new());
+            for index in 0..count {
+                let share = if index + 1 < count { share_of_smaller(count - index) } else { 0.0 };
+                weights.push(left * (1.0 - share));
+                left *= share;
+            }
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{weights:?}");
+            assert!(weights.is_sorted_by(|a, b| (b / a - FADING).abs() < 1e-4), "{weights:?}");
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Where the further samples of pixels at edges lie.
+
+/// How many further samples a pixel at an edge gets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EdgeSamples {
+    /// For moving pictures.
+    Four,
+    /// Twice as many.
+    Eight,
+    /// For pictures that are looked at.
+    Sixteen,
+}
+
+impl EdgeSamples {
+    /// All of them.
+    pub const ALL: [EdgeSamples; 3] = [EdgeSamples::Four, EdgeSamples::Eight, EdgeSamples::Sixteen];
+
+    /// How many there are.
+    pub fn count(self) -> usize {
+        self.places().len()
+    }
+
+    /// Places from the pixel's centre, in sixteenths of a pixel: no two share a row or a column, and they are spread as
+    /// evenly as can be (the standard patterns of Direct3D 11; of four, a rotated grid).
+    fn places(self) -> &'static [[i8; 2]] {
+        match self {
+            EdgeSamples::Four => &[[-2, -6], [6, -2], [-6, 2], [2, 6]],
+            EdgeSamples::Eight => &[[1, -3], [-1, 3], [5, 1], [-3, -5], [-5, 5], [-7, -1], [3, 7], [7, -7]],
+            EdgeSamples::Sixteen => &[
+                [1, 1],
+                [-1, -3],
+                [-3, 2],
+                [4, -1],
+                [-5, -2],
+                [2, 5],
+                [5, 3],
+                [3, -5],
+                [-2, 6],
+                [0, -7],
+                [-4, -6],
+                [-6, 4],
+                [-8, 0],
+                [7, -4],
+                [6, 7],
+                [-7, -8],
+            ],
+        }
+    }
+
+    /// The same in pixels, their mean at the centre.
+    pub fn offsets(self) -> impl Iterator<Item = [f32; 2]> {
+        // Sixteen of them begin at -8 and end at 7.
+        let middle = if self == EdgeSamples::Sixteen { 0.5 } else { 0.0 };
+        self.places().iter().map(move |place| place.map(|at| (f32::from(at) + middle) / 16.0))
+    }
+
+    /// Texels to each side of the block that they are drawn into where they lie side by side.
+    pub fn block(self) -> (u32, u32) {
+        match self {
+            EdgeSamples::Four => (2, 2),
+            EdgeSamples::Eight => (4, 2),
+            EdgeSamples::Sixteen => (4, 4),
+        }
+    }
+
+    /// The smallest difference between neighbours that gets more samples, as they are seen, 0..1: between different
+    /// surfaces, and on one surface, as at the edge of a shadow. (Textures are filtered by their mip levels.)
+    pub fn contrasts(self) -> [f32; 2] {
+        match self {
+            EdgeSamples::Four => [0.03, 0.20],
+            EdgeSamples::Eight => [0.025, 0.12],
+            EdgeSamples::Sixteen => [0.02, 0.06],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_share_no_row_and_no_column_and_fill_their_block() {
+        for samples in EdgeSamples::ALL {
+            let offsets: Vec<[f32; 2]> = samples.offsets().collect();
+            let (width, height) = samples.block();
+            assert_eq!(offsets.len(), (width * height) as usize);
+            for axis in 0..2 {
+                let mut along: Vec<f32> = offsets.iter().map(|offset| offset[axis]).collect();
+                along.sort_by(f32::total_cmp);
+                assert!(
+                    along.windows(2).all(|pair| pair[1] - pair[0] > 0.9 / offsets.len() as f32),
+                    "{along:?}"
+                );
+                assert!(along.iter().sum::<f32>().abs() < 1e-6 && along.iter().all(|at| at.abs() < 0.5));
+            }
+        }
+    }
+}
