@@ -46,7 +46,9 @@ const FPS_USABLE: f64 = 24.0;
 
 /// What is looked at before giving way: the frames of this time, but at least so many.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
-/// ... and before coming back, at first and at most.
+/// Two frames in a row that take so many times as long as they may are enough.
+const FAR_TOO_LONG: f64 = 4.0;
+/// How long nothing is in doubt before it comes back, at first and at most.
 const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
 const PATIENCE_FRAMES: usize = 8;
 /// A level that is left again within this time was tried too early.
@@ -54,7 +56,7 @@ const TOO_EARLY: Duration = Duration::from_secs(12);
 /// Costs are remembered for so long, and so many.
 const FRAMES_MAX: usize = 4096;
 /// Frames after a change of level that say nothing: targets are made, and times of the GPU come later.
-const SETTLING: usize = 2;
+const SETTLING: usize = 1;
 /// After a longer time without a frame, what was before says nothing.
 const PAUSE: Duration = Duration::from_secs(3);
 /// Parts of the time for a frame: giving way begins above the first, aims at the second, and a better level has to fit into
@@ -177,6 +179,11 @@ impl Governor {
 
     /// What one of the last frames cost that is no exception; none before there are enough.
     fn recent(&self, now: Instant) -> Option<f64> {
+        let last_two = self.cost_of(2, 0.0).filter(|_| self.frames.len() >= 2);
+        let far_too_long = last_two.filter(|cost| *cost > FAR_TOO_LONG * self.time_at(self.level));
+        if far_too_long.is_some() {
+            return far_too_long;
+        }
         let young = |then: &Instant| now.saturating_duration_since(*then) <= LOOK.0;
         let count = self.frames.iter().rev().take_while(|(then, _)| young(then)).count().max(LOOK.1);
         (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?

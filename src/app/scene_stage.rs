@@ -560,9 +560,9 @@ impl SceneStage {
     /// A line about the scene on the stage: its name, its mode, its clauses, its regions.
     pub fn corner(&self) -> Option<String> {
         let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
-        let cost = cast.resources.buffers().cost;
+        let (title, clauses) = (cast.source.title(), cast.resources.buffers().cost.distance);
         let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
-        Some(format!("{} · {mode} · {} clauses · {regions}", cast.source.title(), cost.distance))
+        Some(format!("{title} · {mode} · {clauses} clauses · {regions}"))
     }
 
     /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.
@@ -572,8 +572,7 @@ impl SceneStage {
         with_sliders: bool,
         help: bool,
     ) -> OverlayContent<'a> {
-        let problem = self.problem.as_ref();
-        let notice = self.notice.as_ref();
+        let (problem, notice) = (self.problem.as_ref(), self.notice.as_ref());
         let sliders = self.on_stage.as_mut().map(|cast| cast.sliders.as_mut_slice());
         OverlayContent {
             corner,

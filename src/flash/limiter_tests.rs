@@ -1,4 +1,4 @@
-use super::super::{Analyser, Flashes};
+use crate::flash::{Analyser, Flashes};
 use super::*;
 
 const WHITE: [f32; 3] = [1.0; 3];
