@@ -36,6 +36,8 @@ const LEVELS: [Level; 14] = [
     Level { scale: 0.28, quality: 0.0 },
     Level { scale: 0.25, quality: 0.0 },
 ];
+/// Sides of so many pixels are drawn as they are.
+const SIDE_MIN: u32 = 16;
 const HIGH: usize = 2;
 const MEDIUM: usize = 5;
 const LOW: usize = 8;
@@ -70,9 +72,10 @@ const HELP: f64 = 0.1;
 const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
 
 impl Level {
-    /// The size in which a window of `window` pixels is drawn, each side at least 1.
+    /// The size in which a window of `window` pixels is drawn. Of short sides no pixel is left out.
     pub fn size_in(self, window: (u32, u32)) -> (u32, u32) {
-        let side = |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(1);
+        let side =
+            |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(pixels.clamp(1, SIDE_MIN));
         (side(window.0), side(window.1))
     }
 

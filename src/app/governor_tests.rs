@@ -164,8 +164,9 @@ fn a_pause_says_nothing_and_a_slow_processor_gets_a_show_that_moves() {
 }
 
 #[test]
-fn sides_have_at_least_a_pixel() {
+fn short_sides_stay() {
     assert_eq!(LEVELS[13].size_in((1, 16_384)), (1, 4096));
+    assert_eq!(LEVELS[13].size_in((0, 40)), (1, 16));
     assert_eq!(LEVELS[0].size_in((1280, 720)), (1280, 720));
     for pair in LEVELS.windows(2) {
         let ratio = pair[1].cost() / pair[0].cost();

@@ -486,7 +486,7 @@ impl SceneStage {
         &mut self,
         renderer: &mut Renderer,
         (moment, sound): (Moment, Sound),
-        (size, quality): ((u32, u32), f32),
+        (size, aspect, quality): ((u32, u32), f64, f32),
     ) -> Result<Option<Shown>, GpuError> {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
@@ -494,7 +494,7 @@ impl SceneStage {
         let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, &params);
         let Some((frame, shown)) = drawable else { return Ok(None) };
-        renderer.draw(&Frame { quality, ..frame }, &cast.resources, program)?;
+        renderer.draw(&frame.in_window(aspect, quality), &cast.resources, program)?;
         Ok(Some(shown))
     }
 

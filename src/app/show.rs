@@ -255,7 +255,8 @@ impl Show {
             let curves =
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
             let sound = dsp::Sound { features: moment.features, tables: curves };
-            new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, level.quality))?;
+            let aspect = f64::from(size.0) / f64::from(size.1.max(1));
+            new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level.quality))?;
             if new.is_some() {
                 stage.finish_picture(begun)?;
             }

@@ -1,6 +1,5 @@
 //! What the command line chooses from, and what that means.
 
-use crate::audio::track::Repeat;
 use crate::config::{QualityChoice, SdfChoice};
 use crate::dsp::Gain;
 use crate::world::ToneMap;
@@ -59,7 +58,7 @@ impl From<ToneMapChoice> for ToneMap {
     }
 }
 
-/// See [`Repeat`].
+/// See [`crate::audio::track::Repeat`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum RepeatChoice {
     /// The list, again and again

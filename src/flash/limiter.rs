@@ -93,8 +93,8 @@ impl Cell {
 
     /// Whether to show this luminance would begin one flash too many.
     fn is_too_much(&self, light: f32, now: f64, early: f64) -> bool {
-        self.shown.clone().step(light) == Some(Change::Up)
-            && self.shown_changes.count(now, early) + 1 >= CHANGES
+        let mut shown = self.shown;
+        shown.step(light) == Some(Change::Up) && self.shown_changes.count(now, early) + 1 >= CHANGES
     }
 }
 

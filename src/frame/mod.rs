@@ -86,6 +86,12 @@ impl Frame {
 }
 
 impl Frame {
+    /// The same as it is drawn for a window of that width over height, whatever the number of its pixels, in a quality.
+    pub fn in_window(self, aspect: f64, quality: f32) -> Self {
+        let camera = Camera::of(&self.values, aspect);
+        Self { camera, quality, ..self }
+    }
+
     /// The same moment in a picture of another size.
     pub fn resized(self, size: (u32, u32)) -> Self {
         let size = (size.0.max(1), size.1.max(1));
