@@ -55,6 +55,8 @@ const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_s
 const PATIENCE_FRAMES: usize = 8;
 /// A level that is left again within this time was tried too early.
 const TOO_EARLY: Duration = Duration::from_secs(12);
+/// ... which is forgotten after a better level has held for so long.
+const FORGOTTEN: Duration = Duration::from_secs(60);
 /// Costs are remembered for so long, and so many.
 const FRAMES_MAX: usize = 4096;
 /// Frames after a change of level that say nothing: targets are made, and times of the GPU come later.
@@ -81,7 +83,7 @@ impl Level {
 
     /// What it costs about, where the best one costs 1.
     fn cost(self) -> f64 {
-        self.scale * self.scale * (0.7 + 0.3 * f64::from(self.quality))
+        self.scale * self.scale * (0.85 + 0.15 * f64::from(self.quality))
     }
 }
 
@@ -241,7 +243,7 @@ impl Governor {
         if cost * level_at(better).cost() / self.level().cost() > FREE * self.time_at(better) {
             return;
         }
-        if self.tried.is_some_and(|tried| now.saturating_duration_since(tried) >= TOO_EARLY) {
+        if self.tried.is_some_and(|tried| now.saturating_duration_since(tried) >= FORGOTTEN) {
             self.patience = PATIENCE.0;
         }
         self.tried = Some(now);

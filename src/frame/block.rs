@@ -37,11 +37,6 @@ pub fn block_defines() -> [String; 8] {
     ]
 }
 
-/// The `frame_quality` in a block.
-pub fn quality_of(block: &FrameBlock) -> f32 {
-    block.get(HEAD - 1).map_or(1.0, |reach| reach[1])
-}
-
 /// Where the tree of regions of a frame lies, and what holds where it has no cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RegionTree {

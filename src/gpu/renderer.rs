@@ -27,7 +27,7 @@ use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use super::timer::FrameTimer;
 use crate::frame::Frame;
-use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock, quality_of};
+use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
 use crate::frame::picture::Picture;
 use crate::world::ToneMap;
 
@@ -40,9 +40,6 @@ const REFERENCE_SIDE: u32 = 8;
 const FIRST_SAMPLE: f32 = 0.0;
 const FURTHER_SAMPLE: f32 = 1.0;
 const LISTED_SAMPLES: f32 = 2.0;
-
-/// At a lower quality edges get no further samples.
-const EDGE_QUALITY: f32 = 0.3;
 
 /// Enlarges a picture for a window.
 pub const UPSCALE_SHADER: &str = "upscale.frag";
@@ -246,7 +243,7 @@ impl Renderer {
         let Some(mut targets) = self.targets.take() else { return Ok(()) };
         let mut timer = self.timer.take();
         timer.iter_mut().for_each(FrameTimer::begin);
-        let drawn = self.draw_passes(&mut targets, (picture, quality_of(block)), program);
+        let drawn = self.draw_passes(&mut targets, picture, program);
         timer.iter_mut().for_each(FrameTimer::end);
         (self.targets, self.timer) = (Some(targets), timer);
         drawn?;
@@ -279,10 +276,9 @@ impl Renderer {
     fn draw_passes(
         &self,
         targets: &mut Targets,
-        (picture, quality): (&Picture, f32),
+        picture: &Picture,
         program: &Program,
     ) -> Result<(), GpuError> {
-        let smooth = quality >= EDGE_QUALITY;
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -296,8 +292,8 @@ impl Renderer {
             gl.disable(glow::BLEND);
         }
         match &mut targets.edges {
-            Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program, smooth),
-            Edges::List(list) => self.draw_by_list(&targets.first, list, program, smooth)?,
+            Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
+            Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
         }
         targets.first.bind_color(0, unit_of("picture"));
         match &targets.edges {
@@ -340,8 +336,8 @@ impl Renderer {
         self.gl.check("drawing a reference")
     }
 
-    /// All samples of the picture, those of edges, if they are wanted, summed in `sum`.
-    fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program, smooth: bool) {
+    /// All samples of the picture, those of edges summed in `sum`.
+    fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program) {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -356,10 +352,6 @@ impl Renderer {
             sum.bind();
             gl.clear_stencil(0);
             gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
-            if !smooth {
-                gl.disable(glow::STENCIL_TEST);
-                return;
-            }
             gl.stencil_func(glow::ALWAYS, 1, 0xff);
             gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
             gl.color_mask(false, false, false, false);
@@ -377,14 +369,8 @@ impl Renderer {
         }
     }
 
-    /// All samples of the picture, those of edges, if they are wanted, side by side in the target of `list`.
-    fn draw_by_list(
-        &self,
-        first: &Target,
-        list: &mut EdgeList,
-        program: &Program,
-        smooth: bool,
-    ) -> Result<(), GpuError> {
+    /// All samples of the picture, those of edges side by side in the target of `list`.
+    fn draw_by_list(&self, first: &Target, list: &mut EdgeList, program: &Program) -> Result<(), GpuError> {
         first.bind();
         list.bind_pixels();
         program.bind();
@@ -393,11 +379,9 @@ impl Renderer {
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
             self.gl.clear(glow::COLOR_BUFFER_BIT);
-            if smooth {
-                first.bind_color(0, unit_of("picture"));
-                self.edges.bind();
-                self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
-            }
+            first.bind_color(0, unit_of("picture"));
+            self.edges.bind();
+            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
         }
         list.draw(|| {
             program.bind();
