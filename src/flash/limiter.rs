@@ -36,7 +36,7 @@ pub struct Correction {
     pub gain: f32,
     /// Share of the colour that becomes grey, 0..1.
     pub grey: f32,
-    /// Whether the cell is limited at all; if not, its pixels stay as they are.
+    /// Whether the cell is changed at all; if not, its pixels stay as they are.
     pub limited: bool,
 }
 
@@ -79,11 +79,15 @@ impl Cell {
         }
     }
 
+    /// The highest luminance of a limited cell.
+    fn highest(&self) -> f32 {
+        self.lows[0].min(self.lows[1]) + SWING
+    }
+
     /// Brings the ceiling of the luminance to where it belongs now, `seconds` later.
     fn move_ceiling(&mut self, limited: bool, seconds: f32) {
-        let wanted = self.lows[0].min(self.lows[1]) + SWING;
         self.ceiling = match limited {
-            true => wanted.min(self.ceiling + FOLLOW * seconds),
+            true => self.highest().min(self.ceiling + FOLLOW * seconds),
             false => self.ceiling + RELEASE * seconds,
         };
         if !limited && self.ceiling >= 1.0 {
@@ -132,12 +136,12 @@ impl Limiter {
             fields::crowded(|cell| self.cells.get(cell).is_some_and(|cell| until(cell) > now), AREA)
         };
         let (light, red) = (wants(|cell| cell.light_until), wants(|cell| cell.red_until));
-        let marked = |marks: &[bool], cell: usize| marks.get(cell).copied().unwrap_or(false);
+        let light = self.with_surroundings(&light, frame);
         let mut any = false;
         let cells = self.cells.iter_mut().zip(&mut self.corrections).zip(frame.colors()).enumerate();
         for (place, ((cell, correction), color)) in cells {
             let came = luminance(*color);
-            let limited = marked(&light, place) && cell.light_until > now;
+            let limited = marked(&light, place);
             cell.move_ceiling(limited, seconds as f32);
             let mut shown = came.min(cell.ceiling);
             if limited && cell.is_too_much(shown, now, early) {
@@ -151,7 +155,7 @@ impl Limiter {
             *correction = Correction {
                 gain: if shown < came { shown / came } else { 1.0 },
                 grey: cell.grey,
-                limited: cell.ceiling.is_finite() || cell.grey > 0.0,
+                limited: shown < came || cell.grey > 0.0,
             };
             any |= correction.limited;
         }
@@ -160,6 +164,28 @@ impl Limiter {
         }
         self.make_centres();
         Some(&self.corrections)
+    }
+
+    /// Of the cells of crowded fields those that are to be limited, and those around them that are brighter than they could
+    /// be then: no edge is seen where a light that flashes becomes too faint to count.
+    fn with_surroundings(&self, crowded: &[bool], frame: &Grid) -> Vec<bool> {
+        let flashes = |(place, cell): (usize, &Cell)| marked(crowded, place) && cell.light_until > self.now;
+        let mut limited: Vec<bool> = self.cells.iter().enumerate().map(flashes).collect();
+        let mut rim: Vec<usize> = (0..CELLS).filter(|place| marked(&limited, *place)).collect();
+        while let Some(place) = rim.pop() {
+            for (step, _) in NEIGHBOURS {
+                let beside = neighbour(place, step);
+                let Some((cell, color)) = self.cells.get(beside).zip(frame.colors().get(beside)) else {
+                    continue;
+                };
+                let joins = marked(crowded, beside) && luminance(*color) > cell.highest();
+                if let Some(known) = limited.get_mut(beside).filter(|known| joins && !**known) {
+                    *known = true;
+                    rim.push(beside);
+                }
+            }
+        }
+        limited
     }
 
     /// Looks for changes and for what would be too many. `early` is how many seconds too early a rise may come.
@@ -216,6 +242,10 @@ impl Limiter {
             }
         }
     }
+}
+
+fn marked(marks: &[bool], cell: usize) -> bool {
+    marks.get(cell).copied().unwrap_or(false)
 }
 
 /// The cells around a cell and itself, by columns and rows, with their shares of its mean.

@@ -188,7 +188,28 @@ fn a_limited_cell_leaves_the_others_alone() {
         }
         limited += 1;
     }
-    assert!(limited > 100);
+    assert!(limited > 60);
+}
+
+#[test]
+fn a_light_that_fades_over_the_picture_is_limited_without_an_edge() {
+    let mut limiter = Limiter::default();
+    let lamp = |cell: usize| 0.5 * (-((cell % COLUMNS) as f32 / 14.0)).exp();
+    let mut limited = 0;
+    for frame in 0..180 {
+        let on = if frame % 6 < 3 { 1.0 } else { 0.0 };
+        let lights: Vec<f32> = (0..CELLS).map(|cell| 0.1 + on * lamp(cell)).collect();
+        let grid = Grid::new(lights.iter().map(|light| [*light; 3]));
+        let Some(corrections) = limiter.limit(1.0 / 60.0, &grid) else { continue };
+        limited += 1;
+        let shown: Vec<f32> = lights.iter().zip(corrections).map(|(light, c)| light * c.gain).collect();
+        for row in shown.chunks(COLUMNS) {
+            for pair in row.windows(2) {
+                assert!((pair[0] - pair[1]).abs() < 0.02, "frame {frame}: {row:?}");
+            }
+        }
+    }
+    assert!(limited > 60);
 }
 
 #[test]
