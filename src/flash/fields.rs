@@ -4,7 +4,7 @@ use super::{CELLS, COLUMNS, ROWS};
 
 const WIDTH: usize = COLUMNS / 3;
 const HEIGHT: usize = ROWS / 3;
-const _: () = assert!(COLUMNS % 3 == 0 && ROWS % 3 == 0, "a field has whole cells");
+const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
 /// Cells of a field.
 const FIELD: usize = WIDTH * HEIGHT;
 

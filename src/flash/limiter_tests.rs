@@ -113,7 +113,9 @@ fn light_that_comes_back_while_flashes_are_remembered_is_none() {
 
 #[test]
 fn what_is_slow_or_small_or_seldom_passes_untouched() {
-    let cases: [(&str, f64, [[f32; 3]; 2], fn(usize) -> bool); 6] = [
+    /// What it is called, how often a second, both colours, and which cells are lit.
+    type Case = (&'static str, f64, [[f32; 3]; 2], fn(usize) -> bool);
+    let cases: [Case; 6] = [
         ("three flashes a second", 3.0, [WHITE, BLACK], everywhere),
         ("three red flashes a second", 3.0, [RED, BLACK], everywhere),
         ("one a second", 1.0, [BLACK, WHITE], everywhere),

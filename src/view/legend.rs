@@ -75,8 +75,11 @@ const ROWS_MAX: usize = 6;
 /// Draws legends, and knows the last one.
 pub struct LegendPainter {
     letters: Letters,
-    last: Option<(Legend, (u32, u32), Option<Arc<LegendPicture>>)>,
+    last: Option<Drawn>,
 }
+
+/// A legend, the size of the picture that it was drawn for, and what was drawn: nothing where there was no room.
+type Drawn = (Legend, (u32, u32), Option<Arc<LegendPicture>>);
 
 impl Default for LegendPainter {
     fn default() -> Self {

@@ -10,9 +10,10 @@
 mod bounds;
 mod compiled;
 mod frame_tape;
-mod glow;
+
 mod hoist;
 mod interpreted;
+mod nearby_light;
 mod planes;
 mod steepness;
 mod traits;
@@ -161,7 +162,7 @@ impl World {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
-        let glow = glow::glow(&mut scene).map_err(graph_error)?;
+        let glow = nearby_light::nearby_light(&mut scene).map_err(graph_error)?;
         let traits = Traits::of(&scene, glow.is_some());
         let roots = roots(&mut scene, rest.as_ref(), glow);
         scene.graph.check().map_err(graph_error)?;

@@ -12,7 +12,7 @@ use crate::lang::Scene;
 ///
 /// # Errors
 /// What [`Graph::check`] says.
-pub(super) fn glow(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
+pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();
     let shining: Vec<(NodeId, [NodeId; 3])> = objects
@@ -79,7 +79,7 @@ mod tests {
 
     fn glow_at(text: &str, x: f32) -> Option<Vec<f32>> {
         let mut scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let roots = glow(&mut scene).unwrap()?;
+        let roots = nearby_light(&mut scene).unwrap()?;
         let point = Point { position: [x, 0.0, 0.0], normal: [0.3; 3] };
         Some(scene.graph.evaluate(&roots, &point, &FrameInputs::default()).unwrap())
     }
