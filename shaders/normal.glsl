@@ -5,7 +5,7 @@ const vec4 TAPS_Z = vec4(-1.0, 1.0, -1.0, 1.0);
 
 // How far the taps lie from the point: the step follows the pixel's cone.
 float tap_distance(float cone) {
-    return max(0.6 * cone, 4e-4);
+    return CHOSEN_TAP(max(0.6 * cone, 4e-4));
 }
 
 // The normal from the sum of the taps, each times the distance there.

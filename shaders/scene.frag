@@ -4,6 +4,7 @@
 #include "frame_block.glsl"
 #include "sample_place.glsl"
 #include "counters.glsl"
+#include "view_notes.glsl"
 #include "material.glsl"
 #include "scene_inputs.glsl"
 #include "footprint.glsl"
@@ -15,9 +16,12 @@
 #include "shadow.glsl"
 #include "light.glsl"
 #include "sample_light.glsl"
+#ifdef VIEWS
+#include "view.glsl"
+#endif
 
 layout(location = 0) out vec4 sample_color;         // see sample_light.glsl; the key is a whole number below 2048
-#ifdef COUNT_EVALUATIONS
+#if defined(COUNT_EVALUATIONS) && !defined(VIEWS)
 layout(location = 1) out vec4 evaluations;          // primary, reflection, normal, shadow
 layout(location = 2) out vec4 more_evaluations;     // occlusion, capped rays, clauses, lookups of cells
 layout(location = 3) out vec4 more_clauses;         // of materials and light, 0, 0, 0
@@ -51,6 +55,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
+            NOTE_LIGHT(incoming.light, visible);
             if (visible > 0.0) light += incoming.light * visible * thrown_back(m, s.normal, incoming, direction);
         }
     } while (i++ < last);
@@ -134,6 +139,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
             Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
             s.material = within_ranges(s.material);
+            NOTE_SURFACE(s, hit.t, p);
             Material m = s.material;
             add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_share = throughput * m.haze;
@@ -177,11 +183,15 @@ void main() {
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);
     vec3 color = scene_color(camera_position.xyz, direction);
+#ifdef VIEWS
+    sample_color = vec4(light_of(view_color(direction)), 1.0);
+#else
     sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
+#endif
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
     sample_spread = spread_at(seen_nearness);
 #endif
-#ifdef COUNT_EVALUATIONS
+#if defined(COUNT_EVALUATIONS) && !defined(VIEWS)
 #ifndef CLAUSES_RUN
 #define CLAUSES_RUN 0.0
 #define SURFACE_CLAUSES_RUN 0.0

@@ -1,6 +1,8 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
+mod parse;
 mod scene;
+mod view;
 
 use std::io::{BufWriter, IsTerminal};
 use std::path::PathBuf;
@@ -8,6 +10,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
+
+use parse::{parse_duration, parse_fps, parse_latency, parse_seconds, parse_size};
 
 use crate::app;
 use crate::audio::decode::quiet_contained_panics;
@@ -24,7 +28,6 @@ use crate::export::print::print_line;
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::limits::LIMITS;
 use crate::scenes::{SceneError, SceneSource};
 use crate::world::ToneMap;
 
@@ -102,6 +105,8 @@ struct PlayArguments {
     /// Print what OpenGL is got, and end
     #[arg(long)]
     gl_info: bool,
+    #[command(flatten)]
+    view: view::ViewArguments,
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -253,6 +258,8 @@ struct StillArguments {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
+    view: view::ViewArguments,
+    #[command(flatten)]
     common: CommonArguments,
 }
 
@@ -275,6 +282,8 @@ struct VideoArguments {
     /// The video, or a folder ending in '/' for numbered PNGs
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    #[command(flatten)]
+    view: view::ViewArguments,
     #[command(flatten)]
     common: CommonArguments,
 }
@@ -387,7 +396,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         RepeatChoice::One => Repeat::One,
         RepeatChoice::Off => Repeat::Off,
     };
-    let scene = common.scene()?;
+    let scene = SceneChoice { view: arguments.view.view, ..common.scene()? };
     let tracks = match listen {
         Some(_) => None,
         None => Some(Playlist::open(&arguments.files, repeat, arguments.shuffle)?),
@@ -403,7 +412,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
         size: arguments.size,
         gain: common.gain.into(),
         output: arguments.output,
-        scene: common.scene()?,
+        scene: SceneChoice { view: arguments.view.view, ..common.scene()? },
     })?;
     Ok(())
 }
@@ -418,7 +427,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
         size: arguments.size,
         gain: common.gain.into(),
         output: arguments.output,
-        scene: common.scene()?,
+        scene: SceneChoice { view: arguments.view.view, ..common.scene()? },
     };
     let on_terminal = std::io::stderr().is_terminal();
     let mut progress = |done: u64, expected: Option<u64>| {
@@ -501,54 +510,11 @@ impl CommonArguments {
             },
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             regions: self.regions != Some(Switch::Off),
+            view: None,
             tone_map: self.tone_map.map(Into::into),
             verbose: self.verbose > 0,
         })
     }
-}
-
-fn parse_size(text: &str) -> Result<(u32, u32), String> {
-    let (width, height) =
-        text.split_once(['x', 'X', '×']).ok_or("write it as WIDTHxHEIGHT, such as 1280x720")?;
-    let side = |text: &str| {
-        let value: u32 = text.trim().parse().map_err(|_| format!("'{text}' is no whole number of pixels"))?;
-        let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
-        if (low..=high).contains(&value) {
-            Ok(value)
-        } else {
-            Err(format!("a side has {low} to {high} pixels"))
-        }
-    };
-    let (width, height) = (side(width)?, side(height)?);
-    let pixels = u64::from(width) * u64::from(height);
-    if pixels > LIMITS.picture_pixels_max {
-        return Err(format!("a picture has at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
-    }
-    Ok((width, height))
-}
-
-fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
-    if value >= low && value <= high { Ok(value) } else { Err(format!("it is from {low} to {high} {unit}")) }
-}
-
-fn parse_seconds(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, LIMITS.seconds_max, "seconds")
-}
-
-fn parse_duration(text: &str) -> Result<f64, String> {
-    match parse_seconds(text)? {
-        0.0 => Err("it is more than 0 seconds".into()),
-        seconds => Ok(seconds),
-    }
-}
-
-fn parse_fps(text: &str) -> Result<f64, String> {
-    parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
-}
-
-fn parse_latency(text: &str) -> Result<f64, String> {
-    parse_within(text, -LIMITS.latency_ms_max, LIMITS.latency_ms_max, "milliseconds")
 }
 
 #[cfg(test)]
@@ -559,33 +525,6 @@ mod tests {
     #[test]
     fn the_argument_parser_is_consistent() {
         Arguments::command().debug_assert();
-    }
-
-    #[test]
-    fn sizes_within_the_limits_are_read_and_others_refused_with_the_limit() {
-        assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
-        assert_eq!(parse_size("1X16384"), Ok((1, 16384)));
-        for (text, part) in [
-            ("1280", "WIDTHxHEIGHT"),
-            ("0x5", "1 to 16384"),
-            ("16385x5", "1 to 16384"),
-            ("-3x5", "whole number"),
-            ("16384x16384", "at most"),
-            ("axb", "whole number"),
-        ] {
-            let message = parse_size(text).unwrap_err();
-            assert!(message.contains(part), "{text}: {message}");
-        }
-    }
-
-    #[test]
-    fn numbers_outside_the_limits_and_non_numbers_are_refused() {
-        for text in ["nan", "inf", "-1", "1e9", "x", ""] {
-            assert!(parse_seconds(text).is_err(), "{text}");
-        }
-        assert_eq!(parse_seconds("12.5"), Ok(12.5));
-        assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
-        assert_eq!(parse_latency("-180"), Ok(-180.0));
     }
 
     #[test]

@@ -18,4 +18,5 @@ pub mod limits;
 pub mod region;
 pub mod scenes;
 pub mod tape;
+pub mod view;
 pub mod world;

@@ -250,6 +250,7 @@ fn a_painter_draws_as_it_was_asked() {
             sdf,
             shaders: ShaderLibrary::embedded(),
             regions: true,
+            view: None,
             tone_map: None,
             verbose: false,
         };

@@ -12,7 +12,7 @@ use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER};
-use mariana::gpu::scene_program::{Mode, SCENE_SHADER, variant_of};
+use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
 use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
 use support::glsl::{Stage, check_with_glslang, check_with_naga};
@@ -31,6 +31,13 @@ struct Case {
     variant: Variant,
     /// Whether it reads more texture buffers than the regions.
     interpreted: bool,
+}
+
+/// The same, showing views.
+fn views_case(mut case: Case) -> Case {
+    case.name.push_str(", views");
+    case.variant = as_views(case.variant);
+    case
 }
 
 /// The scene's shader in a mode.
@@ -58,6 +65,9 @@ fn cases() -> Vec<Case> {
         for software in [false, true] {
             cases.push(scene_case(&speakers(), Mode::Interpreted, software, counting));
         }
+    }
+    for mode in [Mode::Compiled, Mode::Interpreted] {
+        cases.push(views_case(scene_case(&speakers(), mode, true, Counting::On)));
     }
     cases
 }

@@ -32,6 +32,18 @@ pub enum Action {
     ToggleMode,
     /// Use the cells of regions, or the whole tape everywhere.
     ToggleRegions,
+    /// The next view of how the picture is made, or the one before.
+    ChangeView {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// The number of the view, larger or smaller.
+    ChangeNumber {
+        /// Whether it is larger.
+        larger: bool,
+    },
+    /// Back from a camera that was moved by hand to the scene's own.
+    GiveCameraBack,
     /// The next scene, or the previous one.
     ChangeScene {
         /// Whether it is the next.
@@ -199,6 +211,34 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Named(NamedKey::Home)],
+        written: "Home",
+        action: Action::GiveCameraBack,
+        meaning: "the scene's own camera again, after drags and the wheel",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("v")],
+        written: "V or Shift+V",
+        action: Action::ChangeView { forward: true },
+        meaning: "how the picture is made, view by view; Shift goes back",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character(",")],
+        written: ",",
+        action: Action::ChangeNumber { larger: false },
+        meaning: "a smaller number of the view: its scale, the difference of normals",
+        repeats: true,
+    },
+    Binding {
+        keys: &[Key::Character(".")],
+        written: ".",
+        action: Action::ChangeNumber { larger: true },
+        meaning: "a larger one",
+        repeats: true,
+    },
+    Binding {
         keys: &[Key::Named(NamedKey::Tab)],
         written: "Tab",
         action: Action::ToggleSliders,
@@ -242,8 +282,8 @@ pub const BINDINGS: &[Binding] = &[
     },
 ];
 
-/// What `key` does, if anything; `repeated` while it is held.
-pub fn action_of(key: &Key, repeated: bool) -> Option<Action> {
+/// What `key` does, if anything; `repeated` while it is held, `shift` with a shift key.
+pub fn action_of(key: &Key, repeated: bool, shift: bool) -> Option<Action> {
     let lower = match key {
         Key::Character(text) => Key::Character(text.to_lowercase()),
         Key::Named(named) => Key::Named(*named),
@@ -255,7 +295,11 @@ pub fn action_of(key: &Key, repeated: bool) -> Option<Action> {
         _ => false,
     };
     let binding = BINDINGS.iter().find(|binding| binding.keys.iter().any(same))?;
-    (binding.repeats || !repeated).then_some(binding.action)
+    let action = match binding.action {
+        Action::ChangeView { forward } => Action::ChangeView { forward: forward != shift },
+        other => other,
+    };
+    (binding.repeats || !repeated).then_some(action)
 }
 
 /// The keys as text, a line each.
@@ -290,10 +334,16 @@ mod tests {
 
     #[test]
     fn letters_work_with_caps_lock_and_only_some_keys_repeat() {
-        assert_eq!(action_of(&Key::Character("M".into()), false), Some(Action::ToggleMute));
-        assert_eq!(action_of(&Key::Character("m".into()), true), None);
-        assert_eq!(action_of(&Key::Named(NamedKey::ArrowLeft), true), Some(Action::Seek(-SEEK_SECONDS)));
-        assert_eq!(action_of(&Key::Character("z".into()), false), None);
+        let action = |key: &str, repeated| action_of(&Key::Character(key.into()), repeated, false);
+        assert_eq!(action("M", false), Some(Action::ToggleMute));
+        assert_eq!(action("m", true), None);
+        assert_eq!(action("z", false), None);
+        let left = action_of(&Key::Named(NamedKey::ArrowLeft), true, false);
+        assert_eq!(left, Some(Action::Seek(-SEEK_SECONDS)));
+        // With caps lock V is typed as with Shift.
+        assert_eq!(action("V", false), Some(Action::ChangeView { forward: true }));
+        let back = action_of(&Key::Character("V".into()), false, true);
+        assert_eq!(back, Some(Action::ChangeView { forward: false }));
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub mod keys;
 mod media_controls;
 pub mod overlay;
 pub mod pacing;
+mod pointer;
 mod region_builder;
 mod scene_regions;
 mod scene_stage;

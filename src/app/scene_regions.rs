@@ -10,6 +10,7 @@ use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::audio::Moment;
 use crate::dsp::Sound;
 use crate::frame::Frame;
+use crate::frame::hand::Hand;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 
@@ -30,6 +31,8 @@ pub struct Shown {
 /// What is asked of the builder, and whether it is.
 pub struct SceneRegions {
     wanted: bool,
+    /// Whether a tree is waited for, however long it takes.
+    insists: bool,
     builder: RegionBuilder<(u64, Shown)>,
     /// The scene and the picture for which a tree was asked last.
     asked: Option<(u64, Shown)>,
@@ -51,6 +54,7 @@ impl SceneRegions {
     pub fn start(wanted: bool, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         Ok(Self {
             wanted,
+            insists: false,
             builder: RegionBuilder::start(wake)?,
             asked: None,
             late_for: None,
@@ -68,12 +72,14 @@ impl SceneRegions {
         scene: &SceneResources,
         wanted: Shown,
         sound: Sound,
-        params: &[f32],
+        (params, hand): (&[f32], Hand),
     ) -> Option<(Frame, Shown)> {
         // Where the distance is none, there are cells whatever is wanted.
-        let cells = scene.world().steep || (self.wanted && self.late_for != Some((id, mode)));
+        let cells =
+            scene.world().steep || (self.wanted && (self.insists || self.late_for != Some((id, mode))));
         scene.set_cells(cells);
         let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
+        let frame = frame.by_hand(scene.world(), hand);
         let request = scene.region_request(&frame);
         // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture waits
         // for its tree: what was shown is of another scene.
@@ -96,11 +102,16 @@ impl SceneRegions {
         }
         if shown.size != wanted.size {
             shown.size = wanted.size;
-            frame = frame.resized(wanted.size);
+            frame = frame.resized(scene.world(), wanted.size);
         }
         scene.take_regions(regions);
         self.waited = true;
         Some((frame, shown))
+    }
+
+    /// Waits for trees from now on, however long they take, or not.
+    pub fn insist(&mut self, insists: bool) {
+        self.insists = insists;
     }
 
     /// Whether a tree that was asked for has come.

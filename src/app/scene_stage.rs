@@ -8,17 +8,24 @@
 //! Whatever comes is prepared beside what is shown, and takes its place only when a program can draw it: no scene is
 //! ever lost to one that is broken or slow to compile.
 
+mod told;
+mod views;
+mod wishes;
+
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-use super::overlay::{Notice, OverlayContent, Problem, Slider};
+use views::{Views, ViewsOf};
+
+use super::overlay::Slider;
 use super::scene_regions::{SceneRegions, Shown};
 use crate::audio::Moment;
 use crate::config::SdfChoice;
 use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
+use crate::frame::hand::Hand;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -28,6 +35,7 @@ use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compi
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
+use crate::view::ViewChoice;
 
 /// What the loader gives.
 pub type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
@@ -58,6 +66,7 @@ struct Cast {
 enum Task {
     Compiled(u64),
     Interpreter(Interpreter),
+    Views(ViewsOf),
 }
 
 /// The scene on the stage, and the one behind it.
@@ -82,6 +91,10 @@ pub struct SceneStage {
     /// The scene on the stage and its mode when they were last told.
     announced: Option<(u64, Mode)>,
     regions: SceneRegions,
+    views: Views,
+    hand: Hand,
+    /// How far above its target the scene's own camera was in the last picture, in radians.
+    own_pitch: f64,
     // Last: its threads draw with what the fields above hold.
     compiler: BackgroundCompiler,
 }
@@ -95,13 +108,14 @@ impl SceneStage {
         gl: &Gl,
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
-        (choice, regions): (SdfChoice, bool),
+        (choice, regions, view): (SdfChoice, bool, Option<ViewChoice>),
         loader: SceneLoader,
         (source, first): (SceneSource, ReadyScene),
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Result<Self, GpuError> {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
-        let regions = SceneRegions::start(regions, wake.clone()).map_err(no_worker)?;
+        let mut regions = SceneRegions::start(regions, wake.clone()).map_err(no_worker)?;
+        regions.insist(view.is_some());
         let compiler = BackgroundCompiler::start(gl, contexts, library, wake).map_err(no_worker)?;
         let mut stage = Self {
             gl: gl.clone(),
@@ -120,6 +134,9 @@ impl SceneStage {
             revision: 0,
             announced: None,
             regions,
+            views: Views::starting_with(view),
+            hand: Hand::OFF,
+            own_pitch: 0.0,
             compiler,
         };
         stage.prepare(source, first)?;
@@ -137,6 +154,7 @@ impl SceneStage {
         while let Some(finished) = self.compiler.poll() {
             let program = finished.program.map(|ready| Program::adopt(&self.gl, ready));
             match (self.tasks.remove(&finished.id), program) {
+                (Some(Task::Views(of)), program) => self.take_views(of, program),
                 (Some(Task::Interpreter(interpreter)), Ok(program)) => {
                     tracing::info!("an interpreter is ready");
                     self.interpreters.push((interpreter, Rc::new(program)));
@@ -291,9 +309,10 @@ impl SceneStage {
     fn forget_obsolete(&mut self) {
         let kept = [&self.on_stage, &self.coming].map(|cast| cast.as_ref().map(|cast| cast.id));
         self.tasks.retain(|_, task| match task {
-            Task::Compiled(id) => kept.contains(&Some(*id)),
-            Task::Interpreter(_) => true,
+            Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(&Some(*id)),
+            Task::Interpreter(_) | Task::Views(_) => true,
         });
+        self.views.keep(|id| kept.contains(&Some(id)));
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
 
@@ -314,7 +333,7 @@ impl SceneStage {
         let known = self.interpreters.iter().map(|(known, _)| known);
         let asked = self.tasks.values().filter_map(|task| match task {
             Task::Interpreter(asked) => Some(asked),
-            Task::Compiled(_) => None,
+            _ => None,
         });
         if known.chain(asked).any(|known| known.covers(&needed)) {
             return;
@@ -338,6 +357,7 @@ impl SceneStage {
             block: frame.block(world, &RegionTree::default()),
             picture: frame.picture,
             scene: cast.resources.names(),
+            draws_views: false,
         }
     }
 
@@ -391,8 +411,10 @@ impl SceneStage {
             let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
             if replaced.is_some() && name(&replaced) != name(&self.on_stage) {
                 self.tell(name(&self.on_stage).unwrap_or_default());
+                self.hand = Hand::OFF;
             }
         }
+        self.ask_for_view();
         let now = self.on_stage.as_ref().map(|cast| cast.id).zip(self.mode());
         if now == before {
             return;
@@ -421,43 +443,6 @@ impl SceneStage {
         order.into_iter().find(|mode| cast.program(*mode).is_some())
     }
 
-    /// Changes between interpreted and compiled. What is not there yet is made; until then the picture stays.
-    pub fn toggle_mode(&mut self) {
-        let Some((mode, id)) = self.mode().zip(self.on_stage.as_ref().map(|cast| cast.id)) else { return };
-        let other = match mode {
-            Mode::Interpreted => Mode::Compiled,
-            Mode::Compiled => Mode::Interpreted,
-        };
-        let waited_for = match self.choice {
-            SdfChoice::Auto => None,
-            SdfChoice::Interpreted => Some(Mode::Interpreted),
-            SdfChoice::Compiled => Some(Mode::Compiled),
-        };
-        // A wish that is not fulfilled yet is taken back.
-        let wanted = if waited_for == Some(other) && self.in_the_making(id, other) { mode } else { other };
-        self.choice = match wanted {
-            Mode::Interpreted => SdfChoice::Interpreted,
-            Mode::Compiled => SdfChoice::Compiled,
-        };
-        // The scene that is coming waits for what is wanted now, too.
-        for id in [Some(id), self.coming.as_ref().map(|cast| cast.id)].into_iter().flatten() {
-            match wanted {
-                Mode::Interpreted => self.ask_for_interpreter(id),
-                Mode::Compiled => self.ask_for_compiled(id),
-            }
-        }
-        self.recast();
-        let now = self.mode();
-        let possible =
-            self.on_stage.as_ref().is_some_and(|cast| wanted == Mode::Compiled || cast.interpreter.is_some());
-        self.tell(match now {
-            Some(now) if now == wanted => now.to_string(),
-            _ if possible => format!("{wanted}: the driver is at it"),
-            _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
-        });
-        self.revision += 1;
-    }
-
     /// Whether a scene's program of that mode was asked for and has not come.
     fn in_the_making(&self, id: u64, mode: Mode) -> bool {
         let needed = self.cast(id).and_then(|cast| cast.interpreter.as_ref());
@@ -466,15 +451,8 @@ impl SceneStage {
             Task::Interpreter(asked) => {
                 mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
             }
+            Task::Views(_) => false,
         })
-    }
-
-    /// Asks for the next or the previous scene.
-    pub fn go(&mut self, forward: bool) {
-        let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
-        self.tell(next.title());
-        self.source = next.clone();
-        self.loader.request(next);
     }
 
     /// Draws the scene on the stage as it was at a moment for which its regions are built, and tells which that is; none
@@ -492,9 +470,16 @@ impl SceneStage {
         let Some(program) = cast.program(mode) else { return Ok(None) };
         let wanted = Shown { moment, size, revision: self.revision };
         let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
-        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, &params);
+        let wishes = (params.as_slice(), self.hand);
+        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else { return Ok(None) };
-        renderer.draw(&frame, &cast.resources, program)?;
+        self.own_pitch = frame.own_pitch();
+        match self.views.program(cast, mode) {
+            None => renderer.draw(&frame, &cast.resources, program)?,
+            Some((view, mode, program)) => {
+                self.views.draw(renderer, &frame, (cast, mode), (view, &program))?;
+            }
+        }
         Ok(Some(shown))
     }
 
@@ -507,29 +492,13 @@ impl SceneStage {
     pub fn note_frame_time(&mut self, time: Duration) {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
         let built = cast.resources.regions();
+        // Views are drawn by other programs.
+        if self.view().is_some() {
+            return;
+        }
         if built.is_some_and(|built| self.regions.note_frame_time((cast.id, mode), &built, time)) {
             self.revision += 1;
         }
-    }
-
-    /// Uses the cells of regions from now on, or the whole tape everywhere.
-    pub fn toggle_regions(&mut self) {
-        let now = self.regions.toggle();
-        self.tell(now.to_owned());
-        self.revision += 1;
-    }
-
-    /// Takes over what the user did to the sliders.
-    pub fn note_moved(&mut self) {
-        let Some(cast) = &self.on_stage else { return };
-        for slider in &cast.sliders {
-            if slider.value == slider.default {
-                self.moved.remove(&slider.name);
-            } else {
-                self.moved.insert(slider.name.clone(), slider.value);
-            }
-        }
-        self.revision += 1;
     }
 
     /// Whether there is something to draw.
@@ -550,39 +519,6 @@ impl SceneStage {
     /// Whether the scene on the stage moves without sound, too.
     pub fn moves_by_itself(&self) -> bool {
         self.on_stage.as_ref().is_none_or(|cast| cast.moves)
-    }
-
-    /// The name of the scene on the stage.
-    pub fn name(&self) -> Option<String> {
-        self.on_stage.as_ref().map(|cast| cast.source.title())
-    }
-
-    /// A line about the scene on the stage: its name, its mode, its clauses, its regions.
-    pub fn corner(&self) -> Option<String> {
-        let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
-        let cost = cast.resources.buffers().cost;
-        let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
-        Some(format!("{} · {mode} · {} clauses · {regions}", cast.source.title(), cost.distance))
-    }
-
-    /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.
-    pub fn overlay<'a>(
-        &'a mut self,
-        corner: Option<&'a str>,
-        with_sliders: bool,
-        help: bool,
-    ) -> OverlayContent<'a> {
-        let problem = self.problem.as_ref();
-        let notice = self.notice.as_ref();
-        let sliders = self.on_stage.as_mut().map(|cast| cast.sliders.as_mut_slice());
-        OverlayContent {
-            corner,
-            problem: problem.map(|(heading, text)| Problem { heading, text }),
-            notice: notice.map(|(text, since)| Notice { text, since: *since }),
-            params: sliders.filter(|sliders| with_sliders && !sliders.is_empty()),
-            help,
-            ..OverlayContent::default()
-        }
     }
 }
 

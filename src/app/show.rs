@@ -5,8 +5,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use winit::application::ApplicationHandler;
-use winit::dpi::PhysicalPosition;
-use winit::event::{ElementState, KeyEvent, MouseButton, WindowEvent};
+use winit::event::{ElementState, KeyEvent, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::window::WindowId;
 
@@ -17,6 +16,7 @@ use super::keys::{self, Action};
 use super::media_controls::{Asked, MediaControls};
 use super::overlay::Overlay;
 use super::pacing::Pacing;
+use super::pointer::{Gesture, Pointer};
 use super::scene_regions::Shown;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::sound::{Sound, Start};
@@ -39,8 +39,6 @@ const FPS_DEFAULT: f64 = 60.0;
 const COMPILERS: usize = 2;
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
-/// Two clicks within this time and distance in pixels are a double click.
-const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
 
 /// Opens the window and plays `tracks` until the user quits, or until they end if they play once; without tracks it
 /// listens to what the settings tell.
@@ -163,7 +161,7 @@ impl Show {
             window.gl(),
             contexts,
             library,
-            (self.scene.sdf, self.scene.regions),
+            (self.scene.sdf, self.scene.regions, self.scene.view),
             loader,
             first,
             wake,
@@ -214,8 +212,8 @@ impl Show {
                 MediaControls::start(move || waker.wake())
             },
             title,
-            last_click: None,
-            cursor: PhysicalPosition::default(),
+            pointer: Pointer::default(),
+            shift: false,
             occluded: false,
             overlay: Overlay::new(window.gl(), window.window()),
             help: false,
@@ -298,6 +296,9 @@ impl Show {
             }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
+            Action::ChangeView { forward } => stage.scene.go_view(forward),
+            Action::ChangeNumber { larger } => stage.scene.step_view(larger),
+            Action::GiveCameraBack => stage.scene.give_camera_back(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
             Action::ToggleSliders => stage.sliders = !stage.sliders,
             Action::ToggleCorner => stage.corner = !stage.corner,
@@ -344,11 +345,7 @@ impl Show {
         }
         stage.status_due = now + STATUS_INTERVAL;
         if let Some(live) = stage.sound.live_status() {
-            return stage.set_title(live_title(
-                &live,
-                stage.scene.name().zip(stage.scene.mode()),
-                stage.paused,
-            ));
+            return stage.set_title(live_title(&live, stage.scene.notes(), stage.paused));
         }
         let Some(status) = stage.sound.song_status() else { return };
         let status = PlayerStatus { paused: stage.paused, ..status };
@@ -365,24 +362,10 @@ impl Show {
         }
         stage.announcer.look(&status);
         stage.controls.show(&status, stage.window.is_fullscreen());
-        let scene = stage.scene.name().zip(stage.scene.mode());
-        let title = title(scene, &status, self.settings.silent);
+        let title = title(stage.scene.notes(), &status, self.settings.silent);
         stage.set_title(title);
         if status.ended && self.settings.once {
             event_loop.exit();
-        }
-    }
-
-    fn click(&mut self, event_loop: &ActiveEventLoop) {
-        let Some(stage) = &mut self.stage else { return };
-        let now = Instant::now();
-        let double = stage.last_click.is_some_and(|(then, place)| {
-            let (dx, dy) = (place.x - stage.cursor.x, place.y - stage.cursor.y);
-            now - then <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
-        });
-        stage.last_click = if double { None } else { Some((now, stage.cursor)) };
-        if double {
-            self.act(Action::ToggleFullscreen, event_loop);
         }
     }
 
@@ -416,16 +399,25 @@ impl ApplicationHandler for Show {
             }
             WindowEvent::DroppedFile(path) => self.dropped.push(path),
             WindowEvent::Occluded(occluded) => stage.occluded = occluded,
-            WindowEvent::CursorMoved { position, .. } => stage.cursor = position,
-            WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
-                self.click(event_loop);
-            }
+            WindowEvent::ModifiersChanged(modifiers) => stage.shift = modifiers.state().shift_key(),
+            WindowEvent::CursorMoved { .. }
+            | WindowEvent::MouseInput { .. }
+            | WindowEvent::MouseWheel { .. }
+            | WindowEvent::Focused(_) => match stage.pointer.take(&event, Instant::now()) {
+                Some(Gesture::DoubleClick) => self.act(Action::ToggleFullscreen, event_loop),
+                Some(Gesture::Drag(way)) => {
+                    let height = f64::from(stage.window.size().map_or(1, |(_, height)| height));
+                    stage.scene.move_camera(|hand, own| hand.drag((way.0 / height, way.1 / height), own));
+                }
+                Some(Gesture::Zoom(notches)) => stage.scene.move_camera(|hand, _| hand.zoom(notches)),
+                None => {}
+            },
             WindowEvent::KeyboardInput {
                 event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
                 is_synthetic: false,
                 ..
             } => {
-                if let Some(action) = keys::action_of(&logical_key, repeat) {
+                if let Some(action) = keys::action_of(&logical_key, repeat, stage.shift) {
                     self.act(action, event_loop);
                 }
             }

@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use winit::dpi::PhysicalPosition;
-
 use super::announcer::{Announcer, words_of};
 use super::frame_times::FrameTimes;
 use super::media_controls::MediaControls;
 use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
+use super::pointer::Pointer;
 use super::scene_regions::Shown;
 use super::scene_stage::SceneStage;
 use super::sound::Sound;
@@ -42,8 +41,9 @@ pub(super) struct Stage {
     pub(super) announcer: Announcer,
     pub(super) controls: MediaControls,
     pub(super) title: String,
-    pub(super) last_click: Option<(Instant, PhysicalPosition<f64>)>,
-    pub(super) cursor: PhysicalPosition<f64>,
+    pub(super) pointer: Pointer,
+    /// Whether a shift key is held.
+    pub(super) shift: bool,
     pub(super) occluded: bool,
     pub(super) overlay: Overlay,
     /// Whether the keys are shown.

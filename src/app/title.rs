@@ -2,20 +2,17 @@
 
 use crate::audio::PlayerStatus;
 use crate::audio::input::LiveStatus;
-use crate::gpu::scene_program::Mode;
 
-/// The window's title: the track, the program, the scene and how it is drawn, and what is not as usual; silence is, if it
-/// was asked for.
-pub fn title(scene: Option<(String, Mode)>, status: &PlayerStatus, silence_asked: bool) -> String {
+/// The window's title: the track, the program, what there is to say of the scene, and what is not as usual; silence is, if
+/// it was asked for.
+pub fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
     let track = &status.track;
     let mut title = format!("{} - Mariana", track.name);
     let mut notes = Vec::new();
     if track.count > 1 {
         notes.push(format!("{}/{}", track.entry + 1, track.count));
     }
-    if let Some((scene, mode)) = scene {
-        notes.extend([scene, mode.to_string()]);
-    }
+    notes.extend(scene);
     if status.paused {
         notes.push("paused".to_owned());
     }
@@ -34,9 +31,8 @@ pub fn title(scene: Option<(String, Mode)>, status: &PlayerStatus, silence_asked
 }
 
 /// The same while an input is listened to.
-pub fn live_title(status: &LiveStatus, scene: Option<(String, Mode)>, paused: bool) -> String {
-    let mut notes: Vec<String> =
-        scene.into_iter().flat_map(|(scene, mode)| [scene, mode.to_string()]).collect();
+pub fn live_title(status: &LiveStatus, scene: Vec<String>, paused: bool) -> String {
+    let mut notes = scene;
     if paused {
         notes.push("paused".to_owned());
     }

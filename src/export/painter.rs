@@ -9,11 +9,16 @@ use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, link_scene, variant_of};
+use crate::gpu::scene_program::{
+    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_views, link_scene, variant_of,
+};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::region::RegionPlan;
 use crate::scenes::{ReadyScene, SceneSource};
+use crate::view::ViewChoice;
+use crate::view::legend::LegendPainter;
+use crate::view::setup::ViewSetup;
 use crate::world::{TapeBuffers, ToneMap, World};
 
 /// Which scene to draw, and how.
@@ -27,6 +32,8 @@ pub struct SceneChoice {
     pub shaders: ShaderLibrary,
     /// Whether regions are divided into cells.
     pub regions: bool,
+    /// What is shown instead of the picture.
+    pub view: Option<ViewChoice>,
     /// How light becomes a colour of the screen; none for as the scene says.
     pub tone_map: Option<ToneMap>,
     /// Log the driver's debug output.
@@ -39,6 +46,7 @@ pub struct Painter {
     program: Program,
     resources: SceneResources,
     mode: Mode,
+    view: Option<(ViewChoice, LegendPainter)>,
     // Last: what it holds goes first.
     context: Headless,
 }
@@ -58,11 +66,16 @@ impl Painter {
         let mut renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
         renderer.set_tone_map(choice.tone_map);
         renderer.set_edge_samples(EdgeSamples::Sixteen);
-        let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
+        let counting = if choice.view.is_some() { Counting::On } else { Counting::Off };
+        let mut variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)?;
+        if choice.view.is_some() {
+            variant = as_views(variant);
+        }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         resources.set_cells(choice.regions);
-        Ok(Self { renderer, program, resources, mode, context })
+        let view = choice.view.map(|view| (view, LegendPainter::default()));
+        Ok(Self { renderer, program, resources, mode, view, context })
     }
 
     /// Draws the scene at `time` seconds with the sound of that moment, `size` pixels large.
@@ -71,7 +84,13 @@ impl Painter {
     /// What the driver refuses.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
         let frame = Frame::new(self.resources.world(), time, sound, size);
-        Ok(self.renderer.draw(&frame, &self.resources, &self.program)?)
+        let Some((view, legends)) = &mut self.view else {
+            return Ok(self.renderer.draw(&frame, &self.resources, &self.program)?);
+        };
+        let setup = ViewSetup::of(*view, &frame, self.resources.world(), self.resources.drawn(self.mode));
+        let legend = legends.picture(setup.legend, size);
+        let view = (&setup.block, legend.as_deref());
+        Ok(self.renderer.draw_view(&frame, &self.resources, &self.program, view)?)
     }
 
     /// The last picture, four bytes a pixel, the top row first.

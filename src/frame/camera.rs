@@ -2,6 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
+use super::hand::Hand;
 use crate::world::FrameValues;
 
 /// A pinhole camera. The axes are of unit length and at right angles.
@@ -34,6 +35,11 @@ impl Camera {
     /// Where the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
     /// sight until it is not. What is not finite is taken as 0, a field of view is brought into 1..170 degrees.
     pub fn of(values: &FrameValues, aspect: f64) -> Self {
+        Self::by_hand(values, aspect, &Hand::OFF)
+    }
+
+    /// The same, moved by hand.
+    pub fn by_hand(values: &FrameValues, aspect: f64, hand: &Hand) -> Self {
         let target = place(values.target);
         let mut eye = place(values.position);
         let fov =
@@ -46,9 +52,9 @@ impl Camera {
         if keep.is_finite() && keep > seen && seen > 0.0 {
             eye = target + away * (keep / seen);
         }
+        let (eye, forward) = hand.place(eye, target);
         let to_target = (target - eye).length();
         let stepped_back = to_target - away.length();
-        let forward = (target - eye).normalize_or(DVec3::Z);
         // Straight up or down there is no upright picture: any will do.
         let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
         let roll = if values.roll.is_finite() { f64::from(values.roll) } else { 0.0 };
@@ -68,7 +74,7 @@ impl Camera {
     }
 }
 
-fn place(values: [f32; 3]) -> DVec3 {
+pub(super) fn place(values: [f32; 3]) -> DVec3 {
     let finite =
         |value: f32| if value.is_finite() { f64::from(value).clamp(-PLACE_MAX, PLACE_MAX) } else { 0.0 };
     DVec3::from_array(values.map(finite))

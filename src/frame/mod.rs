@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod camera;
+pub mod hand;
 pub mod picture;
 pub mod sound_tables;
 
@@ -12,6 +13,7 @@ use crate::dsp::{HISTORY_POINTS, spectrum_place};
 use crate::graph::{FrameInputs, TableData};
 use crate::world::{FrameValues, World};
 use camera::Camera;
+use hand::Hand;
 use picture::Picture;
 
 /// What one picture shows.
@@ -27,6 +29,8 @@ pub struct Frame {
     pub values: FrameValues,
     /// What happens to the scene's light on its way to the screen.
     pub picture: Picture,
+    /// What the camera was moved by.
+    hand: Hand,
 }
 
 impl Frame {
@@ -48,7 +52,7 @@ impl Frame {
         let Sound { features, tables } = sound.into();
         let size = (size.0.max(1), size.1.max(1));
         let declared = world.scene.params.iter().enumerate();
-        let mut inputs = FrameInputs {
+        let inputs = FrameInputs {
             time: finite(time as f32),
             volume: features.volume.map(unit),
             bands: features.bands.map(unit),
@@ -75,21 +79,45 @@ impl Frame {
                 .collect(),
             ..FrameInputs::default()
         };
-        inputs.hoisted = world.hoisted.values(&inputs);
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
         let picture = Picture::of(&values, &camera, world.traits.lens);
-        Self { size, inputs, camera, values, picture }
+        let mut frame = Self { size, inputs, camera, values, picture, hand: Hand::OFF };
+        frame.see_from(world, size, Hand::OFF);
+        frame
     }
 }
 
 impl Frame {
+    /// What the camera looks at, finite.
+    pub fn target(&self) -> glam::DVec3 {
+        camera::place(self.values.target)
+    }
+
     /// The same moment in a picture of another size.
-    pub fn resized(self, size: (u32, u32)) -> Self {
-        let size = (size.0.max(1), size.1.max(1));
-        let camera = Camera::of(&self.values, f64::from(size.0) / f64::from(size.1));
-        let picture = Picture::of(&self.values, &camera, self.picture.lens.is_some());
-        Self { size, camera, picture, ..self }
+    pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
+        self.see_from(world, (size.0.max(1), size.1.max(1)), self.hand);
+        self
+    }
+
+    /// The same moment with the camera moved by hand.
+    pub fn by_hand(mut self, world: &World, hand: Hand) -> Self {
+        self.see_from(world, self.size, hand);
+        self
+    }
+
+    /// Puts the camera in its place, and tells the expressions where it is.
+    fn see_from(&mut self, world: &World, size: (u32, u32), hand: Hand) {
+        let camera = Camera::by_hand(&self.values, f64::from(size.0) / f64::from(size.1), &hand);
+        (self.size, self.hand, self.camera) = (size, hand, camera);
+        self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
+        self.inputs.eye = camera.position.as_vec3().to_array();
+        self.inputs.hoisted = world.hoisted.values(&self.inputs);
+    }
+
+    /// How far the scene's own camera is above its target, in radians.
+    pub fn own_pitch(&self) -> f64 {
+        Hand::pitch_of(camera::place(self.values.position), self.target())
     }
 }
 

@@ -85,6 +85,8 @@ pub struct ProgramJob {
     pub picture: Picture,
     /// What that picture reads.
     pub scene: SceneNames,
+    /// Whether it is a program of views.
+    pub draws_views: bool,
 }
 
 /// A job that is done.
@@ -255,7 +257,13 @@ fn make(
     let variant = (job.variant)()?;
     let program = link_scene(gl, library, &variant)?;
     // A scene that was replaced meanwhile has lost its textures: an error of the draw is none of the program.
-    if let Err(error) = renderer.draw_block(WARM_UP_SIZE, (&job.block, &job.picture), &job.scene, &program) {
+    let blocks = (&job.block, &job.picture);
+    let drawn = if job.draws_views {
+        renderer.draw_view_block(WARM_UP_SIZE, blocks, &job.scene, &program, &[[0.0, 1.0, 0.0, 0.0]; 2])
+    } else {
+        renderer.draw_block(WARM_UP_SIZE, blocks, &job.scene, &program)
+    };
+    if let Err(error) = drawn {
         tracing::debug!("warming up a program: {error}");
     }
     gl.finish();

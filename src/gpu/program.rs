@@ -11,8 +11,8 @@ use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant, name_places}
 use crate::limits::LIMITS;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
-pub const UNIFORM_BLOCKS: [(&str, u32); 4] =
-    [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2), ("PostBlock", 3)];
+pub const UNIFORM_BLOCKS: [(&str, u32); 5] =
+    [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2), ("PostBlock", 3), ("ViewBlock", 4)];
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). What shares a unit is never read by one program.

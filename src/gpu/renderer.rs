@@ -24,8 +24,10 @@ use super::scene_resources::{SceneNames, SceneResources};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use crate::frame::Frame;
-use crate::frame::block::{FRAME_BLOCK_VECTORS, FrameBlock};
+use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
+use crate::view::legend::LegendPicture;
+use crate::view::setup::ViewBlock;
 use crate::world::ToneMap;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
@@ -105,6 +107,7 @@ pub struct Renderer {
     post: Post,
     frame_buffer: Buffer,
     pass_buffer: Buffer,
+    view_buffer: Buffer,
     vertices: VertexArray,
     counting: Counting,
     edge_samples: EdgeSamples,
@@ -149,6 +152,7 @@ impl Renderer {
             post: Post::new(gl, library)?,
             frame_buffer: Buffer::new(gl)?,
             pass_buffer: Buffer::new(gl)?,
+            view_buffer: Buffer::new(gl)?,
             vertices: VertexArray::new(gl)?,
             counting,
             edge_samples: EdgeSamples::Four,
@@ -193,12 +197,7 @@ impl Renderer {
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        let has_lens = picture.lens.is_some();
-        let fits = |targets: &Targets| targets.first.size() == size && targets.has_lens == has_lens;
-        if !self.targets.as_ref().is_some_and(fits) {
-            // A size that is refused leaves the last picture.
-            self.targets = Some(Targets::new(&self.gl, size, has_lens, self.edge_samples, self.counting)?);
-        }
+        self.need_targets(size, picture.lens.is_some())?;
         self.bind_inputs(block);
         self.post.bind_picture(picture, self.edge_samples);
         scene.bind(&self.gl);
@@ -210,24 +209,66 @@ impl Renderer {
         self.gl.check("drawing a frame")
     }
 
+    /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], and its legend over it. Its colours
+    /// are the screen's: no pass of the picture changes them, and no pixel is a mean of several samples.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_view(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+        (view, legend): (&ViewBlock, Option<&LegendPicture>),
+    ) -> Result<(), GpuError> {
+        scene.upload_inputs(&frame.inputs);
+        let tree = scene.tree_of(frame);
+        let block = frame.block(scene.world(), &tree);
+        self.draw_view_block(frame.size, (&block, &frame.picture), &scene.names(), program, view)?;
+        if let (Some(targets), Some(legend)) = (&self.targets, legend) {
+            targets.post.finished().put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
+        }
+        self.gl.check("drawing a legend")
+    }
+
+    /// The same without a legend, from a frame's block and what is bound for its scene.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn draw_view_block(
+        &mut self,
+        size: (u32, u32),
+        (block, picture): (&FrameBlock, &Picture),
+        scene: &SceneNames,
+        program: &Program,
+        view: &ViewBlock,
+    ) -> Result<(), GpuError> {
+        self.need_targets(size, picture.lens.is_some())?;
+        self.bind_inputs(block);
+        scene.bind(&self.gl);
+        let Some(targets) = &self.targets else { return Ok(()) };
+        self.post.bind_picture(picture, self.edge_samples);
+        self.bind_block("ViewBlock", &self.view_buffer, view.as_flattened());
+        self.reset_state();
+        targets.post.finished().bind();
+        // SAFETY: plain state.
+        unsafe {
+            // No list of edges is read here, and what stood there may be a target.
+            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
+            self.gl.bind_texture(glow::TEXTURE_2D, None);
+        }
+        program.bind();
+        self.draw_sample([0.0, 0.0], 0.0, FIRST_SAMPLE);
+        self.gl.check("drawing a view")
+    }
+
     fn draw_passes(
         &self,
         targets: &mut Targets,
         picture: &Picture,
         program: &Program,
     ) -> Result<(), GpuError> {
-        // SAFETY: plain state and draws on objects of ours, in the current context.
-        unsafe {
-            let gl = &*self.gl;
-            gl.disable(glow::DEPTH_TEST);
-            gl.disable(glow::CULL_FACE);
-            gl.disable(glow::SCISSOR_TEST);
-            gl.disable(glow::FRAMEBUFFER_SRGB);
-
-            gl.clear_color(0.0, 0.0, 0.0, 0.0);
-            gl.disable(glow::STENCIL_TEST);
-            gl.disable(glow::BLEND);
-        }
+        self.reset_state();
         match &mut targets.edges {
             Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
             Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
@@ -240,6 +281,22 @@ impl Renderer {
         self.post.resolve(&targets.post, self.edge_samples.block());
         self.post.finish(&targets.post, picture, &targets.first);
         Ok(())
+    }
+
+    /// The state in which passes begin.
+    fn reset_state(&self) {
+        // SAFETY: plain state.
+        unsafe {
+            let gl = &*self.gl;
+            gl.disable(glow::DEPTH_TEST);
+            gl.disable(glow::CULL_FACE);
+            gl.disable(glow::SCISSOR_TEST);
+            gl.disable(glow::FRAMEBUFFER_SRGB);
+
+            gl.clear_color(0.0, 0.0, 0.0, 0.0);
+            gl.disable(glow::STENCIL_TEST);
+            gl.disable(glow::BLEND);
+        }
     }
 
     /// Draws `frame` with a regular grid of 64 samples in each pixel: what other pictures are measured by. Slow.
@@ -382,26 +439,34 @@ impl Renderer {
         }
     }
 
-    fn bind_inputs(&self, block: &FrameBlock) {
-        let mut bytes = Vec::with_capacity(FRAME_BLOCK_VECTORS * 16);
-        bytes.extend(block.as_flattened().iter().flat_map(|value| value.to_ne_bytes()));
-        // SAFETY: buffers and textures are ours; the bytes are those of the block.
-        unsafe {
-            let gl = &*self.gl;
-            gl.bind_vertex_array(Some(self.vertices.native()));
-            gl.bind_buffer(glow::UNIFORM_BUFFER, Some(self.frame_buffer.native()));
-            gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
-            gl.bind_buffer_base(
-                glow::UNIFORM_BUFFER,
-                binding_of("FrameBlock"),
-                Some(self.frame_buffer.native()),
-            );
-            gl.bind_buffer_base(
-                glow::UNIFORM_BUFFER,
-                binding_of("PassBlock"),
-                Some(self.pass_buffer.native()),
-            );
+    /// Targets of `size` pixels. A size that is refused leaves the last picture.
+    fn need_targets(&mut self, size: (u32, u32), has_lens: bool) -> Result<(), GpuError> {
+        let fits = |targets: &Targets| targets.first.size() == size && targets.has_lens == has_lens;
+        if !self.targets.as_ref().is_some_and(fits) {
+            self.targets = Some(Targets::new(&self.gl, size, has_lens, self.edge_samples, self.counting)?);
         }
+        Ok(())
+    }
+
+    /// Fills a uniform block and binds it to its place.
+    fn bind_block(&self, name: &str, buffer: &Buffer, values: &[f32]) {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        // SAFETY: the buffer is ours, the bytes are those of the block.
+        unsafe {
+            self.gl.bind_buffer(glow::UNIFORM_BUFFER, Some(buffer.native()));
+            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
+            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of(name), Some(buffer.native()));
+        }
+    }
+
+    fn bind_inputs(&self, block: &FrameBlock) {
+        // SAFETY: vertices and buffer are ours; the buffer is filled before each sample.
+        unsafe {
+            self.gl.bind_vertex_array(Some(self.vertices.native()));
+            let pass = Some(self.pass_buffer.native());
+            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of("PassBlock"), pass);
+        }
+        self.bind_block("FrameBlock", &self.frame_buffer, block.as_flattened());
     }
 
     /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program

@@ -13,6 +13,7 @@ use crate::frame::block::block_defines;
 use crate::graph::CELL_HASH_GLSL;
 use crate::region::{RegionPlan, RegionVariant};
 use crate::tape::interpreter;
+use crate::view::scale;
 use crate::world::{TapeBuffers, Traits, World};
 
 /// The fragment shader of scenes.
@@ -139,6 +140,8 @@ fn common(textures: usize, traits: Traits, counting: Counting) -> Variant {
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
+    // Read by views alone.
+    variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
     variant
 }
 
@@ -175,6 +178,12 @@ pub fn variant_of(
             Ok(Interpreter::for_scene(world.traits, buffers, plan, info).variant(counting))
         }
     }
+}
+
+/// The variant that draws views: of one that counts.
+pub fn as_views(mut counting: Variant) -> Variant {
+    counting.defines.push("VIEWS 1".to_owned());
+    counting
 }
 
 /// Links the program of a variant.

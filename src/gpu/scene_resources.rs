@@ -14,7 +14,7 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
-use super::scene_program::Interpreter;
+use super::scene_program::{Interpreter, Mode};
 use super::texture;
 use super::texture_buffer::{BufferTexel, TextureBuffer};
 use crate::frame::Frame;
@@ -23,6 +23,7 @@ use crate::frame::sound_tables;
 use crate::graph::FrameInputs;
 use crate::limits::LIMITS;
 use crate::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
+use crate::view::setup::Drawn;
 use crate::world::{TapeBuffers, World};
 
 /// A world, uploaded.
@@ -175,6 +176,13 @@ impl SceneResources {
 
     fn pictures_with_textures(&self) -> impl Iterator<Item = (&Arc<RgbaImage>, &Rc<Texture>)> {
         self.world.pictures.iter().zip(&self.pictures)
+    }
+
+    /// What the legend of a view tells of the scene, drawn in a mode.
+    pub fn drawn(&self, mode: Mode) -> Drawn {
+        // Where the distance is none, there are cells in any case.
+        let cells = self.with_cells.get() || self.world.steep;
+        Drawn { interpreted: mode == Mode::Interpreted, cells, clauses: self.buffers.cost.distance }
     }
 
     /// The world that was uploaded.

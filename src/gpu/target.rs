@@ -210,6 +210,36 @@ impl Target {
         }
     }
 
+    /// Puts a picture of `size` pixels, four bytes each, the top row first, over colour attachment 0: its left and upper
+    /// edge `place` pixels from the target's. What would lie outside is left out altogether.
+    pub fn put_rgba8(&self, place: (u32, u32), size: (u32, u32), rgba: &[u8]) {
+        let row = size.0 as usize * 4;
+        let fits = place.0 + size.0 <= self.size.0 && place.1 + size.1 <= self.size.1;
+        let Some(texture) = self.colors.first().filter(|_| fits && rgba.len() == row * size.1 as usize)
+        else {
+            return;
+        };
+        let mut bytes = rgba.to_vec();
+        flip_rows(&mut bytes, row);
+        let y = self.size.1 - place.1 - size.1;
+        // SAFETY: the texture is ours, the part lies within it, and the slice holds exactly its texels.
+        unsafe {
+            self.gl.bind_texture(glow::TEXTURE_2D, Some(texture.native()));
+            self.gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            self.gl.tex_sub_image_2d(
+                glow::TEXTURE_2D,
+                0,
+                place.0.cast_signed(),
+                y.cast_signed(),
+                size.0.cast_signed(),
+                size.1.cast_signed(),
+                glow::RGBA,
+                glow::UNSIGNED_BYTE,
+                glow::PixelUnpackData::Slice(Some(&bytes)),
+            );
+        }
+    }
+
     /// Reads colour attachment `index` as bytes, four a pixel, the top row first.
     pub fn read_rgba8(&self, index: u32) -> Vec<u8> {
         let row = self.size.0 as usize * 4;

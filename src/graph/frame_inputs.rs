@@ -216,6 +216,7 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
     volume_side: 0.0,
     bass_drive: 0.0,
     pitch: 0.0,
+    eye: [0.0; 3],
     params: Vec::new(),
     hoisted: Vec::new(),
     spectrum: TableData::EMPTY,
@@ -254,6 +255,8 @@ pub struct FrameInputs {
     pub bass_drive: f32,
     /// Where the strongest tone lies in the spectrum.
     pub pitch: f32,
+    /// Where the picture is seen from.
+    pub eye: [f32; 3],
     /// The scene's parameters by number; missing ones are 0.
     pub params: Vec<f32>,
     /// What was computed once for the frame, by number; missing ones are 0.
@@ -298,9 +301,8 @@ impl FrameInputs {
             Input::Tempo => Interval { lo: 0.0, hi: TEMPO_MAX },
             Input::BassDrive => Interval { lo: 0.0, hi: DRIVE_MAX },
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
-            Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ | Input::Hoisted(_) => {
-                Interval::ANY
-            }
+            Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,
+            Input::EyeX | Input::EyeY | Input::EyeZ | Input::Hoisted(_) => Interval::ANY,
             Input::VolumeLeft
             | Input::VolumeRight
             | Input::Band(_)
@@ -333,6 +335,9 @@ impl FrameInputs {
             Input::VolumeSide => self.volume_side,
             Input::BassDrive => self.bass_drive,
             Input::Pitch => self.pitch,
+            Input::EyeX => self.eye[0],
+            Input::EyeY => self.eye[1],
+            Input::EyeZ => self.eye[2],
             Input::Param(i) => self.params.get(usize::from(i)).copied().unwrap_or(0.0),
             Input::Hoisted(i) => self.hoisted.get(usize::from(i)).copied().unwrap_or(0.0),
         }

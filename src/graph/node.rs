@@ -56,6 +56,12 @@ pub enum Input {
     BassDrive,
     /// Where the strongest tone lies in the spectrum, 0..1.
     Pitch,
+    /// Where the picture is seen from.
+    EyeX,
+    /// See [`Input::EyeX`].
+    EyeY,
+    /// See [`Input::EyeX`].
+    EyeZ,
     /// A parameter of the scene, by its number.
     Param(u16),
     /// A value that is computed once a frame from the inputs above (see `world`).
@@ -101,6 +107,9 @@ impl Input {
             Input::VolumeSide => 16,
             Input::BassDrive => 17,
             Input::Pitch => 18,
+            Input::EyeX => 19,
+            Input::EyeY => 20,
+            Input::EyeZ => 21,
             Input::Band(i) => 0x100 | i as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
             Input::Hoisted(i) => 0x2_0000 | i as u32,
@@ -131,6 +140,9 @@ impl std::fmt::Display for Input {
             Input::VolumeSide => "VOLUME_SIDE",
             Input::BassDrive => "BASS_DRIVE",
             Input::Pitch => "PITCH",
+            Input::EyeX => "EYE.X",
+            Input::EyeY => "EYE.Y",
+            Input::EyeZ => "EYE.Z",
             Input::Band(i) => return write!(f, "BAND({i})"),
             Input::Param(i) => return write!(f, "PARAM({i})"),
             Input::Hoisted(i) => return write!(f, "HOISTED({i})"),

@@ -146,6 +146,7 @@ pub(crate) fn frame() -> FrameInputs {
         volume_side: 0.25,
         bass_drive: 1.5,
         pitch: 0.375,
+        eye: [1.5, 2.0, -4.0],
         params: vec![1.0, -2.5],
         spectrum: TableData::row(wave(64, 0.3)),
         waveform: TableData::row(wave(50, 1.1)),

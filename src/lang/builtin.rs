@@ -26,6 +26,8 @@ pub(super) mod uses {
     pub const TEXTURE: u8 = 8;
     /// Time, sound and parameters.
     pub const FRAME: u8 = 16;
+    /// Where the picture is seen from.
+    pub const EYE: u8 = 32;
     pub const NOTHING: u8 = 0;
 }
 
@@ -42,7 +44,7 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 }
 
 use InputValue::{Constant, Many, One};
-use uses::{DIRECTION, FRAME, NORMAL, NOTHING, POINT};
+use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
 /// Every input. A direction is read where the normal is: no expression has both.
 pub(super) const INPUTS: &[InputRow] = &[
@@ -89,6 +91,12 @@ pub(super) const INPUTS: &[InputRow] = &[
         "bass summed over time in seconds and forgotten in 4 s, 0..4: t + bass_drive is a time that runs with the bass",
     ),
     row("pitch", One(Input::Pitch), FRAME, "where the strongest tone lies, 0..1 as in spectrum(u)"),
+    row(
+        "eye",
+        Many(&[Input::EyeX, Input::EyeY, Input::EyeZ]),
+        EYE,
+        "where the picture is seen from, by the scene's camera or by hand; in materials and the sky",
+    ),
     row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];

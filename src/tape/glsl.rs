@@ -22,7 +22,7 @@ pub fn literal(value: f32) -> String {
 /// The name of an input in the generated code: `p` and `n` are the function's arguments, the rest are
 /// uniforms.
 ///
-/// What is computed once a frame is in `frame_hoisted`, vec4 too.
+/// What is computed once a frame is in `frame_hoisted`, vec4 too. `camera_position` is a vec4 with the eye in xyz.
 ///
 /// `frame_time`, `frame_tempo`, `frame_phase`, `frame_bass_drive` and `frame_pitch` are floats, `frame_volume` (left,
 /// right) and `frame_stereo` (mid, side) vec2, `frame_sound` a vec4 (bass,
@@ -51,6 +51,9 @@ pub fn input_name(input: Input) -> String {
         Input::VolumeSide => "frame_stereo.y".into(),
         Input::BassDrive => "frame_bass_drive".into(),
         Input::Pitch => "frame_pitch".into(),
+        Input::EyeX => "camera_position.x".into(),
+        Input::EyeY => "camera_position.y".into(),
+        Input::EyeZ => "camera_position.z".into(),
         Input::Band(index) => format!("frame_bands[{index}].x"),
         Input::Param(index) => packed("frame_params", usize::from(index)),
         Input::Hoisted(index) => packed("frame_hoisted", usize::from(index)),

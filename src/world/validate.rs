@@ -11,7 +11,7 @@ use crate::limits::LIMITS;
 fn surroundings() -> String {
     format!(
         "#version 450\n\
-         layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 frame_sound;\n    vec4 frame_rest;\n    vec4 frame_stereo;\n    \
+         layout(std140, set = 0, binding = 0) uniform Inputs {{\n    vec4 camera_position;\n    vec4 frame_sound;\n    vec4 frame_rest;\n    vec4 frame_stereo;\n    \
          vec4 frame_bands[{}];\n    vec4 frame_params[{}];\n    vec4 frame_hoisted[{}];\n}};\n\
          #define frame_time frame_rest.x\n#define frame_tempo frame_rest.y\n#define frame_phase frame_rest.z\n\
          #define frame_bass_drive frame_rest.w\n#define frame_pitch frame_rest.x\n\

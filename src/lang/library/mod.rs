@@ -24,6 +24,7 @@ pub(super) const TEXTS: &[(&str, &str)] = &[
     ("Changing space and shapes", include_str!("space.scene")),
     ("Noise", include_str!("noise.scene")),
     ("Materials", include_str!("materials.scene")),
+    ("Cameras and ways", include_str!("camera.scene")),
 ];
 
 /// Whether a shape's function is the distance or only bounds it.

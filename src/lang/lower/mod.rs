@@ -294,6 +294,10 @@ impl<'a> Lowering<'a> {
                 format!("`{name}` is the direction of a ray and has no value in {here}"),
                 "it is known in the sky",
             ),
+            _ if missing & uses::EYE != 0 => (
+                format!("{here} does not depend on who looks, so `{name}` has no value here"),
+                "the eye's place is known in materials and the sky",
+            ),
             _ if missing & uses::TEXTURE != 0 => {
                 (format!("{here} cannot read pictures"), "materials and the sky can")
             }

@@ -3,7 +3,7 @@
 //! What a block is made of stands in one table; `objects.rs` and `lights.rs` make the larger ones.
 
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
-use super::super::builtin::uses::{DIRECTION, FRAME, NORMAL, POINT, TEXTURE};
+use super::super::builtin::uses::{DIRECTION, EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::super::diagnostic::Diagnostic;
 use super::super::scene::{Camera, Material, Picture, Sky, ToneMap, Vec3};
 use super::super::source::Span;
@@ -26,7 +26,7 @@ enum Holds {
 /// A field: its name, what it holds, and the inputs that it may use.
 type Field = (&'static str, Holds, u8);
 
-const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME;
+const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
 fn fields(section: Section) -> &'static [Field] {
     use Holds::{Material, Number, ToneMap, Vector};
@@ -67,8 +67,8 @@ fn fields(section: Section) -> &'static [Field] {
             ("keep", Number, FRAME),
         ],
         Section::Sky => &[
-            ("color", Vector, DIRECTION | TEXTURE | FRAME),
-            ("ambient", Vector, DIRECTION | FRAME),
+            ("color", Vector, DIRECTION | TEXTURE | FRAME | EYE),
+            ("ambient", Vector, DIRECTION | FRAME | EYE),
             ("reach", Number, FRAME),
         ],
         Section::Picture => &[

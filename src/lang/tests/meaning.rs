@@ -1,6 +1,6 @@
 use super::super::{LightPlace, compile};
 use super::{distance, frame, scene, value};
-use crate::graph::Point;
+use crate::graph::{FrameInputs, Point};
 
 #[test]
 fn what_the_thesis_prints_can_be_pasted() {
@@ -170,4 +170,18 @@ fn the_speakers_are_the_thesis_scene() {
         scene.textures.iter().map(|one| one.name.as_str()).collect::<Vec<_>>(),
         ["wood.png", "mallard.png"]
     );
+}
+
+#[test]
+fn the_eye_is_known_where_it_is_seen_from_and_a_function_of_that_name_is_another() {
+    let text = "fn eye() = vec3(0, 0, -9)
+        material mist { haze = length(p - eye)  color = 0.1 * eye() }
+        object ball { shape = sphere(p, 1)  material = mist }
+        sky { color = eye.y }
+        camera { position = eye() }";
+    let scene = scene(text);
+    let inputs = FrameInputs { eye: [3.0, 4.0, 0.0], ..super::frame(&scene) };
+    let roots = [scene.materials[0].haze, scene.sky.color[0], scene.camera.position[2]];
+    let values = scene.graph.evaluate(&roots, &Point::at(0.0, 0.0, 0.0), &inputs).unwrap();
+    assert_eq!(values, [5.0, 4.0, -9.0]);
 }

@@ -132,6 +132,12 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     // Inputs.
     ("band(32)", "there is no band 32", "band(32)", "0 to 31"),
     ("band(0.5)", "there is no band 0.5", "band(0.5)", "0 to 31"),
+    (
+        "length(p - eye) - 1",
+        "a shape does not depend on who looks, so `eye` has no value here",
+        "eye",
+        "materials",
+    ),
     ("n.x", "`n` is a surface's normal and has no value in a shape", "n", "materials"),
     (
         "camera { position = p }\nx",

@@ -3,6 +3,8 @@
 #[cfg(test)]
 mod bad_input;
 #[cfg(test)]
+mod cameras;
+#[cfg(test)]
 mod fuzz;
 #[cfg(test)]
 mod meaning;

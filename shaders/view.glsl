@@ -1,0 +1,117 @@
+// The colours of the views, in the variant VIEWS: what the screen gets, 0..1, from what was noted of a sample.
+
+// Texels of a tape that are counted.
+const int TAPE_TEXELS_MAX = 4096;
+// Half the width of the lines on a slice and at the faces of cells, in pixels.
+const float LINE_WIDTH = 0.8;
+
+vec3 heat_color(float share) {
+    float along = clamp(share, 0.0, 1.0) * float(HEAT_COLORS - 1);
+    int left = min(int(along), HEAT_COLORS - 2);
+    return mix(HEAT_COLOR[left], HEAT_COLOR[left + 1], along - float(left));
+}
+
+// The distance at a point, or the formula's value, planes included.
+float value_at(vec3 p) {
+    // No cell lies there, so that the whole tape is run.
+    Cell whole = cell_at(vec3(-1.0));
+    float d = bounds_low.w < 0.5 ? FAR : scene_distance(whole, p, 0.0).y;
+    for (int i = 0; i < PLANES; i++) {
+        if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, dot(planes[i].xyz, p) + planes[i].w);
+    }
+    // What is no number is far away.
+    return abs(d) < 1e9 ? d : 1e9;
+}
+
+// How much of a line covers the pixel, `away` from its middle, in pixels.
+float line_cover(float away, float half_width) {
+    return clamp(half_width + 0.5 - away, 0.0, 1.0);
+}
+
+// Lines of equal distance (thesis Abb. 1).
+vec3 slice_color(vec3 direction) {
+    float along = dot(view_plane.xyz, direction);
+    float t = -(dot(view_plane.xyz, camera_position.xyz) + view_plane.w) / max(along, 1e-6);
+    // A camera that looks at itself.
+    t = clamp(t, 1e-3, 1e6);
+    float d = value_at(camera_position.xyz + t * direction);
+    float pixel = 2.0 * camera_position.w * t;
+    // How fast the value changes from pixel to pixel; at a distance it is no more than the pixel's width.
+    float slope = max(fwidth(d), 0.05 * pixel);
+    float spacing = view_choice.y;
+    vec3 color = d > 0.0 ? COLOR_OUTSIDE : COLOR_INSIDE;
+    // Darker towards the surface, and every second band.
+    float bands = abs(d) / spacing;
+    color *= 0.55 + 0.45 * (1.0 - exp(-0.35 * bands));
+    color *= mod(floor(bands), 2.0) < 0.5 ? 1.0 : 0.93;
+    for (int i = 0; i < 2; i++) {
+        float width = i == 0 ? spacing : 5.0 * spacing;
+        float away = abs(d - width * floor(d / width + 0.5)) / slope;
+        // Lines that would lie in each other fade.
+        float seen = clamp(width / slope / 5.0 - 0.5, 0.0, 1.0);
+        color *= 1.0 - (i == 0 ? 0.35 : 0.5) * seen * line_cover(away, 0.2 + float(i) * 0.3);
+    }
+    // Surfaces before the plane are faint, as in mist.
+    if (noted && noted_t < t) {
+        float facing = clamp(-dot(noted_normal, direction), 0.0, 1.0);
+        color = mix(color, vec3(0.25 + 0.6 * facing), 0.30);
+    }
+    return mix(color, COLOR_ZERO, line_cover(abs(d) / slope, 1.5));
+}
+
+// Clauses of a tape of the regions.
+float tape_length(int first) {
+    int texels = 0;
+    for (; texels < TAPE_TEXELS_MAX; texels++) {
+        if ((texelFetch(regions, first + texels).z & 255u) == 0u) break;
+    }
+    // Two to a texel; the last one's second is the end.
+    return 2.0 * float(texels) + 1.0;
+}
+
+// How much of a line at the nearest face covers the pixel: of cells `side` root cells wide.
+float face_cover(vec3 q, float side, float half_width) {
+    vec3 pixel = 2.0 * camera_position.w * noted_t * region_scale.xyz;
+    vec3 away = abs(q - side * floor(q / side + 0.5));
+    // Faces that the surface lies in would cover it.
+    vec3 along = sqrt(max(1.0 - noted_normal * noted_normal, 0.0));
+    vec3 cover = clamp(half_width + 0.5 - away / (pixel * max(along, 1e-3)), 0.0, 1.0);
+    cover *= step(vec3(0.05), along);
+    return max(cover.x, max(cover.y, cover.z));
+}
+
+vec3 cell_color() {
+    vec3 q = in_root(noted_p);
+    Cell cell = cell_at(q);
+    if (cell.side <= 0.0) return COLOR_NO_CELL;
+    vec3 color = COLOR_EMPTY_CELL;
+    if (!(cell.bound > 0.0)) color = heat_color(tape_length(cell.tape) / view_choice.y);
+    // Alternate cells differ a little, so that they can be told apart where lines are too fine.
+    ivec3 place = ivec3(floor(q / cell.side));
+    color *= ((place.x + place.y + place.z) & 1) == 0 ? 1.0 : 0.9;
+    color *= 1.0 - 0.45 * face_cover(q, cell.side, LINE_WIDTH * 0.5);
+    return color * (1.0 - 0.75 * face_cover(q, 1.0, LINE_WIDTH));
+}
+
+vec3 view_color(vec3 direction) {
+    float view = view_choice.x;
+    if (view == VIEW_STEPS) return heat_color(count_primary / view_choice.y);
+    if (view == VIEW_CLAUSES) {
+#ifdef CLAUSES_RUN
+        float run = CLAUSES_RUN + SURFACE_CLAUSES_RUN;
+#else
+        float run = count_primary + count_reflection + count_normal + count_shadow + count_occlusion;
+#endif
+        return heat_color(run / view_choice.y);
+    }
+    if (view == VIEW_SLICE) return slice_color(direction);
+    if (!noted) return COLOR_NOTHING;
+    if (view == VIEW_NORMALS) return 0.5 + 0.5 * noted_normal;
+    if (view == VIEW_SHADOW) {
+        return noted_light > 0.0 ? vec3(clamp(noted_arrives / noted_light, 0.0, 1.0)) : COLOR_FACES_AWAY;
+    }
+    if (view == VIEW_OCCLUSION) return vec3(noted_open);
+    if (view == VIEW_CELLS) return cell_color();
+    if (view == VIEW_MATERIALS) return OBJECT_COLOR[noted_object - OBJECT_COLORS * (noted_object / OBJECT_COLORS)];
+    return vec3(1.0 - clamp(noted_t / view_choice.y, 0.0, 1.0));
+}

@@ -1,0 +1,45 @@
+// What the views (src/view/) take note of while a sample is computed, in the variant VIEWS; compiled to nothing elsewhere.
+
+#ifdef VIEWS
+#include "view_scales.glsl"
+
+layout(std140) uniform ViewBlock {
+    vec4 view_choice;   // x which view (VIEW_...), y its number
+    vec4 view_plane;    // the slice: unit normal into the picture, and the origin's distance
+};
+
+// The first surface that is met.
+bool noted = false;
+float noted_t = 0.0;
+vec3 noted_p = vec3(0.0);
+vec3 noted_normal = vec3(0.0);
+float noted_open = 1.0;
+int noted_object = 0;
+// Light of the lamps that it would get, and does.
+float noted_light = 0.0;
+float noted_arrives = 0.0;
+
+// Only the first surface is looked at: what fades or mirrors does not. What is counted is the whole picture's.
+#define NOTE_SURFACE(s, t, p) \
+    if (!noted) { \
+        noted = true; \
+        noted_t = t; \
+        noted_p = p; \
+        noted_normal = s.normal; \
+        noted_open = s.open; \
+        noted_object = s.object; \
+        if (view_choice.x != VIEW_CLAUSES) { \
+            s.material.haze = 0.0; \
+            s.material.reflect = 0.0; \
+        } \
+    }
+#define NOTE_LIGHT(light, visible) \
+    noted_light += dot(light, vec3(1.0)); \
+    noted_arrives += dot(light, vec3(1.0)) * (visible)
+// The difference that normals are computed by.
+#define CHOSEN_TAP(h) (view_choice.x == VIEW_NORMALS && view_choice.y > 0.0 ? view_choice.y : (h))
+#else
+#define NOTE_SURFACE(s, t, p)
+#define NOTE_LIGHT(light, visible)
+#define CHOSEN_TAP(h) (h)
+#endif

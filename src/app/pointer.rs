@@ -1,0 +1,130 @@
+//! What the mouse does over the picture: it turns the camera, comes nearer, or clicks twice.
+
+use std::time::{Duration, Instant};
+
+use winit::dpi::PhysicalPosition;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+
+/// Two clicks within this time and distance in pixels are a double click.
+const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
+/// A button that is held turns the camera from this way on, in pixels; a hand that clicks shakes a little.
+const DRAG_MIN: f64 = 4.0;
+/// Pixels of a touchpad for a notch of a wheel.
+const NOTCH_PIXELS: f64 = 40.0;
+
+/// What the mouse did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gesture {
+    /// Two clicks in one place.
+    DoubleClick,
+    /// A way with the button held, to the right and down, in pixels.
+    Drag((f64, f64)),
+    /// Notches of the wheel, positive away from the user.
+    Zoom(f64),
+}
+
+/// The mouse, as far as events that are not the overlay's tell.
+#[derive(Debug, Default)]
+pub struct Pointer {
+    place: PhysicalPosition<f64>,
+    last_click: Option<(Instant, PhysicalPosition<f64>)>,
+    /// While the button is held: where it went from, and whether that is a drag already.
+    held: Option<(PhysicalPosition<f64>, bool)>,
+}
+
+impl Pointer {
+    /// Takes note of an event; what the mouse did by it.
+    pub fn take(&mut self, event: &WindowEvent, now: Instant) -> Option<Gesture> {
+        match event {
+            WindowEvent::CursorMoved { position, .. } => self.moved(*position),
+            WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {
+                self.pressed(now)
+            }
+            WindowEvent::MouseInput { state: ElementState::Released, button: MouseButton::Left, .. } => {
+                self.held = None;
+                None
+            }
+            WindowEvent::MouseWheel { delta, .. } => {
+                let notches = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y / NOTCH_PIXELS,
+                };
+                (notches != 0.0).then_some(Gesture::Zoom(notches))
+            }
+            WindowEvent::Focused(false) => {
+                self.held = None;
+                None
+            }
+            _ => None,
+        }
+    }
+
+    fn moved(&mut self, to: PhysicalPosition<f64>) -> Option<Gesture> {
+        self.place = to;
+        let (from, drags) = self.held?;
+        let way = (to.x - from.x, to.y - from.y);
+        if !drags && way.0.hypot(way.1) < DRAG_MIN {
+            return None;
+        }
+        self.held = Some((to, true));
+        self.last_click = None;
+        (way != (0.0, 0.0)).then_some(Gesture::Drag(way))
+    }
+
+    fn pressed(&mut self, now: Instant) -> Option<Gesture> {
+        let double = self.last_click.is_some_and(|(then, place)| {
+            let (dx, dy) = (place.x - self.place.x, place.y - self.place.y);
+            now.saturating_duration_since(then) <= DOUBLE_CLICK.0 && dx.hypot(dy) <= DOUBLE_CLICK.1
+        });
+        self.last_click = if double { None } else { Some((now, self.place)) };
+        // The window changes its size under the pointer.
+        self.held = (!double).then_some((self.place, false));
+        double.then_some(Gesture::DoubleClick)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use winit::event::{DeviceId, TouchPhase};
+
+    use super::*;
+
+    fn to(x: f64, y: f64) -> WindowEvent {
+        WindowEvent::CursorMoved { device_id: DeviceId::dummy(), position: PhysicalPosition { x, y } }
+    }
+
+    fn button(state: ElementState) -> WindowEvent {
+        WindowEvent::MouseInput { device_id: DeviceId::dummy(), state, button: MouseButton::Left }
+    }
+
+    fn wheel(delta: MouseScrollDelta) -> WindowEvent {
+        WindowEvent::MouseWheel { device_id: DeviceId::dummy(), delta, phase: TouchPhase::Moved }
+    }
+
+    #[test]
+    fn a_held_button_drags_and_a_still_one_clicks() {
+        let (mut pointer, now) = (Pointer::default(), Instant::now());
+        let (down, up) = (button(ElementState::Pressed), button(ElementState::Released));
+        let mut all = |events: &[&WindowEvent]| -> Vec<Option<Gesture>> {
+            events.iter().map(|event| pointer.take(event, now)).collect()
+        };
+        assert_eq!(all(&[&to(10.0, 10.0), &down, &to(12.0, 11.0), &up]), [None; 4], "a hand that shakes");
+        assert_eq!(all(&[&to(13.0, 10.0), &down]), [None, Some(Gesture::DoubleClick)]);
+        assert_eq!(all(&[&to(90.0, 10.0), &up]), [None; 2], "the second click drags nothing");
+        let drags = all(&[&down, &to(100.0, 13.0), &to(101.0, 13.0), &up, &to(0.0, 0.0)]);
+        let ways = [None, Some(Gesture::Drag((10.0, 3.0))), Some(Gesture::Drag((1.0, 0.0))), None, None];
+        assert_eq!(drags, ways);
+        assert_eq!(all(&[&to(101.0, 13.0), &down])[1], None, "a drag is no click");
+        assert_eq!(all(&[&WindowEvent::Focused(false), &to(0.0, 0.0)]), [None; 2]);
+    }
+
+    #[test]
+    fn wheels_and_touchpads_zoom() {
+        let mut pointer = Pointer::default();
+        let mut zoom = |delta| pointer.take(&wheel(delta), Instant::now());
+        assert_eq!(zoom(MouseScrollDelta::LineDelta(0.0, -2.0)), Some(Gesture::Zoom(-2.0)));
+        let pixels = PhysicalPosition { x: 7.0, y: 20.0 };
+        assert_eq!(zoom(MouseScrollDelta::PixelDelta(pixels)), Some(Gesture::Zoom(0.5)));
+        assert_eq!(zoom(MouseScrollDelta::LineDelta(1.0, 0.0)), None);
+    }
+}

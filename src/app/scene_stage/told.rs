@@ -1,0 +1,46 @@
+//! What there is to tell of the scene on the stage.
+
+use super::SceneStage;
+use crate::app::overlay::{Notice, OverlayContent, Problem};
+
+impl SceneStage {
+    /// The name of the scene on the stage.
+    pub(super) fn name(&self) -> Option<String> {
+        self.on_stage.as_ref().map(|cast| cast.source.title())
+    }
+
+    /// What the title says of the scene: its name, how it is drawn, its view.
+    pub fn notes(&self) -> Vec<String> {
+        let Some((name, mode)) = self.name().zip(self.mode()) else { return Vec::new() };
+        let view = self.view().map(|view| format!("view {view}"));
+        [name, mode.to_string()].into_iter().chain(view).collect()
+    }
+
+    /// A line about the scene on the stage: its name, its mode, its clauses, its regions.
+    pub fn corner(&self) -> Option<String> {
+        let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
+        let cost = cast.resources.buffers().cost;
+        let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
+        Some(format!("{} · {mode} · {} clauses · {regions}", cast.source.title(), cost.distance))
+    }
+
+    /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.
+    pub fn overlay<'a>(
+        &'a mut self,
+        corner: Option<&'a str>,
+        with_sliders: bool,
+        help: bool,
+    ) -> OverlayContent<'a> {
+        let problem = self.problem.as_ref();
+        let notice = self.notice.as_ref();
+        let sliders = self.on_stage.as_mut().map(|cast| cast.sliders.as_mut_slice());
+        OverlayContent {
+            corner,
+            problem: problem.map(|(heading, text)| Problem { heading, text }),
+            notice: notice.map(|(text, since)| Notice { text, since: *since }),
+            params: sliders.filter(|sliders| with_sliders && !sliders.is_empty()),
+            help,
+            ..OverlayContent::default()
+        }
+    }
+}

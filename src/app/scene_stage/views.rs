@@ -1,0 +1,200 @@
+//! Views of the scene on the stage, and the hand at its camera: which is shown, and the programs that draw it, made beside the picture when they are
+//! asked for. Until one is there the picture goes on.
+
+use std::rc::Rc;
+
+use super::{Cast, SceneStage, Task};
+use crate::frame::Frame;
+use crate::frame::hand::Hand;
+use crate::gpu::error::GpuError;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::{Interpreter, Mode, as_views, compiled_variant_of};
+use crate::view::legend::LegendPainter;
+use crate::view::setup::ViewSetup;
+use crate::view::{View, ViewChoice};
+
+/// What a program of views draws.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ViewsOf {
+    /// A scene, compiled.
+    Compiled(u64),
+    /// Every scene that this interpreter covers.
+    Interpreted(Interpreter),
+}
+
+impl ViewsOf {
+    fn covers(&self, wanted: &Self) -> bool {
+        match (self, wanted) {
+            (ViewsOf::Compiled(id), ViewsOf::Compiled(wanted)) => id == wanted,
+            (ViewsOf::Interpreted(known), ViewsOf::Interpreted(wanted)) => known.covers(wanted),
+            _ => false,
+        }
+    }
+}
+
+/// The view that is shown, and what there is to draw it.
+#[derive(Default)]
+pub struct Views {
+    choice: Option<ViewChoice>,
+    programs: Vec<(ViewsOf, Rc<Program>)>,
+    legends: Option<LegendPainter>,
+    /// The number of the view that was drawn last.
+    number: Option<f32>,
+}
+
+impl Views {
+    /// Shows one from the start.
+    pub fn starting_with(choice: Option<ViewChoice>) -> Self {
+        Self { choice, ..Self::default() }
+    }
+
+    /// The chosen view of a scene with a program that draws it and its mode: the scene's or, until there is one, the
+    /// other, so that a view stays when the mode changes.
+    pub fn program(&self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
+        let choice = self.choice?;
+        let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
+        [mode, other].into_iter().find_map(|mode| {
+            let wanted = cast.views(mode)?;
+            let known = self.programs.iter().rev().find(|(known, _)| known.covers(&wanted));
+            known.map(|(_, program)| (choice, mode, program.clone()))
+        })
+    }
+
+    /// Forgets the programs of scenes that are gone.
+    pub fn keep(&mut self, is_kept: impl Fn(u64) -> bool) {
+        self.programs.retain(|(of, _)| match of {
+            ViewsOf::Compiled(id) => is_kept(*id),
+            ViewsOf::Interpreted(_) => true,
+        });
+    }
+
+    /// Draws a view of a frame.
+    pub fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        (cast, mode): (&Cast, Mode),
+        (choice, program): (ViewChoice, &Program),
+    ) -> Result<(), GpuError> {
+        let scene = &cast.resources;
+        let setup = ViewSetup::of(choice, frame, scene.world(), scene.drawn(mode));
+        self.number = setup.number;
+        let legend = self.legends.get_or_insert_default().picture(setup.legend, frame.size);
+        renderer.draw_view(frame, scene, program, (&setup.block, legend.as_deref()))
+    }
+}
+
+impl Cast {
+    /// What a program must draw that shows views of this scene.
+    fn views(&self, mode: Mode) -> Option<ViewsOf> {
+        match mode {
+            Mode::Compiled => Some(ViewsOf::Compiled(self.id)),
+            Mode::Interpreted => self.interpreter.clone().map(ViewsOf::Interpreted),
+        }
+    }
+}
+
+impl SceneStage {
+    /// The view that was chosen.
+    pub fn view(&self) -> Option<ViewChoice> {
+        self.views.choice
+    }
+
+    /// Shows the next view, or the one before; the picture is between the last and the first.
+    pub fn go_view(&mut self, forward: bool) {
+        let next = View::beside(self.views.choice.map(|choice| choice.view), forward);
+        self.show_view(next.map(ViewChoice::from));
+    }
+
+    /// Shows the same view with a larger or smaller number.
+    pub fn step_view(&mut self, larger: bool) {
+        let Some(choice) = self.views.choice else {
+            return self.tell("numbers are for views: V shows them".to_owned());
+        };
+        if choice.view.row().number.is_none() {
+            return self.tell(format!("the view {choice} has no number"));
+        }
+        self.show_view(Some(choice.stepped(choice.number.or(self.views.number), larger)));
+    }
+
+    fn show_view(&mut self, choice: Option<ViewChoice>) {
+        self.views.choice = choice;
+        if choice.is_some_and(|choice| choice.number.is_none()) {
+            self.views.number = None;
+        }
+        self.revision += 1;
+        self.regions.insist(choice.is_some());
+        self.ask_for_view();
+        let ready =
+            self.on_stage.as_ref().zip(self.mode()).and_then(|(cast, mode)| self.views.program(cast, mode));
+        self.tell(match choice {
+            None => "the picture".to_owned(),
+            Some(choice) if ready.is_some() => format!("view: {choice}"),
+            Some(choice) => format!("view: {choice}; the driver is at it"),
+        });
+    }
+
+    /// Asks for the program of the view that is shown, if it is not there or in the making.
+    pub(super) fn ask_for_view(&mut self) {
+        if self.views.choice.is_none() {
+            return;
+        }
+        let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
+        let Some(wanted) = cast.views(mode) else { return };
+        let mut known = self.views.programs.iter().map(|(known, _)| known);
+        let mut asked = self.tasks.values().filter_map(|task| match task {
+            Task::Views(asked) => Some(asked),
+            _ => None,
+        });
+        if known.any(|known| known.covers(&wanted)) || asked.any(|asked| asked.covers(&wanted)) {
+            return;
+        }
+        let mut job = match wanted.clone() {
+            ViewsOf::Compiled(_) => {
+                let world = cast.resources.world().clone();
+                self.job(cast, move || compiled_variant_of(&world, Counting::On).map(as_views))
+            }
+            ViewsOf::Interpreted(variant) => {
+                self.job(cast, move || Ok(as_views(variant.variant(Counting::On))))
+            }
+        };
+        job.draws_views = true;
+        tracing::info!("views of {} are asked for, {mode}", cast.source.title());
+        self.submit(job, Task::Views(wanted));
+    }
+
+    /// Takes the program of views that was asked for.
+    pub(super) fn take_views(&mut self, of: ViewsOf, program: Result<Program, GpuError>) {
+        self.revision += 1;
+        match program {
+            Ok(program) => {
+                tracing::info!("views are ready");
+                self.views.programs.push((of, Rc::new(program)));
+            }
+            Err(error) => {
+                tracing::warn!("{error}");
+                self.views.choice = None;
+                self.regions.insist(false);
+                self.problem = Some(("this driver cannot show views".to_owned(), error.to_string()));
+            }
+        }
+    }
+
+    /// Moves the camera by hand; the first move tells how it comes back.
+    pub fn move_camera(&mut self, change: impl FnOnce(&mut Hand, f64)) {
+        let was_off = self.hand == Hand::OFF;
+        change(&mut self.hand, self.own_pitch);
+        if was_off && self.hand != Hand::OFF {
+            self.tell("the camera is in your hand: Home gives it back".to_owned());
+        }
+        self.revision += 1;
+    }
+
+    /// Gives the camera back to the scene.
+    pub fn give_camera_back(&mut self) {
+        self.hand = Hand::OFF;
+        self.tell("the scene's own camera".to_owned());
+        self.revision += 1;
+    }
+}

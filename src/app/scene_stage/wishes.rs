@@ -1,0 +1,72 @@
+//! What the user asks of the stage: another scene, another way to draw it, other parameters.
+
+use super::SceneStage;
+use crate::config::SdfChoice;
+use crate::gpu::scene_program::Mode;
+
+impl SceneStage {
+    /// Changes between interpreted and compiled. What is not there yet is made; until then the picture stays.
+    pub fn toggle_mode(&mut self) {
+        let Some((mode, id)) = self.mode().zip(self.on_stage.as_ref().map(|cast| cast.id)) else { return };
+        let other = match mode {
+            Mode::Interpreted => Mode::Compiled,
+            Mode::Compiled => Mode::Interpreted,
+        };
+        let waited_for = match self.choice {
+            SdfChoice::Auto => None,
+            SdfChoice::Interpreted => Some(Mode::Interpreted),
+            SdfChoice::Compiled => Some(Mode::Compiled),
+        };
+        // A wish that is not fulfilled yet is taken back.
+        let wanted = if waited_for == Some(other) && self.in_the_making(id, other) { mode } else { other };
+        self.choice = match wanted {
+            Mode::Interpreted => SdfChoice::Interpreted,
+            Mode::Compiled => SdfChoice::Compiled,
+        };
+        // The scene that is coming waits for what is wanted now, too.
+        for id in [Some(id), self.coming.as_ref().map(|cast| cast.id)].into_iter().flatten() {
+            match wanted {
+                Mode::Interpreted => self.ask_for_interpreter(id),
+                Mode::Compiled => self.ask_for_compiled(id),
+            }
+        }
+        self.recast();
+        let now = self.mode();
+        let possible =
+            self.on_stage.as_ref().is_some_and(|cast| wanted == Mode::Compiled || cast.interpreter.is_some());
+        self.tell(match now {
+            Some(now) if now == wanted => now.to_string(),
+            _ if possible => format!("{wanted}: the driver is at it"),
+            _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
+        });
+        self.revision += 1;
+    }
+
+    /// Asks for the next or the previous scene.
+    pub fn go(&mut self, forward: bool) {
+        let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
+        self.tell(next.title());
+        self.source = next.clone();
+        self.loader.request(next);
+    }
+
+    /// Uses the cells of regions from now on, or the whole tape everywhere.
+    pub fn toggle_regions(&mut self) {
+        let now = self.regions.toggle();
+        self.tell(now.to_owned());
+        self.revision += 1;
+    }
+
+    /// Takes over what the user did to the sliders.
+    pub fn note_moved(&mut self) {
+        let Some(cast) = &self.on_stage else { return };
+        for slider in &cast.sliders {
+            if slider.value == slider.default {
+                self.moved.remove(&slider.name);
+            } else {
+                self.moved.insert(slider.name.clone(), slider.value);
+            }
+        }
+        self.revision += 1;
+    }
+}

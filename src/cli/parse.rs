@@ -1,0 +1,79 @@
+//! Flags that are numbers, checked against the limits.
+
+use crate::limits::LIMITS;
+
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let (width, height) =
+        text.split_once(['x', 'X', '×']).ok_or("write it as WIDTHxHEIGHT, such as 1280x720")?;
+    let side = |text: &str| {
+        let value: u32 = text.trim().parse().map_err(|_| format!("'{text}' is no whole number of pixels"))?;
+        let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
+        if (low..=high).contains(&value) {
+            Ok(value)
+        } else {
+            Err(format!("a side has {low} to {high} pixels"))
+        }
+    };
+    let (width, height) = (side(width)?, side(height)?);
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > LIMITS.picture_pixels_max {
+        return Err(format!("a picture has at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
+    }
+    Ok((width, height))
+}
+
+fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
+    if value >= low && value <= high { Ok(value) } else { Err(format!("it is from {low} to {high} {unit}")) }
+}
+
+pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.0, LIMITS.seconds_max, "seconds")
+}
+
+pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
+    match parse_seconds(text)? {
+        0.0 => Err("it is more than 0 seconds".into()),
+        seconds => Ok(seconds),
+    }
+}
+
+pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
+    parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
+}
+
+pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
+    parse_within(text, -LIMITS.latency_ms_max, LIMITS.latency_ms_max, "milliseconds")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_within_the_limits_are_read_and_others_refused_with_the_limit() {
+        assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
+        assert_eq!(parse_size("1X16384"), Ok((1, 16384)));
+        for (text, part) in [
+            ("1280", "WIDTHxHEIGHT"),
+            ("0x5", "1 to 16384"),
+            ("16385x5", "1 to 16384"),
+            ("-3x5", "whole number"),
+            ("16384x16384", "at most"),
+            ("axb", "whole number"),
+        ] {
+            let message = parse_size(text).unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn numbers_outside_the_limits_and_non_numbers_are_refused() {
+        for text in ["nan", "inf", "-1", "1e9", "x", ""] {
+            assert!(parse_seconds(text).is_err(), "{text}");
+        }
+        assert_eq!(parse_seconds("12.5"), Ok(12.5));
+        assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
+        assert_eq!(parse_latency("-180"), Ok(-180.0));
+    }
+}

@@ -1,0 +1,169 @@
+//! A camera that is moved by hand: what it adds to the scene's own, which may go on moving.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+
+/// A turn around what the camera looks at, and a way towards it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hand {
+    /// Turn around the vertical, in radians: how far the eye goes to the left.
+    yaw: f64,
+    /// Turn upwards, in radians.
+    pitch: f64,
+    /// What the distance is multiplied by.
+    zoom: f64,
+}
+
+/// Radians for a way as long as the picture is high.
+const TURN: f64 = PI;
+/// The eye stays so far off straight above and below, in radians from the horizon.
+const PITCH_MAX: f64 = 0.49 * PI;
+/// The distance is multiplied by e to this for each notch of a wheel.
+const NOTCH: f64 = 0.12;
+/// Range of [`Hand::zoom`].
+const ZOOM: (f64, f64) = (1.0 / 64.0, 64.0);
+/// Ways of the pointer below this are ones.
+const WAY_MAX: f64 = 1e6;
+/// The farthest from what is looked at.
+const REACH_MAX: f64 = 1e7;
+
+impl Default for Hand {
+    fn default() -> Self {
+        Self::OFF
+    }
+}
+
+impl Hand {
+    /// The scene's own camera.
+    pub const OFF: Self = Self { yaw: 0.0, pitch: 0.0, zoom: 1.0 };
+
+    /// Turns by a way of the pointer to the right and downwards, in heights of the picture, as if what is looked at was
+    /// moved. `own` is how far up the scene's camera is ([`Hand::pitch_of`]).
+    pub fn drag(&mut self, (right, down): (f64, f64), own: f64) {
+        if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
+            return;
+        }
+        self.yaw = (self.yaw + TURN * right) % (2.0 * PI);
+        let own = own.clamp(-PITCH_MAX, PITCH_MAX);
+        self.pitch = (self.pitch + TURN * down).clamp(-PITCH_MAX - own, PITCH_MAX - own);
+    }
+
+    /// Comes nearer by so many notches of a wheel.
+    pub fn zoom(&mut self, notches: f64) {
+        if notches.is_finite() {
+            self.zoom = (self.zoom * (-NOTCH * notches).exp()).clamp(ZOOM.0, ZOOM.1);
+        }
+    }
+
+    /// How far above its target a camera is, in radians.
+    pub fn pitch_of(eye: DVec3, target: DVec3) -> f64 {
+        (eye - target).normalize_or(DVec3::NEG_Z).y.clamp(-1.0, 1.0).asin()
+    }
+
+    /// Where the eye is, and the way it looks, for a scene's eye and target. One that looks at where it is looks around.
+    pub(super) fn place(&self, eye: DVec3, target: DVec3) -> (DVec3, DVec3) {
+        let away = eye - target;
+        let forward = (-away).normalize_or(DVec3::Z);
+        if *self == Self::OFF {
+            return (eye, forward);
+        }
+        let reach = (away.length() * self.zoom).min(REACH_MAX);
+        let mut back = -forward;
+        if (self.yaw, self.pitch) != (0.0, 0.0) {
+            let yaw = back.x.atan2(back.z) + self.yaw;
+            let pitch = (Self::pitch_of(back, DVec3::ZERO) + self.pitch).clamp(-PITCH_MAX, PITCH_MAX);
+            back = DVec3::new(pitch.cos() * yaw.sin(), pitch.sin(), pitch.cos() * yaw.cos());
+        }
+        (target + reach * back, -back)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::frame::camera::Camera;
+    use crate::world::FrameValues;
+
+    fn values() -> FrameValues {
+        FrameValues { position: [1.0, 2.0, -6.0], target: [0.5, 1.0, 2.0], fov: 50.0, ..Default::default() }
+    }
+
+    fn seen(hand: &Hand, point: DVec3) -> (f64, f64) {
+        Camera::by_hand(&values(), 1.6, hand).project(point).unwrap()
+    }
+
+    #[test]
+    fn what_is_near_follows_the_pointer_and_the_target_stays() {
+        let target = DVec3::new(0.5, 1.0, 2.0);
+        let near = target + 0.2 * (DVec3::new(1.0, 2.0, -6.0) - target);
+        let before = seen(&Hand::OFF, near);
+        let mut hand = Hand::OFF;
+        hand.drag((0.05, 0.0), 0.0);
+        assert!(seen(&hand, near).0 > before.0 + 0.01, "to the right");
+        let mut hand = Hand::OFF;
+        hand.drag((0.0, 0.05), 0.0);
+        assert!(seen(&hand, near).1 < before.1 - 0.01, "down");
+        hand.drag((0.3, 0.1), 0.0);
+        hand.zoom(2.5);
+        let (x, y) = seen(&hand, target);
+        assert!(x.abs() < 1e-9 && y.abs() < 1e-9, "the target is at {x}, {y}");
+    }
+
+    #[test]
+    fn the_wheel_comes_nearer_smoothly_and_within_its_limits() {
+        let reach = |hand: &Hand| {
+            (Camera::by_hand(&values(), 1.6, hand).position - DVec3::new(0.5, 1.0, 2.0)).length()
+        };
+        let own = reach(&Hand::OFF);
+        let mut hand = Hand::OFF;
+        hand.zoom(1.0);
+        assert!((0.85..0.95).contains(&(reach(&hand) / own)));
+        hand.zoom(-0.5);
+        hand.zoom(-0.5);
+        assert!((reach(&hand) / own - 1.0).abs() < 1e-9, "back again");
+        hand.zoom(1e9);
+        assert!((reach(&hand) / own - 1.0 / 64.0).abs() < 1e-9);
+        hand.zoom(-1e9);
+        assert!((reach(&hand) / own - 64.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_drag_that_reached_the_pole_comes_back_at_once() {
+        let eye = DVec3::new(0.0, 3.0, -3.0);
+        let own = Hand::pitch_of(eye, DVec3::ZERO);
+        let mut hand = Hand::OFF;
+        hand.drag((0.0, 50.0), own);
+        let height = |hand: &Hand| Hand::pitch_of(hand.place(eye, DVec3::ZERO).0, DVec3::ZERO);
+        assert!((height(&hand) - PITCH_MAX).abs() < 1e-6);
+        hand.drag((0.0, -0.1), own);
+        assert!((height(&hand) - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-6);
+    }
+
+    proptest! {
+        #[test]
+        fn whatever_is_done_the_camera_stays_one(
+            position in prop::array::uniform3(any::<f32>()),
+            target in prop::array::uniform3(any::<f32>()),
+            moves in prop::collection::vec((any::<f64>(), any::<f64>(), any::<f64>()), 0..6),
+            same in any::<bool>(),
+        ) {
+            let target = if same { position } else { target };
+            let values = FrameValues { position, target, fov: 50.0, ..FrameValues::default() };
+            let mut hand = Hand::OFF;
+            for (right, down, notches) in moves {
+                hand.drag((right, down), 0.3);
+                hand.zoom(notches);
+            }
+            let camera = Camera::by_hand(&values, 1.6, &hand);
+            prop_assert!(camera.position.is_finite());
+            for axis in [camera.right, camera.up, camera.forward] {
+                prop_assert!((axis.length() - 1.0).abs() < 1e-6, "{camera:?}");
+            }
+            prop_assert!(camera.right.dot(camera.up).abs() < 1e-6);
+            prop_assert_eq!(Camera::by_hand(&values, 1.6, &Hand::OFF), Camera::of(&values, 1.6));
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Legends: what a view's colours mean, drawn by the processor so that they are the same in a window, a still and a video.
+
+use std::sync::Arc;
+
+use super::letters::Letters;
+use super::scale::{Color, heat};
+
+/// Everything that a legend says.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Legend {
+    /// The view's name.
+    pub title: String,
+    /// What it shows, in lines.
+    pub lines: Vec<String>,
+    /// A scale with what its places mean.
+    pub scale: Option<Scale>,
+    /// Single colours with what they mean.
+    pub colors: Vec<(Color, String)>,
+}
+
+/// A scale of colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scale {
+    /// Its colours.
+    pub ramp: Ramp,
+    /// Places on it, 0..1, with their values.
+    pub ticks: Vec<(f32, String)>,
+}
+
+/// Colours of a scale.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Ramp {
+    /// [`heat`].
+    Heat,
+    /// From black to white.
+    Light,
+    /// From white to black.
+    Dark,
+}
+
+impl Ramp {
+    /// The colour of a place, 0..1.
+    pub fn at(self, share: f32) -> Color {
+        match self {
+            Ramp::Heat => heat(share),
+            Ramp::Light => [share; 3],
+            Ramp::Dark => [1.0 - share; 3],
+        }
+    }
+}
+
+/// A legend as a picture, opaque.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LegendPicture {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Its distance from the picture's left and upper edge, in pixels.
+    pub margin: u32,
+    /// Four bytes a pixel, the top row first.
+    pub rgba: Vec<u8>,
+}
+
+const GROUND: Color = [0.035, 0.040, 0.050];
+const TEXT: Color = [0.91, 0.92, 0.93];
+const DIM: Color = [0.66, 0.68, 0.73];
+
+/// Size of letters for a picture's height, and their least and greatest size in pixels.
+const LETTERS_SHARE: f32 = 1.0 / 44.0;
+const LETTERS: (f32, f32) = (11.0, 44.0);
+/// The greatest share of the picture's width and height that a legend takes; a larger one is left out.
+const SHARE_MAX: (f32, f32) = (0.7, 0.7);
+/// Entries of single colours in one column.
+const ROWS_MAX: usize = 6;
+
+/// Draws legends, and knows the last one.
+pub struct LegendPainter {
+    letters: Letters,
+    last: Option<(Legend, (u32, u32), Option<Arc<LegendPicture>>)>,
+}
+
+impl Default for LegendPainter {
+    fn default() -> Self {
+        Self { letters: Letters::new(), last: None }
+    }
+}
+
+impl LegendPainter {
+    /// The legend for a picture of `size` pixels; none if it would take too much of it.
+    pub fn picture(&mut self, legend: Legend, size: (u32, u32)) -> Option<Arc<LegendPicture>> {
+        if let Some((_, _, known)) = self.last.as_ref().filter(|(of, at, _)| (of, *at) == (&legend, size)) {
+            return known.clone();
+        }
+        let drawn = draw(&mut self.letters, &legend, size).map(Arc::new);
+        self.last = Some((legend, size, drawn.clone()));
+        drawn
+    }
+}
+
+/// Something at a place.
+enum Part {
+    Text { text: String, size: f32, color: Color },
+    Block { size: (usize, usize), ramp: Option<Ramp>, color: Color },
+}
+
+fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<LegendPicture> {
+    let unit = (picture.1 as f32 * LETTERS_SHARE).clamp(LETTERS.0, LETTERS.1).round();
+    let in_units = |count: f32| (count * unit).round() as usize;
+    let padding = in_units(0.7);
+    let mut parts: Vec<((usize, usize), Part)> = Vec::new();
+    let mut y = padding;
+    let title = Part::Text { text: legend.title.clone(), size: (1.15 * unit).round(), color: TEXT };
+    parts.push(((padding, y), title));
+    y += in_units(1.65);
+    for line in &legend.lines {
+        parts.push(((padding, y), Part::Text { text: line.clone(), size: unit, color: DIM }));
+        y += in_units(1.35);
+    }
+    if let Some(scale) = &legend.scale {
+        y += in_units(0.25);
+        let bar = (in_units(17.0), in_units(0.9));
+        parts.push(((padding, y), Part::Block { size: bar, ramp: Some(scale.ramp), color: TEXT }));
+        y += bar.1;
+        for (share, text) in &scale.ticks {
+            let x = padding + (share.clamp(0.0, 1.0) * (bar.0 - 1) as f32).round() as usize;
+            parts.push(((x, y), Part::Block { size: (1, in_units(0.3)), ramp: None, color: TEXT }));
+            // Centred below its mark, but within the bar.
+            let width = letters.line(text, unit).size.0;
+            let left =
+                x.saturating_sub(width / 2).clamp(padding, (padding + bar.0).max(padding + width) - width);
+            let text = Part::Text { text: text.clone(), size: unit, color: TEXT };
+            parts.push(((left, y + in_units(0.3)), text));
+        }
+        y += in_units(1.75);
+    }
+    let rows = legend.colors.len().div_ceil(legend.colors.len().div_ceil(ROWS_MAX).max(1)).max(1);
+    let (mut x, mut column_width) = (padding, 0);
+    let (top, mut bottom) = (y + in_units(0.2), y);
+    for (index, (color, text)) in legend.colors.iter().enumerate() {
+        if index > 0 && index % rows == 0 {
+            x += column_width + in_units(1.0);
+            column_width = 0;
+        }
+        let row = top + (index % rows) * in_units(1.4);
+        let block = Part::Block { size: (in_units(1.5), in_units(1.0)), ramp: None, color: *color };
+        parts.push(((x, row + in_units(0.15)), block));
+        let width = letters.line(text, unit).size.0;
+        parts.push(((x + in_units(2.0), row), Part::Text { text: text.clone(), size: unit, color: TEXT }));
+        column_width = column_width.max(in_units(2.0) + width);
+        bottom = bottom.max(row + in_units(1.4));
+    }
+    lay_out(letters, &parts, (padding, bottom), picture)
+}
+
+/// Paints the parts, if they fit the picture.
+fn lay_out(
+    letters: &mut Letters,
+    parts: &[((usize, usize), Part)],
+    (padding, bottom): (usize, usize),
+    picture: (u32, u32),
+) -> Option<LegendPicture> {
+    let texts: Vec<_> = parts
+        .iter()
+        .map(|(_, part)| match part {
+            Part::Text { text, size, .. } => Some(letters.line(text, *size)),
+            Part::Block { .. } => None,
+        })
+        .collect();
+    let right = parts.iter().zip(&texts).map(|((place, part), line)| {
+        let width = match part {
+            Part::Block { size, .. } => size.0,
+            Part::Text { .. } => line.as_ref().map_or(0, |line| line.size.0),
+        };
+        place.0 + width
+    });
+    let size = (right.max().unwrap_or(0) + padding, bottom + padding);
+    let margin = padding as u32;
+    let (width, height) = (size.0 as u32, size.1 as u32);
+    let fits = |part: u32, of: u32, share: f32| (part + margin) as f32 <= of as f32 * share;
+    if !fits(width, picture.0, SHARE_MAX.0) || !fits(height, picture.1, SHARE_MAX.1) {
+        return None;
+    }
+    let mut rgba: Vec<u8> =
+        GROUND.map(byte).into_iter().chain([255]).cycle().take(4 * size.0 * size.1).collect();
+    let mut put = |x: usize, y: usize, color: Color, cover: u8| {
+        if x >= size.0 {
+            return;
+        }
+        let at = 4 * (y * size.0 + x);
+        for (to, from) in rgba.get_mut(at..at + 3).into_iter().flatten().zip(color) {
+            let share = f32::from(cover) / 255.0;
+            *to = byte(f32::from(*to) / 255.0 * (1.0 - share) + from * share);
+        }
+    };
+    for ((place, part), line) in parts.iter().zip(&texts) {
+        match (part, line) {
+            (Part::Block { size, ramp, color }, _) => {
+                for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                    let share = x as f32 / (size.0.max(2) - 1) as f32;
+                    put(place.0 + x, place.1 + y, ramp.map_or(*color, |ramp| ramp.at(share)), 255);
+                }
+            }
+            (Part::Text { color, .. }, Some(line)) => {
+                for (index, cover) in line.cover.iter().enumerate().filter(|(_, cover)| **cover > 0) {
+                    put(place.0 + index % line.size.0, place.1 + index / line.size.0, *color, *cover);
+                }
+            }
+            (Part::Text { .. }, None) => {}
+        }
+    }
+    Some(LegendPicture { size: (width, height), margin, rgba })
+}
+
+/// As the screen stores it.
+pub fn byte(value: f32) -> u8 {
+    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn legend() -> Legend {
+        Legend {
+            title: "steps".into(),
+            lines: vec!["what it shows".into()],
+            scale: Some(Scale { ramp: Ramp::Heat, ticks: vec![(0.0, "0".into()), (1.0, "100".into())] }),
+            colors: vec![([1.0, 0.0, 0.0], "floor".into()), ([0.0, 1.0, 0.0], "ball".into())],
+        }
+    }
+
+    #[test]
+    fn a_legend_has_its_colours_and_letters_and_is_left_out_of_a_small_picture() {
+        let mut painter = LegendPainter::default();
+        let picture = painter.picture(legend(), (1280, 720)).unwrap();
+        assert_eq!(picture.rgba.len() as u32, 4 * picture.size.0 * picture.size.1);
+        let count = |color: Color| {
+            let wanted = color.map(byte);
+            picture.rgba.as_chunks::<4>().0.iter().filter(|pixel| pixel[..3] == wanted).count()
+        };
+        for color in [heat(0.0), heat(1.0), [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] {
+            assert!(count(color) > 10, "{color:?} is missing");
+        }
+        let letters = count(TEXT);
+        assert!(letters > 60, "only {letters} pixels are letters");
+        assert!(picture.size.0 < 640 && picture.size.1 < 360, "{:?}", picture.size);
+        assert!(painter.picture(legend(), (640, 360)).is_some());
+        for size in [(160, 90), (1, 1), (16_384, 1)] {
+            assert_eq!(painter.picture(legend(), size), None, "{size:?}");
+        }
+        // Another text is another picture, of letters that differ.
+        let other = Legend { title: "depth".into(), ..legend() };
+        assert_ne!(painter.picture(other, (1280, 720)).unwrap(), picture);
+    }
+}

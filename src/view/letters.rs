@@ -1,0 +1,55 @@
+//! Letters drawn by the processor, in the overlay's font.
+
+use egui::epaint::text::{Fonts, TextOptions};
+use egui::{Color32, ColorImage, FontDefinitions, FontId};
+
+/// The font, and the letters that were needed so far.
+pub struct Letters(Fonts);
+
+/// A line of text: how much of each pixel its letters cover.
+pub struct Line {
+    /// Width and height in pixels.
+    pub size: (usize, usize),
+    /// Row after row from the top, 0..255.
+    pub cover: Vec<u8>,
+}
+
+impl Letters {
+    /// Reads the font.
+    pub fn new() -> Self {
+        Self(Fonts::new(TextOptions::default(), FontDefinitions::default()))
+    }
+
+    /// A line of letters of `size` pixels.
+    pub fn line(&mut self, text: &str, size: f32) -> Line {
+        let mut fonts = self.0.with_pixels_per_point(1.0);
+        let galley = fonts.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE);
+        let atlas: ColorImage = fonts.image();
+        let extent = galley.size();
+        let (width, height) = (extent.x.ceil() as usize + 1, extent.y.ceil() as usize + 1);
+        let mut cover = vec![0_u8; width * height];
+        for row in &galley.rows {
+            for glyph in &row.row.glyphs {
+                let letter = glyph.uv_rect;
+                let corner = row.pos.to_vec2() + glyph.pos.to_vec2() + letter.offset;
+                for y in letter.min[1]..letter.max[1] {
+                    for x in letter.min[0]..letter.max[0] {
+                        let column =
+                            corner.x.round() as isize + isize::from((x - letter.min[0]).cast_signed());
+                        let line = corner.y.round() as isize + isize::from((y - letter.min[1]).cast_signed());
+                        let place = usize::try_from(column).ok().zip(usize::try_from(line).ok());
+                        let Some((column, line)) = place.filter(|(column, _)| *column < width) else {
+                            continue;
+                        };
+                        let from = usize::from(y) * atlas.size[0] + usize::from(x);
+                        let (to, from) = (cover.get_mut(line * width + column), atlas.pixels.get(from));
+                        if let (Some(to), Some(from)) = (to, from) {
+                            *to = (*to).max(from.a());
+                        }
+                    }
+                }
+            }
+        }
+        Line { size: (width, height), cover }
+    }
+}

@@ -1,0 +1,268 @@
+//! Views: how a picture is made, shown in colours with a legend. One table names them for the key, the command line and
+//! the shaders.
+//!
+//! `shaders/view.glsl` draws them; the colours and the numbers that it shares with the legends come from [`scale`].
+
+pub mod legend;
+mod letters;
+pub mod scale;
+pub mod setup;
+
+use std::str::FromStr;
+
+/// What a view shows. The number of each is its place in [`VIEWS`], in the shaders too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum View {
+    /// Steps of the ray from the eye.
+    Steps,
+    /// The distance on a plane through what the camera looks at.
+    Slice,
+    /// Normals by differences.
+    Normals,
+    /// The share of the lamps' light that arrives.
+    Shadow,
+    /// The share of the ambient light that arrives.
+    Occlusion,
+    /// What is computed for a pixel.
+    Clauses,
+    /// The cells of the regions.
+    Cells,
+    /// Objects.
+    Materials,
+    /// The way to the surface.
+    Depth,
+}
+
+/// A row of [`VIEWS`].
+pub struct ViewRow {
+    /// The view.
+    pub view: View,
+    /// Its name on the command line and in the title.
+    pub name: &'static str,
+    /// What it shows.
+    pub meaning: &'static str,
+    /// What the number after its name is, for views that take one.
+    pub number: Option<&'static str>,
+}
+
+const fn row(view: View, name: &'static str, meaning: &'static str, number: Option<&'static str>) -> ViewRow {
+    ViewRow { view, name, meaning, number }
+}
+
+/// Every view, in the order of the key.
+pub const VIEWS: [ViewRow; 9] = [
+    row(
+        View::Steps,
+        "steps",
+        "steps of the ray from the eye, blue to red",
+        Some("the count that is red, else 100"),
+    ),
+    row(
+        View::Slice,
+        "slice",
+        "the distance on a plane through what the camera looks at, in lines",
+        Some("the distance between two lines"),
+    ),
+    row(
+        View::Normals,
+        "normals",
+        "directions of the surfaces, by differences of the distance",
+        Some("the length of a difference, else a share of the pixel"),
+    ),
+    row(View::Shadow, "shadow", "the share of the lamps' light that arrives", None),
+    row(View::Occlusion, "occlusion", "the share of the light from everywhere that arrives", None),
+    row(
+        View::Clauses,
+        "clauses",
+        "clauses that the interpreter runs; evaluations if compiled",
+        Some("the count that is red"),
+    ),
+    row(View::Cells, "cells", "the cells of the regions, and how long their tapes are", None),
+    row(View::Materials, "materials", "a colour for each object", None),
+    row(View::Depth, "depth", "the way to the surface", Some("the way that is black")),
+];
+
+/// Range of the number after a view's name.
+const NUMBERS: (f32, f32) = (1e-5, 1e6);
+
+/// A view, and its number if one was chosen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewChoice {
+    /// Which.
+    pub view: View,
+    /// What [`ViewRow::number`] says; none is the view's own choice.
+    pub number: Option<f32>,
+}
+
+/// Why a text is no view.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoView {
+    /// There is none of that name.
+    #[error("there is no view '{0}'; there are {names}", names = names())]
+    Unknown(String),
+    /// It takes no number.
+    #[error("the view '{0}' takes no number: leave ':{1}' away")]
+    TakesNone(&'static str, String),
+    /// What stands after the colon is no number.
+    #[error("'{1}' after '{0}:' is no number: write it as {0}:0.5")]
+    NoNumber(&'static str, String),
+    /// The number is out of its range.
+    #[error("{1} after '{0}:' is out of range: write a number from 0.00001 to 1000000")]
+    OutOfRange(&'static str, String),
+}
+
+fn names() -> String {
+    VIEWS.map(|row| row.name).join(", ")
+}
+
+/// The views as text for the command line: a line each.
+pub fn help() -> String {
+    let mut text = String::from("Show how the picture is made, with a legend:\n");
+    for row in &VIEWS {
+        text.push_str(&format!("- {}: {}", row.name, row.meaning));
+        if let Some(number) = row.number {
+            text.push_str(&format!("; {}:NUMBER sets {number}", row.name));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+impl View {
+    /// Its row.
+    pub fn row(self) -> &'static ViewRow {
+        // The enum's order is the table's, which a test holds.
+        &VIEWS[self as usize % VIEWS.len()]
+    }
+
+    /// The view after this one, or before; none at the table's ends and from none to them.
+    pub fn beside(view: Option<Self>, forward: bool) -> Option<Self> {
+        let places = VIEWS.len() + 1;
+        let place = view.map_or(0, |view| view as usize + 1);
+        let next = if forward { place + 1 } else { place + places - 1 } % places;
+        VIEWS.get(next.wrapping_sub(1)).map(|row| row.view)
+    }
+}
+
+impl From<View> for ViewChoice {
+    fn from(view: View) -> Self {
+        Self { view, number: None }
+    }
+}
+
+impl FromStr for ViewChoice {
+    type Err = NoView;
+
+    fn from_str(text: &str) -> Result<Self, NoView> {
+        let (name, number) = match text.split_once(':') {
+            Some((name, number)) => (name, Some(number)),
+            None => (text, None),
+        };
+        let name = name.trim();
+        let row =
+            VIEWS.iter().find(|row| row.name == name).ok_or_else(|| NoView::Unknown(name.to_owned()))?;
+        let number = match number {
+            None => None,
+            Some(number) if row.number.is_none() => {
+                return Err(NoView::TakesNone(row.name, number.to_owned()));
+            }
+            Some(text) => {
+                let number: f32 =
+                    text.trim().parse().map_err(|_| NoView::NoNumber(row.name, text.to_owned()))?;
+                if !(NUMBERS.0..=NUMBERS.1).contains(&number) {
+                    return Err(NoView::OutOfRange(row.name, text.to_owned()));
+                }
+                Some(number)
+            }
+        };
+        Ok(Self { view: row.view, number })
+    }
+}
+
+impl std::fmt::Display for ViewChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.view.row().name)?;
+        self.number.map_or(Ok(()), |number| write!(f, ":{number}"))
+    }
+}
+
+impl ViewChoice {
+    /// The same view with the next larger or smaller number of 1, 2, 5, 10 ... after `present`; below the least one it
+    /// is the view's own choice again.
+    pub fn stepped(self, present: Option<f32>, larger: bool) -> Self {
+        let row = self.view.row();
+        if row.number.is_none() {
+            return self;
+        }
+        let number = match (present, larger) {
+            (None, true) => Some(STEP_MIN),
+            (None, false) => None,
+            (Some(present), _) => Some(scale::beside(present, larger)),
+        };
+        Self { number: number.filter(|number| (STEP_MIN * 0.99..=NUMBERS.1).contains(number)), ..self }
+    }
+}
+
+/// The least number by key.
+const STEP_MIN: f32 = 1e-3;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_the_order_of_the_numbers_and_every_name_is_read_again() {
+        for (number, row) in VIEWS.iter().enumerate() {
+            assert_eq!(row.view as usize, number);
+            assert_eq!(row.name.parse(), Ok(ViewChoice::from(row.view)));
+            let with_number = format!("{}:0.5", row.name).parse::<ViewChoice>();
+            assert_eq!(with_number.is_ok(), row.number.is_some(), "{with_number:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_view_is_told_with_what_there_is() {
+        let error = "step".parse::<ViewChoice>().unwrap_err().to_string();
+        assert!(VIEWS.iter().all(|row| error.contains(row.name)), "{error}");
+        for (text, expected) in [
+            ("shadow:2", NoView::TakesNone("shadow", "2".into())),
+            ("steps:many", NoView::NoNumber("steps", "many".into())),
+            ("steps:", NoView::NoNumber("steps", String::new())),
+            ("depth:0", NoView::OutOfRange("depth", "0".into())),
+            ("depth:inf", NoView::OutOfRange("depth", "inf".into())),
+            ("normals:NaN", NoView::OutOfRange("normals", "NaN".into())),
+        ] {
+            assert_eq!(text.parse::<ViewChoice>(), Err(expected));
+        }
+    }
+
+    #[test]
+    fn the_key_goes_through_all_of_them_and_the_picture() {
+        let mut seen = vec![None];
+        for _ in 0..VIEWS.len() {
+            seen.push(View::beside(seen[seen.len() - 1], true));
+        }
+        assert_eq!(seen[1..], VIEWS.map(|row| Some(row.view)));
+        assert_eq!(View::beside(seen[VIEWS.len()], true), None);
+        for pair in seen.windows(2) {
+            assert_eq!(View::beside(pair[1], false), pair[0]);
+        }
+    }
+
+    #[test]
+    fn numbers_go_by_one_two_five() {
+        let mut choice = ViewChoice::from(View::Normals);
+        let mut numbers = Vec::new();
+        for _ in 0..5 {
+            choice = choice.stepped(choice.number, true);
+            numbers.extend(choice.number);
+        }
+        assert_eq!(numbers, [0.001, 0.002, 0.005, 0.01, 0.02]);
+        for _ in 0..5 {
+            choice = choice.stepped(choice.number, false);
+        }
+        assert_eq!(choice.number, None);
+        assert_eq!(ViewChoice::from(View::Shadow).stepped(None, true).number, None);
+        assert_eq!(ViewChoice::from(View::Steps).stepped(Some(100.0), true).number, Some(200.0));
+    }
+}

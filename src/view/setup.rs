@@ -1,0 +1,228 @@
+//! What a view of one frame needs: its numbers for the shaders and its legend.
+
+use glam::DVec3;
+
+use super::legend::{Legend, Ramp, Scale};
+use super::scale::{self, Color, nice, written};
+use super::{View, ViewChoice};
+use crate::frame::Frame;
+use crate::world::World;
+
+/// The block `ViewBlock` of `shaders/view_notes.glsl`.
+pub type ViewBlock = [[f32; 4]; 2];
+
+/// What a legend tells of the way a scene is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Drawn {
+    /// Whether the interpreter draws it.
+    pub interpreted: bool,
+    /// Whether space is divided into cells.
+    pub cells: bool,
+    /// Clauses of the scene's distance.
+    pub clauses: usize,
+}
+
+/// A view of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ViewSetup {
+    /// Numbers for the shaders.
+    pub block: ViewBlock,
+    /// What the colours mean.
+    pub legend: Legend,
+    /// The view's number, chosen or its own; none if it has none.
+    pub number: Option<f32>,
+}
+
+/// Steps that are red: as many as the thesis allowed (Abb. 4).
+const STEPS_RED: f32 = 100.0;
+/// Runs of the distance for a pixel that are red.
+const RUNS_RED: f32 = 100.0;
+/// Lines of the slice across the picture's height, about.
+const SLICE_LINES: f32 = 40.0;
+/// Times the way to what the camera looks at that is black.
+const DEPTH_BLACK: f32 = 1.6;
+/// Objects that a legend names.
+const OBJECTS_NAMED: usize = 11;
+
+impl ViewSetup {
+    /// The view of a frame of a world.
+    pub fn of(choice: ViewChoice, frame: &Frame, world: &World, drawn: Drawn) -> Self {
+        let reach = (frame.camera.position - frame.target()).length() as f32;
+        let own = match choice.view {
+            View::Steps => Some(STEPS_RED),
+            View::Clauses if drawn.interpreted => Some(nice(RUNS_RED * drawn.clauses.max(1) as f32)),
+            View::Clauses => Some(RUNS_RED),
+            View::Slice => Some(nice(2.0 * reach * frame.camera.tan_half.1 as f32 / SLICE_LINES)),
+            View::Depth => Some(nice(DEPTH_BLACK * reach)),
+            View::Cells => Some(nice(drawn.clauses.max(1) as f32)),
+            View::Normals | View::Shadow | View::Occlusion | View::Materials => None,
+        };
+        let number = choice.number.or(own);
+        let legend = Legend { title: choice.view.row().name.to_owned(), ..Legend::default() };
+        let legend = match choice.view {
+            View::Steps => steps(legend, number),
+            View::Slice => slice(legend, number, world),
+            View::Normals => normals(legend, choice.number),
+            View::Shadow => shadow(legend),
+            View::Occlusion => occlusion(legend),
+            View::Clauses => clauses(legend, number, drawn),
+            View::Cells => cells(legend, number, drawn),
+            View::Materials => materials(legend, world),
+            View::Depth => depth(legend, number),
+        };
+        // The plane of the slice: through what the camera looks at, and facing it.
+        let normal: DVec3 = frame.camera.forward;
+        let offset = -normal.dot(frame.target());
+        let [x, y, z] = normal.as_vec3().to_array();
+        let view = choice.view as usize as f32;
+        Self {
+            block: [[view, number.unwrap_or(0.0), 0.0, 0.0], [x, y, z, offset as f32]],
+            legend,
+            number: number.filter(|_| choice.view.row().number.is_some()),
+        }
+    }
+}
+
+/// A legend's entry for where nothing is met.
+fn nothing() -> (Color, String) {
+    (scale::NOTHING, "no surface".to_owned())
+}
+
+/// A scale from 0 to `full` with marks at its quarters.
+fn marks(ramp: Ramp, full: f32, unit: &str) -> Scale {
+    let quarters = (0..=4_u8).map(|quarter| {
+        let share = f32::from(quarter) / 4.0;
+        let number = written(share * full);
+        (share, if quarter == 4 { format!("{number}{unit}") } else { number })
+    });
+    Scale { ramp, ticks: quarters.collect() }
+}
+
+fn steps(legend: Legend, number: Option<f32>) -> Legend {
+    let lines = ["Steps of the ray from the eye: evaluations", "of the distance. Skipped cells cost none."];
+    Legend {
+        lines: lines.map(str::to_owned).to_vec(),
+        scale: Some(marks(Ramp::Heat, number.unwrap_or(STEPS_RED), "+")),
+        ..legend
+    }
+}
+
+fn slice(legend: Legend, number: Option<f32>, world: &World) -> Legend {
+    let spacing = number.unwrap_or(1.0);
+    let what = if world.steep { "Values of the formula" } else { "Distances to the nearest surface" };
+    Legend {
+        lines: vec![
+            format!("{what} on the plane through what"),
+            "the camera looks at. Surfaces before it are faint.".to_owned(),
+            format!("A line every {}, a strong one every {}.", written(spacing), written(5.0 * spacing)),
+        ],
+        colors: vec![
+            (scale::OUTSIDE, "outside".to_owned()),
+            (scale::INSIDE, "inside".to_owned()),
+            (scale::ZERO, "the surface: 0".to_owned()),
+        ],
+        ..legend
+    }
+}
+
+fn normals(legend: Legend, number: Option<f32>) -> Legend {
+    let length = match number {
+        Some(number) => format!("by differences over {}", written(number)),
+        None => "by differences over 0.6 of the pixel's radius".to_owned(),
+    };
+    let axis = |place: usize, sign: f32| -> Color {
+        std::array::from_fn(|axis| if axis == place { 0.5 + 0.5 * sign } else { 0.5 })
+    };
+    let names = [("right", "left"), ("up", "down"), ("away", "near")];
+    let colors = names.iter().enumerate().flat_map(|(place, (plus, minus))| {
+        let letter = ["x", "y", "z"][place];
+        [(axis(place, 1.0), format!("+{letter} {plus}")), (axis(place, -1.0), format!("-{letter} {minus}"))]
+    });
+    let colors = colors.chain([nothing()]).collect();
+    let lines = vec!["Directions of the surfaces,".to_owned(), length];
+    Legend { lines, colors, ..legend }
+}
+
+fn shadow(legend: Legend) -> Legend {
+    Legend {
+        lines: vec!["The share of the lamps' light that arrives.".to_owned()],
+        scale: Some(marks(Ramp::Light, 1.0, "")),
+        colors: vec![(scale::FACES_AWAY, "no lamp reaches it".to_owned()), nothing()],
+        ..legend
+    }
+}
+
+fn occlusion(legend: Legend) -> Legend {
+    Legend {
+        lines: vec!["The share of the light from everywhere".to_owned(), "that arrives.".to_owned()],
+        scale: Some(marks(Ramp::Light, 1.0, "")),
+        colors: vec![nothing()],
+        ..legend
+    }
+}
+
+fn clauses(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
+    let lines = if drawn.interpreted {
+        ["Clauses that the interpreter runs for a pixel:", "rays, normals, shadows, occlusion, materials."]
+    } else {
+        ["Compiled: no clauses are run. Shown are the", "evaluations of the distance for a pixel."]
+    };
+    Legend {
+        lines: lines.map(str::to_owned).to_vec(),
+        scale: Some(marks(Ramp::Heat, number.unwrap_or(RUNS_RED), "+")),
+        ..legend
+    }
+}
+
+fn cells(legend: Legend, number: Option<f32>, drawn: Drawn) -> Legend {
+    if !drawn.cells {
+        let lines = ["Regions are off: one tape holds everywhere.", "Key R, or --regions on, divides space."];
+        return Legend { lines: lines.map(str::to_owned).to_vec(), ..legend };
+    }
+    let lines = [
+        "Cells at the surfaces, and the clauses of the",
+        "tape inside. Lines are the faces of cells,",
+        "strong ones those of the root's.",
+    ];
+    Legend {
+        lines: lines.map(str::to_owned).to_vec(),
+        scale: Some(marks(Ramp::Heat, number.unwrap_or(1.0), "+")),
+        colors: vec![
+            (scale::EMPTY_CELL, "a cell without a traced surface".to_owned()),
+            (scale::NO_CELL, "outside of the tree".to_owned()),
+            nothing(),
+        ],
+        ..legend
+    }
+}
+
+fn materials(legend: Legend, world: &World) -> Legend {
+    let objects = &world.scene.objects;
+    let name = |index: usize| {
+        let object = objects.get(index)?;
+        let material = world.scene.materials.get(object.material).map(|material| material.name.as_str());
+        Some(match material {
+            Some(material) if material != object.name && !material.is_empty() => {
+                format!("{}: {material}", object.name)
+            }
+            _ => object.name.clone(),
+        })
+    };
+    let named = objects.len().min(OBJECTS_NAMED);
+    let mut colors: Vec<(Color, String)> =
+        (0..named).filter_map(|index| Some((scale::of_object(index), name(index)?))).collect();
+    if objects.len() > named {
+        colors.push((scale::of_object(named), format!("and {} more", objects.len() - named)));
+    }
+    colors.push(nothing());
+    Legend { lines: vec!["Objects, and what they are made of.".to_owned()], colors, ..legend }
+}
+
+fn depth(legend: Legend, number: Option<f32>) -> Legend {
+    Legend {
+        lines: vec!["The way from the eye to the surface,".to_owned(), "in the scene's units.".to_owned()],
+        scale: Some(marks(Ramp::Dark, number.unwrap_or(1.0), "+")),
+        colors: vec![nothing()],
+        ..legend
+    }
+}
