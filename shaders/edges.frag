@@ -8,6 +8,18 @@ uniform sampler2D picture;
 
 layout(location = 0) out float mark;
 
+// Keys from here on are of rough mirrors (scene.frag), whose noise is seen from this contrast on.
+const float ROUGH_KEY = 1024.0;
+const float ROUGH_CONTRAST = 0.006;
+
+// Where neighbours are looked at.
+const int NEAREST = 4;
+const int NEIGHBOURS = 12;
+const ivec2 PLACES[NEIGHBOURS] = ivec2[](
+    ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(3, 1), ivec2(-3, -1), ivec2(-1, 3), ivec2(1, -3),
+    ivec2(2, 2), ivec2(-2, -2), ivec2(-2, 2), ivec2(2, -2)
+);
+
 vec4 seen(ivec2 texel, ivec2 limit) {
     return texelFetch(picture, clamp(texel, ivec2(0), limit), 0);
 }
@@ -22,15 +34,17 @@ void main() {
     ivec2 limit = textureSize(picture, 0) - 1;
     vec4 low = seen(texel, limit);
     vec4 high = low;
-    for (int i = 0; i < 4; i++) {
-        ivec2 step = i == 0 ? ivec2(1, 0) : i == 1 ? ivec2(-1, 0) : i == 2 ? ivec2(0, 1) : ivec2(0, -1);
-        vec4 other = seen(texel + step, limit);
+    for (int i = 0; i < NEIGHBOURS; i++) {
+        // Noise that none of the nearest pixels shows is looked for further away.
+        if (i >= NEAREST && low.a < ROUGH_KEY) break;
+        vec4 other = seen(texel + PLACES[i], limit);
         low = min(low, other);
         high = max(high, other);
     }
     // As bright as it will be seen, near enough. That keeps the order, so the extremes are enough.
     vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
     float contrast = max(range.r, max(range.g, range.b));
-    if (contrast < (high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y)) discard;
+    float least = high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y;
+    if (contrast < (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) discard;
     mark = 1.0;
 }

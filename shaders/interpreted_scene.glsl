@@ -73,22 +73,14 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
 const int OBJECT_PROBE = 4;
 const int FIRST_OCCLUSION_PROBE = 5;
 const int PROBES_END = 9;
-// After them, where objects shine: which one hides most of the sky.
-const int OCCLUDER_PROBE = 9;
-#ifdef GLOW
-const int ROUNDS = 10;
-#else
-const int ROUNDS = 9;
-#endif
 
-void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 occluders, out int occluding) {
+void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 occluders) {
     float h = tap_distance(cone);
     vec4 taps = vec4(0.0);
     occluders = probes;
     int probe = is_plane ? FIRST_OCCLUSION_PROBE : 0;
-    int end = occluder_near(p) ? ROUNDS : FIRST_OCCLUSION_PROBE;
-    occluding = 0;
-    for (int round = 0; round < ROUNDS; round++) {
+    int end = occluder_near(p) ? PROBES_END : FIRST_OCCLUSION_PROBE;
+    for (int round = 0; round < PROBES_END; round++) {
         vec3 at = p;
         int tape = 0;
         for (; probe < end; probe++) {
@@ -100,12 +92,6 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
                 at = p;
             } else if (probe < OBJECT_PROBE) {
                 at = p + h * vec3(TAPS_X[i], TAPS_Y[i], TAPS_Z[i]);
-#ifdef GLOW
-            } else if (probe == OCCLUDER_PROBE) {
-                vec4 hidden = hidden_by(occluders);
-                if (!(dot(hidden, vec4(1.0)) > 0.0)) continue;
-                at = p + probes[fullest_probe(hidden)] * s.normal;
-#endif
             } else {
                 at = p + probes[probe - FIRST_OCCLUSION_PROBE] * s.normal;
             }
@@ -116,25 +102,19 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
             if (probe == OBJECT_PROBE) {
                 s.object = cell.object;
                 if (cell.object == SEVERAL) break;
-            } else if (probe == OCCLUDER_PROBE) {
-                occluding = cell.object;
-                if (cell.object == SEVERAL) break;
             } else if (AS_DISTANCE(cell.bound) < probes[probe - FIRST_OCCLUSION_PROBE]) {
                 break;
             }
         }
         if (probe >= end) break;
         // The object's tape stands before the distance's.
-        bool asks_object = probe == OBJECT_PROBE || probe == OCCLUDER_PROBE;
-        if (asks_object) tape = int(texelFetch(regions, tape - 1).x);
+        if (probe == OBJECT_PROBE) tape = int(texelFetch(regions, tape - 1).x);
         vec2 d = run_region(tape, at, 0.0);
         if (probe < OBJECT_PROBE) {
             taps[probe] = d.y;
             COUNT(normal);
         } else if (probe == OBJECT_PROBE) {
             s.object = int(d.x + 0.5);
-        } else if (probe == OCCLUDER_PROBE) {
-            occluding = int(d.x + 0.5);
         } else {
             occluders[probe - FIRST_OCCLUSION_PROBE] = AS_DISTANCE(d.y);
             COUNT(occlusion);
@@ -161,8 +141,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         s.object = int(plane_objects[plane] + 0.5);
     }
     vec4 occluders;
-    int occluding;
-    probe_surface(p, plane != NOTHING, cone, s, occluders, occluding);
+    probe_surface(p, plane != NOTHING, cone, s, occluders);
     s.open = openness(p, s.normal, occluders);
     Place here = Place(p, s.normal);
     Place right = Place(p + along_surface(dx, s.normal, direction), s.normal);
@@ -176,23 +155,20 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         Place over = above;
 #ifdef GLOW
         if (i == 1) {
-            vec4 hidden = hidden_by(occluders);
-            Occluder occluder = Occluder(dot(hidden, vec4(1.0)), float(occluding), p + probes[fullest_probe(hidden)] * s.normal);
-            Occluder flat_one = nearest_plane(p, s.normal, plane);
-            if (flat_one.share > occluder.share) occluder = flat_one;
-            s.glow = vec3(occluder.share);
-            if (!(occluder.share > 0.0)) continue;
-            program = program_at(GLOW_PROGRAM);
             // Of a picture its colours round about.
-            asked = Place(occluder.place, vec3(occluder.object, 0.0, 0.0));
-            beside = Place(asked.p + vec3(0.5 * probes.w, 0.0, 0.0), asked.n);
-            over = Place(asked.p + vec3(0.0, 0.0, 0.5 * probes.w), asked.n);
+            vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
+            program = program_at(GLOW_PROGRAM);
+            asked = Place(p + width.x * s.normal, vec3(0.0));
+            beside = Place(asked.p + width, asked.n);
+            over = Place(asked.p + width.zyx, asked.n);
         }
 #endif
         head = run_program(program, asked, beside, over);
         vec3 first = vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
         if (i == 0) s.ambient = first;
-        if (i == 1) s.glow *= light_of(first);
+#ifdef GLOW
+        if (i == 1) s.glow = glow_from(vec4(first, READ(head.x, 3)));
+#endif
     }
     s.material = Material(vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2)), READ(head.x, 3), READ(head.y, 0),
                           vec3(READ(head.y, 1), READ(head.y, 2), READ(head.y, 3)), READ(head.z, 0), READ(head.z, 1),

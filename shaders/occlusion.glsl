@@ -1,5 +1,5 @@
 // Ambient occlusion: how much nearer the scene is than a probe along the normal is high (Quilez 2008; thesis
-// section 3.5). Four probes; acts on ambient light only. What hides that light gives its own instead, if it shines.
+// section 3.5). Four probes; acts on ambient light only. What shines nearby gives its light instead.
 
 // Heights of the probes, as shares of how far away things take light (`frame_reach`).
 const vec4 PROBE_SHARES = vec4(0.0625, 0.25, 0.5625, 1.0);
@@ -18,11 +18,6 @@ bool occluder_near(vec3 p) {
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;
 }
 
-// What each probe says is hidden, weighted; `d` are the distances at the probes.
-vec4 hidden_by(vec4 d) {
-    return PROBE_WEIGHTS * clamp((probes - d) / probes, 0.0, 1.0);
-}
-
 // 1 is open, from the scene's distances at the probes.
 float openness(vec3 p, vec3 normal, vec4 d) {
     for (int i = 0; i < PLANES; i++) {
@@ -30,35 +25,17 @@ float openness(vec3 p, vec3 normal, vec4 d) {
         vec4 above = height + probes * dot(planes[i].xyz, normal);
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, max(above, 0.0));
     }
-    return clamp(1.0 - dot(vec4(1.0), hidden_by(d)), 0.0, 1.0);
+    return clamp(1.0 - dot(PROBE_WEIGHTS, clamp((probes - d) / probes, 0.0, 1.0)), 0.0, 1.0);
 }
 
 #ifdef GLOW
-// What hides most of the sky from a point: how much, the object's number, and where that is.
-struct Occluder {
-    float share;
-    float object;
-    vec3 place;
-};
+// Where a surface asks for what shines nearby, as a share of the reach along its normal: what faces it is nearer from
+// there, what it turns its back to farther away.
+const float GLOW_PROBE = 0.25;
 
-// Of the planes; a surface that lies on one does not count.
-Occluder nearest_plane(vec3 p, vec3 normal, int own) {
-    Occluder nearest = Occluder(0.0, 0.0, p);
-    for (int i = 0; i < PLANES; i++) {
-        vec3 up = planes[i].xyz;
-        float height = dot(up, p) + planes[i].w;
-        float share = dot(vec4(1.0), hidden_by(max(height + probes * dot(up, normal), 0.0)));
-        if (i != own && dot(up, up) > 0.5 && share > nearest.share) {
-            nearest = Occluder(share, plane_objects[i], p - height * up);
-        }
-    }
-    return nearest;
-}
-
-// The probe that finds most hidden, and how much all of them find.
-int fullest_probe(vec4 hidden) {
-    int fullest = 0;
-    for (int i = 1; i < 4; i++) fullest = hidden[i] > hidden[fullest] ? i : fullest;
-    return fullest;
+// Its light, from the emission there and the distance: none from the reach on, all of it where it touches.
+vec3 glow_from(vec4 found) {
+    float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / frame_reach.x, 0.0, 1.0);
+    return light_of(found.rgb) * (near * near * near);
 }
 #endif

@@ -67,6 +67,10 @@ float surface_key = 0.0;
 // A prime: keys stay whole and below 2048, which 16-bit floats hold exactly.
 const float KEYS = 1021.0;
 
+// Added to the key where a rough mirror was seen: noise takes more samples.
+const float ROUGH_KEY = 1024.0;
+float seen_rough = 0.0;
+
 void add_to_key(int object, bool flat_surface, vec3 normal) {
     vec3 cell = floor(normal * 1.49 + 1.5);
     float facing = flat_surface ? 0.0 : cell.x + 3.0 * cell.y + 9.0 * cell.z;
@@ -83,13 +87,17 @@ const int SURFACES_MAX = 1;
 const float SHARE_MIN = 0.004;
 
 #ifdef BLUR
-// Two numbers of 0..1 for a surface of the path, other ones for each sample of a pixel and for pixels side by side, the
-// same in each frame: interleaved gradient noise (Jimenez 2014), and steps of the R2 sequence (Roberts 2018).
+// Two numbers of 0..1 for a surface of the path: those of a pixel by a hash (pcg3d, Jarzynski and Olano 2020), the same
+// in each frame, those of its further samples by steps of the R2 sequence (Roberts 2018).
 vec2 scatter(int surface) {
-    vec2 pixel = floor(sample_place()) + 5.588238 * float(surface);
-    float noise = fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
-    float other = fract(52.9829189 * fract(dot(pixel.yx + 47.0, vec2(0.06711056, 0.00583715))));
-    return fract(vec2(noise, other) + sample_number() * vec2(0.7548777, 0.5698403));
+    uvec3 v = uvec3(uvec2(sample_place()), uint(surface)) * 1664525u + 1013904223u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    v.z += v.x * v.y;
+    v ^= v >> 16u;
+    v.x += v.y * v.z;
+    v.y += v.z * v.x;
+    return fract(vec2(v.xy >> 8u) / 16777216.0 + sample_number() * vec2(0.7548777, 0.5698403));
 }
 
 // The normal of a rough mirror's facet, by GGX (Walter et al. 2007).
@@ -149,8 +157,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float alpha = m.blur * m.blur;
             if (alpha > 1e-4) {
                 mirror = facet(s.normal, alpha, scatter(surface));
-                // Neighbours that differ by the noise alone get more samples, too.
-                surface_key = mod(surface_key + 127.0 * mod(floor(sample_place().x) + floor(sample_place().y), 2.0), KEYS);
+                seen_rough = ROUGH_KEY;
                 blurred += 0.5 * alpha;
             }
 #endif
@@ -179,7 +186,7 @@ void main() {
 #ifdef VIEWS
     sample_color = vec4(light_of(view_color(direction)), 1.0);
 #else
-    sample_color = stored_sample(color, surface_key, pass_sample.z > 0.5);
+    sample_color = stored_sample(color, surface_key + seen_rough, pass_sample.z > 0.5);
 #endif
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
     sample_spread = spread_at(seen_nearness);

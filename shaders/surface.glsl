@@ -5,16 +5,6 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return scene_distance(p, penumbra);
 }
 
-#ifdef GLOW
-// Light of what hides the sky: the occluder, or a plane that hides more.
-vec3 glow_of(Occluder occluder, vec3 p, vec3 normal, int plane) {
-    Occluder flat_one = nearest_plane(p, normal, plane);
-    if (flat_one.share > occluder.share) occluder = flat_one;
-    vec3 width = vec3(0.5 * probes.w, 0.0, 0.0);
-    return occluder.share > 0.0 ? occluder.share * scene_glow(occluder.object, occluder.place, width, width.zyx) : vec3(0.0);
-}
-#endif
-
 // What is asked at points around it, in this order: the object at the point, the normal's taps, the occlusion's probes.
 const int FIRST_TAP = 1;
 const int FIRST_PROBE = 5;
@@ -33,9 +23,6 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         object = plane_objects[plane];
     }
     vec4 d = probes;
-#ifdef GLOW
-    vec4 found = vec4(0.0);
-#endif
     float h = tap_distance(cone);
     int last = occluder_near(p) ? LAST_PROBE : FIRST_PROBE - 1;
     // One loop, so that a driver compiles the scene once for all of this; it ends early where nothing is asked.
@@ -56,9 +43,6 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
             COUNT(normal);
         } else {
             d = mix(d, vec4(AS_DISTANCE(estimate)), place);
-#ifdef GLOW
-            found = mix(found, vec4(nearest), place);
-#endif
             COUNT(occlusion);
         }
     }
@@ -68,10 +52,9 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
                                 along_surface(dy, s.normal, direction));
     s.open = openness(p, s.normal, d);
 #ifdef GLOW
-    vec4 hidden = hidden_by(d);
-    int fullest = fullest_probe(hidden);
-    Occluder occluder = Occluder(dot(hidden, vec4(1.0)), found[fullest], p + probes[fullest] * s.normal);
-    s.glow = glow_of(occluder, p, s.normal, plane);
+    // Of a picture its colours round about.
+    vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
+    s.glow = glow_from(scene_glow(p + width.x * s.normal, width, width.zyx));
 #endif
     s.ambient = sky_ambient(s.normal, vec3(0.0), vec3(0.0));
     return s;

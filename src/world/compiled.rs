@@ -63,8 +63,8 @@ impl World {
             );
         }
         text.push_str(
-            "vec3 scene_glow(float object, vec3 p, vec3 dx, vec3 dy) {\n    vec3 color;\n    glow(p, vec3(object, 0.0, 0.0), \
-             dx, dy, color.r, color.g, color.b);\n    return color;\n}\n",
+            "vec4 scene_glow(vec3 p, vec3 dx, vec3 dy) {\n    vec4 light;\n    glow(p, vec3(0.0), dx, dy, light.r, light.g, \
+             light.b, light.a);\n    return light;\n}\n",
         );
         text.push_str(
             "Material scene_material(int object, vec3 p, vec3 n, vec3 dx, vec3 dy) {\n    Material m;\n    ",

@@ -1,46 +1,56 @@
 //! What objects that shine give to what is near them.
 //!
-//! Whatever hides a part of the sky from a surface sends its own light from there instead: the shader finds out how
-//! much is hidden when it asks for ambient occlusion, and asks here for the light of the object that hides it.
+//! Whatever hides a part of the sky from a surface sends its own light from there instead. The shader asks here, once for
+//! a surface, at a point above it: what shines nearby, and how far away it is.
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// The normal's component that holds the number of an object instead.
-const OBJECT: Input = Input::NX;
-
-/// The emission of an object near a point, in red, green and blue, as a function of the point and, in place of the
-/// normal's x, the object's number. Where an emission depends on the normal it is that of a surface that faces up. None
-/// where nothing shines.
+/// Emission near a point in red, green and blue, and the distance to the nearest object that shines, as functions of the
+/// point. Between objects their emissions mix, the nearer the more, so that no seam is seen. Where an emission depends on
+/// the normal it is that of a surface that faces up. None where nothing shines.
 ///
 /// # Errors
 /// What [`Graph::check`] says.
-pub(super) fn glow(scene: &mut Scene) -> Result<Option<[NodeId; 3]>, GraphError> {
+pub(super) fn glow(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
-    let shines = |emission: [NodeId; 3]| emission != [zero; 3];
-    let objects = scene.objects.iter().enumerate();
-    let shining: Vec<(usize, [NodeId; 3])> = objects
-        .filter_map(|(number, object)| Some((number, scene.materials.get(object.material)?.emission)))
-        .filter(|(_, emission)| shines(*emission))
+    let objects = scene.objects.iter();
+    let shining: Vec<(NodeId, [NodeId; 3])> = objects
+        .filter_map(|object| Some((object.shape, scene.materials.get(object.material)?.emission)))
+        .filter(|(_, emission)| *emission != [zero; 3])
         .collect();
-    if shining.is_empty() {
-        return Ok(None);
-    }
-    let roots: Vec<NodeId> = shining.iter().flat_map(|(_, emission)| *emission).collect();
-    let facing_up = without_normals(&mut scene.graph, &roots)?;
+    let emissions: Vec<NodeId> = shining.iter().flat_map(|(_, emission)| *emission).collect();
+    let facing_up = without_normals(&mut scene.graph, &emissions)?;
     let graph = &mut scene.graph;
-    let object = graph.input(OBJECT);
-    let half = graph.constant(0.5);
-    let mut light = [zero; 3];
-    for ((number, _), emission) in shining.iter().zip(facing_up.as_chunks::<3>().0) {
-        let number = graph.constant(*number as f32);
-        let off = graph.sub(object, number);
-        let off = graph.unary(Op::Abs, off);
-        let is_it = graph.binary(Op::Less, off, half);
-        light = [0, 1, 2].map(|part| graph.select(is_it, emission[part], light[part]));
-    }
+    let shapes: Vec<NodeId> = shining.iter().map(|(shape, _)| *shape).collect();
+    let Some(nearest) = shapes.iter().copied().reduce(|a, b| graph.min(a, b)) else { return Ok(None) };
+    let emissions = facing_up.as_chunks::<3>().0;
+    let light = match emissions {
+        [one] => *one,
+        several => {
+            let (tiny, one) = (graph.constant(1e-6), graph.constant(1.0));
+            let weights: Vec<NodeId> = shapes
+                .iter()
+                .map(|&shape| {
+                    let square = graph.unary(Op::Square, shape);
+                    let square = graph.add(square, tiny);
+                    graph.div(one, square)
+                })
+                .collect();
+            let sum = weights.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap_or(one);
+            [0, 1, 2].map(|part| {
+                let mut light = zero;
+                for (emission, &weight) in several.iter().zip(&weights) {
+                    let share = graph.mul(emission[part], weight);
+                    light = graph.add(light, share);
+                }
+                graph.div(light, sum)
+            })
+        }
+    };
     graph.check()?;
-    Ok(Some(light))
+    let [r, g, b] = light;
+    Ok(Some([r, g, b, nearest]))
 }
 
 /// The expressions with (0, 1, 0) for the normal.
@@ -67,20 +77,25 @@ mod tests {
     use crate::graph::{FrameInputs, Point};
     use crate::lang::{compile, no_includes};
 
-    #[test]
-    fn each_object_gives_its_own_emission_and_what_is_dark_gives_none() {
-        let text = "material a { emission = vec3(p.x, 2, n.y) }\nmaterial dark { color = 1 }\n\
-                    object first { shape = sphere(p, 1) material = dark }\n\
-                    object second { shape = box(p, 1) material = a }";
+    fn glow_at(text: &str, x: f32) -> Option<Vec<f32>> {
         let mut scene = compile("test", text, &mut no_includes).scene.unwrap();
-        let light = glow(&mut scene).unwrap().unwrap();
-        let at = |object: f32| {
-            let point = Point { position: [5.0, 0.0, 0.0], normal: [object, 0.3, 0.3] };
-            scene.graph.evaluate(&light, &point, &FrameInputs::default()).unwrap()
-        };
-        assert_eq!(at(0.0), [0.0; 3]);
-        assert_eq!(at(1.0), [5.0, 2.0, 1.0]);
-        let mut dark = compile("test", "sphere(p, 1)", &mut no_includes).scene.unwrap();
-        assert_eq!(glow(&mut dark).unwrap(), None);
+        let roots = glow(&mut scene).unwrap()?;
+        let point = Point { position: [x, 0.0, 0.0], normal: [0.3; 3] };
+        Some(scene.graph.evaluate(&roots, &point, &FrameInputs::default()).unwrap())
+    }
+
+    #[test]
+    fn objects_give_their_emission_as_far_as_they_are_near_and_what_is_dark_gives_none() {
+        let text = "material a { emission = vec3(p.x, 2, n.y) }\nmaterial b { emission = vec3(0, 4, 0) }\n\
+                    material dark { color = 1 }\n\
+                    object first { shape = sphere(p, 9) material = dark }\n\
+                    object second { shape = sphere(p - vec3(5, 0, 0), 1) material = a }\n";
+        assert_eq!(glow_at(text, 3.0).unwrap(), [3.0, 2.0, 1.0, 1.0]);
+        let two = format!("{text}object third {{ shape = sphere(p - vec3(1, 0, 0), 1) material = b }}");
+        let halfway = glow_at(&two, 3.0).unwrap();
+        assert!((halfway[0] - 1.5).abs() < 1e-3 && (halfway[1] - 3.0).abs() < 1e-3, "{halfway:?}");
+        let at_the_third = glow_at(&two, 2.01).unwrap();
+        assert!(at_the_third[1] > 3.9 && at_the_third[3] < 0.02, "{at_the_third:?}");
+        assert_eq!(glow_at("sphere(p, 1)", 0.0), None);
     }
 }

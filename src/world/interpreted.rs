@@ -182,7 +182,7 @@ impl World {
         let program = |roots: &[NodeId]| Program::build(&self.graph, roots).map_err(failed);
         let tape =
             |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
-        let of_light = [&self.roots.sky, &self.roots.ambient, &self.roots.glow];
+        let of_light = [&self.roots.sky[..], &self.roots.ambient, &self.roots.glow];
         let mut programs = of_light.into_iter().map(|roots| program(roots)).collect::<Result<Vec<_>, _>>()?;
         for roots in &self.roots.materials {
             debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());

@@ -97,8 +97,8 @@ pub struct Roots {
     pub sky: [NodeId; 3],
     /// Light on a surface from everywhere.
     pub ambient: [NodeId; 3],
-    /// Light of an object, whose number is in the place of the normal's x, on what is near it; black where none shines.
-    pub glow: [NodeId; 3],
+    /// Emission near a point, and the distance to what has it; black where nothing shines.
+    pub glow: [NodeId; 4],
 }
 
 impl Roots {
@@ -196,7 +196,7 @@ impl World {
     }
 }
 
-fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 3]>) -> Roots {
+fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> Roots {
     let materials = scene.materials.iter().map(|material| {
         let ([r, g, b], [er, eg, eb]) = (material.color, material.emission);
         let (roughness, metalness) = (material.roughness, material.metalness);
@@ -211,7 +211,7 @@ fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 3]>) -> R
         materials,
         sky: scene.sky.color,
         ambient: scene.sky.ambient,
-        glow: glow.unwrap_or([nothing; 3]),
+        glow: glow.unwrap_or([nothing; 4]),
     }
 }
 

@@ -128,8 +128,9 @@ vec3 bar_light(vec3 p) {
     return bar_hue((index + 0.5) / 32.0) * (0.25 + 1.3 * level * smoothstep(-0.6, 1.0, p.y / (0.04 + BAR_HEIGHT * level)));
 }
 
-vec3 scene_glow(float object, vec3 p, vec3 dx, vec3 dy) {
-    return int(object + 0.5) == 1 ? bar_light(p) : vec3(0.0);
+
+vec4 scene_glow(vec3 p, vec3 dx, vec3 dy) {
+    return vec4(bar_light(p), bars_distance(p));
 }
 
 vec3 eye() {
