@@ -19,5 +19,7 @@ void main() {
         sum += texelFetch(picture, texel, 0).rgb;
         spread = min(spread, texelFetch(spreads, texel, 0).r);
     }
-    smaller = vec4(0.25 * sum, 0.5 * spread);
+    // Less what the halving and the way back spread by themselves, so that both together are what the lens does.
+    float disc = sqrt(max(0.25 * spread * spread - 2.6, 0.0));
+    smaller = vec4(0.25 * sum, spread < 0.0 ? -disc : disc);
 }

@@ -407,7 +407,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
 fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     write_still(&StillRequest {
-        song: song(arguments.file.as_deref()),
+        song: Song::from_argument(arguments.file.as_deref()),
         at: arguments.at,
         size: arguments.size,
         gain: common.gain.into(),
@@ -420,7 +420,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
 fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     let request = VideoRequest {
-        song: song(arguments.file.as_deref()),
+        song: Song::from_argument(arguments.file.as_deref()),
         start: arguments.start,
         duration: arguments.duration,
         fps: arguments.fps,
@@ -447,7 +447,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
 
 fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
     let request = AnalyzeRequest {
-        song: song(arguments.file.as_deref()),
+        song: Song::from_argument(arguments.file.as_deref()),
         fps: arguments.fps,
         start: arguments.start,
         duration: arguments.duration,
@@ -461,7 +461,7 @@ fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
 fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     let report = measure(&BenchRequest {
-        song: song(arguments.file.as_deref()),
+        song: Song::from_argument(arguments.file.as_deref()),
         at: arguments.at,
         size: arguments.size,
         frames: arguments.frames.into(),
@@ -480,10 +480,6 @@ fn run_devices(json: bool) -> anyhow::Result<()> {
 
 fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
     Ok(print_line(&serde_json::to_string_pretty(value)?)?)
-}
-
-fn song(file: Option<&Path>) -> Song {
-    Song::from_argument(file)
 }
 
 impl CommonArguments {
