@@ -90,8 +90,8 @@ fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
         sdf: SdfChoice::Compiled,
         shaders: ShaderLibrary::embedded(),
         regions: true,
-        view: None,
         tone_map: None,
+        view: None,
         verbose: false,
     })?;
     let mut picture = |moment: usize, size: (u32, u32)| -> anyhow::Result<RgbaImage> {
