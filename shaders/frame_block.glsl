@@ -15,7 +15,7 @@ layout(std140) uniform FrameBlock {
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
     vec4 frame_stereo;      // xy volumes of mid and side; z the row of the history at age 0, w the rows from it to age 1
-    vec4 frame_reach;       // x how far away other things take ambient light and give theirs
+    vec4 frame_reach;       // x how far away other things take ambient light and give theirs; y quality
     vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
     vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
                                         // side, w range or 0; half the upper side, w share that shadows take
@@ -38,6 +38,10 @@ layout(std140) uniform PassBlock {
 #define frame_volume frame_levels
 #define frame_bass_drive frame_clock.w
 #define frame_pitch frame_levels.w
+
+// How much a picture may cost beside its number of pixels, 0..1: 1 for the best, as in stills, videos and measurements.
+// What is costly and little missed may be less by it, smoothly: the window changes it in small steps while it shows.
+#define frame_quality frame_reach.y
 
 // What rays read again and again is copied once for each sample: llvmpipe fetches every number of a block for each pixel
 // by itself, thirty instructions where a copy takes none. `scene_load` does the same for a compiled scene's inputs.

@@ -83,8 +83,9 @@ const int SURFACES_MAX = 5;
 #else
 const int SURFACES_MAX = 1;
 #endif
-// A path ends where less of its light than this would reach the eye.
+// A path ends where less of its light than this would reach the eye; at the least quality more is let go.
 const float SHARE_MIN = 0.004;
+const float SHARE_MIN_LEAST = 0.06;
 
 #ifdef BLUR
 // Two numbers of 0..1 for a surface of the path: those of a pixel by a hash (pcg3d, Jarzynski and Olano 2020), the same
@@ -114,6 +115,7 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 // shading once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
+    float share_min = mix(SHARE_MIN_LEAST, SHARE_MIN, frame_quality);
     float travelled = 0.0;
     // Light is spread over this more for each unit of the way, once it was mirrored by something rough.
     float blurred = 0.0;
@@ -148,7 +150,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
-            if (max(kept.r, max(kept.g, kept.b)) > SHARE_MIN) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
+            if (max(kept.r, max(kept.g, kept.b)) > share_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
             // Metals colour what they mirror.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
@@ -170,7 +172,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_share * light_of(sky_color(direction, dx * scale, dy * scale));
         }
-        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < SHARE_MIN) return color;
+        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < share_min) return color;
         direction = mirrored;
     }
     return color;

@@ -1,9 +1,11 @@
 //! The command line: every flag and subcommand, checked against the limits, and what each starts.
 
+mod choices;
 mod parse;
 mod scene;
 mod view;
 
+use choices::{GainChoice, Quality, RepeatChoice, Sdf, Switch, ToneMapChoice};
 use std::io::{BufWriter, IsTerminal};
 use std::path::PathBuf;
 
@@ -19,8 +21,7 @@ use crate::audio::devices::list_devices;
 use crate::audio::playlist::Playlist;
 use crate::audio::song::Song;
 use crate::audio::track::Repeat;
-use crate::config::{ListenChoice, PlaySettings, SdfChoice};
-use crate::dsp::Gain;
+use crate::config::{ListenChoice, PlaySettings};
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
 use crate::export::painter::SceneChoice;
@@ -29,7 +30,6 @@ use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
-use crate::world::ToneMap;
 
 /// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
@@ -96,6 +96,12 @@ struct PlayArguments {
     /// Most frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
+    /// How good the picture is; auto draws fewer pixels where frames take too long
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    quality: Quality,
+    /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    flash_limiter: Switch,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
@@ -139,68 +145,6 @@ struct CommonArguments {
 
 /// The scene that is shown without being told otherwise.
 const DEFAULT_SCENE: &str = "speakers";
-
-/// See [`SdfChoice`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Sdf {
-    Interpreted,
-    Compiled,
-    Auto,
-}
-
-/// See [`Gain`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum GainChoice {
-    Auto,
-    Off,
-}
-
-impl From<GainChoice> for Gain {
-    fn from(choice: GainChoice) -> Self {
-        match choice {
-            GainChoice::Auto => Gain::Auto,
-            GainChoice::Off => Gain::Off,
-        }
-    }
-}
-
-/// See [`ToneMap`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum ToneMapChoice {
-    Agx,
-    Aces,
-    Reinhard,
-    None,
-}
-
-impl From<ToneMapChoice> for ToneMap {
-    fn from(choice: ToneMapChoice) -> Self {
-        match choice {
-            ToneMapChoice::Agx => ToneMap::Agx,
-            ToneMapChoice::Aces => ToneMap::Aces,
-            ToneMapChoice::Reinhard => ToneMap::Reinhard,
-            ToneMapChoice::None => ToneMap::None,
-        }
-    }
-}
-
-/// See [`Repeat`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum RepeatChoice {
-    /// The list, again and again
-    All,
-    /// One track, again and again
-    One,
-    /// Each track once; the window stays
-    Off,
-}
-
-/// On or off.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum Switch {
-    On,
-    Off,
-}
 
 #[derive(Subcommand)]
 enum Command {
@@ -279,6 +223,9 @@ struct VideoArguments {
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
+    /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    flash_limiter: Switch,
     /// The video, or a folder ending in '/' for numbered PNGs
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -386,6 +333,8 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         gain: common.gain.into(),
         listen,
         fps_cap: arguments.fps_cap,
+        quality: arguments.quality.into(),
+        limit_flashes: arguments.flash_limiter == Switch::On,
         fullscreen: arguments.fullscreen,
         size: arguments.size,
         gl_info: arguments.gl_info,
@@ -426,6 +375,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
         fps: arguments.fps,
         size: arguments.size,
         gain: common.gain.into(),
+        limit_flashes: arguments.flash_limiter == Switch::On,
         output: arguments.output,
         scene: SceneChoice { view: arguments.view.view, ..common.scene()? },
     };
@@ -503,11 +453,7 @@ impl CommonArguments {
     fn scene(&self) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
             source: SceneSource::find(&self.scene)?,
-            sdf: match self.sdf {
-                Sdf::Interpreted => SdfChoice::Interpreted,
-                Sdf::Compiled => SdfChoice::Compiled,
-                Sdf::Auto => SdfChoice::Auto,
-            },
+            sdf: self.sdf.into(),
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             regions: self.regions != Some(Switch::Off),
             view: None,

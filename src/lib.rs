@@ -10,6 +10,7 @@ pub mod cli;
 pub mod config;
 pub mod dsp;
 pub mod export;
+pub mod flash;
 pub mod frame;
 pub mod gpu;
 pub mod graph;

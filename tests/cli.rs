@@ -244,8 +244,18 @@ fn help_is_complete_and_its_examples_use_flags_that_exist() {
     for name in subcommands {
         assert!(main_help.lines().any(|line| line.trim_start().starts_with(name)), "{name} in {main_help}");
     }
-    for flag in ["--once", "--latency", "--scene", "--sdf", "--shaders", "--gl-info", "--device", "--version"]
-    {
+    for flag in [
+        "--once",
+        "--latency",
+        "--quality",
+        "--flash-limiter",
+        "--scene",
+        "--sdf",
+        "--shaders",
+        "--gl-info",
+        "--device",
+        "--version",
+    ] {
         assert!(main_help.contains(flag), "{flag} in {main_help}");
     }
     for page in [&[""][..], &subcommands].concat() {

@@ -39,7 +39,10 @@ fn compiles(name: &str, text: &str) {
 #[test]
 fn the_reference_begins_with_its_introduction() {
     let intro = include_str!("../examples/draw_shapes/intro.md").replace("\r\n", "\n");
-    assert!(reference().starts_with(intro.trim_end()), "docs/language.md begins with other words than intro.md: {REMEDY}");
+    assert!(
+        reference().starts_with(intro.trim_end()),
+        "docs/language.md begins with other words than intro.md: {REMEDY}"
+    );
 }
 
 #[test]

@@ -8,10 +8,11 @@
 mod support;
 
 use mariana::gpu::error::GpuError;
+use mariana::gpu::flash_pass::FLASH_SHADERS;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
-use mariana::gpu::renderer::{Counting, EDGE_SHADER};
+use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
 use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
 use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
@@ -51,7 +52,8 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
 
 /// All shaders of the program, the vertex shader first.
 fn cases() -> Vec<Case> {
-    let own = [(VERTEX_SHADER, &[][..]), (EDGE_SHADER, &[])].into_iter().chain(POST_SHADERS);
+    let plain = [VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER].into_iter().chain(FLASH_SHADERS);
+    let own = plain.map(|file| (file, &[][..])).chain(POST_SHADERS);
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");

@@ -3,6 +3,7 @@
 mod announcer;
 pub mod error;
 mod frame_times;
+mod governor;
 pub mod keys;
 mod media_controls;
 pub mod overlay;

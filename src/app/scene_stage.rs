@@ -464,7 +464,7 @@ impl SceneStage {
         &mut self,
         renderer: &mut Renderer,
         (moment, sound): (Moment, Sound),
-        size: (u32, u32),
+        (size, aspect, quality): ((u32, u32), f64, f32),
     ) -> Result<Option<Shown>, GpuError> {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
@@ -473,6 +473,7 @@ impl SceneStage {
         let wishes = (params.as_slice(), self.hand);
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else { return Ok(None) };
+        let frame = frame.in_window(cast.resources.world(), aspect, quality);
         self.own_pitch = frame.own_pitch();
         match self.views.program(cast, mode) {
             None => renderer.draw(&frame, &cast.resources, program)?,

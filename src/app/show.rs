@@ -12,6 +12,7 @@ use winit::window::WindowId;
 use super::announcer::{Announcer, next_repeat};
 use super::error::AppError;
 use super::frame_times::FrameTimes;
+use super::governor::Governor;
 use super::keys::{self, Action};
 use super::media_controls::{Asked, MediaControls};
 use super::overlay::Overlay;
@@ -152,6 +153,10 @@ impl Show {
         }
         let library = &self.scene.shaders;
         let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+        renderer.prepare_for_window(library)?;
+        if settings.limit_flashes {
+            renderer.add_flash_limiter(library)?;
+        }
         renderer.set_tone_map(self.scene.tone_map);
         let Some((loader, first)) = self.loader.take() else { return Ok(()) };
         let contexts = window.worker_contexts(COMPILERS);
@@ -204,6 +209,9 @@ impl Show {
             pacing: Pacing::new(fps, now),
             shown: None,
             frame_times: FrameTimes::default(),
+            governor: Governor::new(settings.quality, fps),
+            moved: now,
+            pictured: None,
             status_due: now,
             told_silent: None,
             announcer,
@@ -233,9 +241,8 @@ impl Show {
         }
         let Some(size) = stage.window.size() else { return Ok(()) };
         let Some(moment) = stage.moment() else { return Ok(()) };
-        // A window beyond the driver's textures is drawn smaller and enlarged.
-        let limit = stage.window.gl().info().texture_side_max;
-        let drawn = (size.0.min(limit), size.1.min(limit));
+        let level = stage.level(begun);
+        let drawn = stage.drawn_size(level, size);
         if !stage.scene.is_ready() {
             return Ok(());
         }
@@ -246,9 +253,13 @@ impl Show {
             let curves =
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
             let sound = dsp::Sound { features: moment.features, tables: curves };
-            new = stage.scene.draw(&mut stage.renderer, (moment, sound), drawn)?;
+            let aspect = f64::from(size.0) / f64::from(size.1.max(1));
+            new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level.quality))?;
+            if new.is_some() {
+                stage.finish_picture(begun)?;
+            }
         }
-        let corner = stage.corner.then(|| stage.scene.corner()).flatten();
+        let corner = stage.corner_line();
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
         show_sound(&stage.sound, &stage.announcer, &mut content, begun);
         let Some(shown) = new.or(stage.shown) else { return Ok(()) };
@@ -259,10 +270,12 @@ impl Show {
         }
         stage.renderer.show(size)?;
         let painted = stage.overlay.paint(stage.window.window(), size, content)?;
+        let drawing = begun.elapsed();
         stage.window.swap()?;
         let first = stage.shown.replace(shown).is_none();
         if new.is_some() {
             stage.frame_times.note(begun.elapsed());
+            stage.note_cost(level, drawing, begun.elapsed());
             stage.scene.note_frame_time(begun.elapsed());
         }
         if painted.params_changed {
@@ -441,16 +454,18 @@ impl ApplicationHandler for Show {
             return self.fail(error.into(), event_loop);
         }
         let now = Instant::now();
-        let corner = stage.corner.then(|| stage.scene.corner()).flatten();
+        let corner = stage.corner_line();
         stage.announcer.update(now);
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
         show_sound(&stage.sound, &stage.announcer, &mut content, now);
         let overlay_due = stage.overlay.due(&content, now);
         let revision = stage.scene.revision();
         let moment = stage.moment();
+        if stage.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision) {
+            stage.moved = now;
+        }
         let moving =
-            stage.shown.is_none_or(|shown| moment != Some(shown.moment) || shown.revision != revision)
-                || overlay_due.is_some_and(|due| due <= now);
+            stage.moved == now || stage.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use super::announcer::{Announcer, words_of};
 use super::frame_times::FrameTimes;
+use super::governor::{Governor, Level};
 use super::media_controls::MediaControls;
 use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
@@ -16,12 +17,16 @@ use super::window::GlWindowContext;
 use crate::audio::track::Repeat;
 use crate::audio::{Moment, Player};
 use crate::dsp::TapTempo;
+use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 
 /// How often a show that stands still looks around.
 pub(super) const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 /// How often it does while it waits for a sound that it could show.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
+
+/// How long a show has stood still that is drawn as good as can be.
+const STANDS_STILL: Duration = Duration::from_millis(400);
 
 /// Everything that lives as long as the window.
 pub(super) struct Stage {
@@ -36,6 +41,11 @@ pub(super) struct Stage {
     /// What the last frame showed. A show that stands still is not drawn again.
     pub(super) shown: Option<Shown>,
     pub(super) frame_times: FrameTimes,
+    pub(super) governor: Governor,
+    /// When the show last moved.
+    pub(super) moved: Instant,
+    /// When the last new picture was begun.
+    pub(super) pictured: Option<Instant>,
     pub(super) status_due: Instant,
     pub(super) told_silent: Option<String>,
     pub(super) announcer: Announcer,
@@ -106,6 +116,53 @@ impl Stage {
         self.taps.apply(now.song_time, &mut now.features);
         let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
         Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
+    }
+
+    /// How the next picture is drawn: one that stands still, as good as can be, and so a view, whose legend is read.
+    pub(super) fn level(&self, now: Instant) -> Level {
+        let still = now.saturating_duration_since(self.moved) >= STANDS_STILL;
+        if still || self.scene.view().is_some() { self.governor.still_level() } else { self.governor.level() }
+    }
+
+    /// The size in which a level draws the window. What is beyond the driver's textures is drawn smaller, too.
+    pub(super) fn drawn_size(&self, level: Level, window: (u32, u32)) -> (u32, u32) {
+        let limit = self.window.gl().info().texture_side_max;
+        level.size_in((window.0.min(limit), window.1.min(limit)))
+    }
+
+    /// Whether a show that stands still could be drawn better than it is.
+    pub(super) fn could_be_better(&self, now: Instant) -> bool {
+        let Some((shown, window)) = self.shown.zip(self.window.size()) else { return false };
+        shown.size != self.drawn_size(self.level(now), window)
+    }
+
+    /// The line about the scene and how it is drawn, if it is wanted.
+    pub(super) fn corner_line(&self) -> Option<String> {
+        let scene = self.scene.corner().filter(|_| self.corner)?;
+        let size =
+            self.shown.map(|shown| format!(" · {}x{}", shown.size.0, shown.size.1)).unwrap_or_default();
+        Some(format!("{scene}{size}, {}", self.governor))
+    }
+
+    /// Finishes a picture that was begun at `begun`: dims what flashes too often.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn finish_picture(&mut self, begun: Instant) -> Result<(), GpuError> {
+        let last = self.pictured.replace(begun).unwrap_or(begun);
+        self.renderer.limit_flashes(begun.saturating_duration_since(last).as_secs_f64())
+    }
+
+    /// Tells the governor what a picture cost that took `drawing` until it was handed over and `showing` in all. To hand
+    /// over waits for a monitor, but on a software renderer it is what draws.
+    pub(super) fn note_cost(&mut self, drawn: Level, drawing: Duration, showing: Duration) {
+        let cost = match (self.window.gl().info().software, self.renderer.gpu_time()) {
+            (true, _) => showing,
+            (false, gpu) => drawing.max(gpu.unwrap_or_default()),
+        };
+        if drawn == self.governor.level() {
+            self.governor.note(Instant::now(), cost);
+        }
     }
 
     /// How long a show that stands still sleeps: in silence it listens.

@@ -18,6 +18,22 @@ pub enum SdfChoice {
     Auto,
 }
 
+/// How much a picture in the window may cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum QualityChoice {
+    /// As much as the frame rate allows.
+    #[default]
+    Auto,
+    /// About half of the window's width and height, without what is costly.
+    Low,
+    /// Between the two.
+    Medium,
+    /// Hardly less than the best.
+    High,
+    /// Every pixel and every term, as in stills and videos.
+    Best,
+}
+
 /// What to listen to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListenChoice {
@@ -46,6 +62,10 @@ pub struct PlaySettings {
     pub listen: Option<ListenChoice>,
     /// Most frames per second; none is the monitor's rate.
     pub fps_cap: Option<f64>,
+    /// How much a picture may cost.
+    pub quality: QualityChoice,
+    /// Whether more than three flashes a second are dimmed.
+    pub limit_flashes: bool,
     /// Start in full screen.
     pub fullscreen: bool,
     /// Size of the window in pixels at the start.

@@ -93,6 +93,22 @@ impl Painter {
         Ok(self.renderer.draw_view(&frame, &self.resources, &self.program, view)?)
     }
 
+    /// From now on [`Painter::limit_flashes`] does something.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
+        Ok(self.renderer.add_flash_limiter(shaders)?)
+    }
+
+    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
+        Ok(self.renderer.limit_flashes(seconds)?)
+    }
+
     /// The last picture, four bytes a pixel, the top row first.
     pub fn read(&self) -> Vec<u8> {
         self.renderer.read()

@@ -29,6 +29,8 @@ pub struct VideoRequest {
     pub size: (u32, u32),
     /// Whether quiet and loud sound move the picture alike.
     pub gain: Gain,
+    /// Whether more than three flashes a second are dimmed.
+    pub limit_flashes: bool,
     /// The video; or, ending in a slash or being a folder, where numbered stills go.
     pub output: PathBuf,
     /// The scene.
@@ -53,6 +55,9 @@ pub fn write_video(
     };
     let expected = length.map(|seconds| (seconds * request.fps).ceil() as u64);
     let mut painter = Painter::open(&request.scene)?;
+    if request.limit_flashes {
+        painter.add_flash_limiter(&request.scene.shaders)?;
+    }
     let mut sink = Sink::open(request)?;
     let mut frames = 0;
     loop {
@@ -63,6 +68,7 @@ pub fn write_video(
         let time = request.start + offset;
         let Some(sound) = song.sound_at(time)? else { break };
         painter.draw(time, sound, request.size)?;
+        painter.limit_flashes(1.0 / request.fps)?;
         sink.take(frames, &painter.read())?;
         frames += 1;
         progress(frames, expected);

@@ -25,6 +25,8 @@ pub struct Frame {
     pub inputs: FrameInputs,
     /// Where the picture is seen from.
     pub camera: Camera,
+    /// What the picture may cost beside its number of pixels, 0..1: the shaders' `frame_quality`.
+    pub quality: f32,
     /// Lights and planes.
     pub values: FrameValues,
     /// What happens to the scene's light on its way to the screen.
@@ -80,10 +82,10 @@ impl Frame {
             ..FrameInputs::default()
         };
         let values = world.frame_tape.values(&inputs);
-        let camera = Camera::of(&values, f64::from(size.0) / f64::from(size.1));
+        let camera = Camera::of(&values, aspect(size));
         let picture = Picture::of(&values, &camera, world.traits.lens);
-        let mut frame = Self { size, inputs, camera, values, picture, hand: Hand::OFF };
-        frame.see_from(world, size, Hand::OFF);
+        let mut frame = Self { size, inputs, camera, values, quality: 1.0, picture, hand: Hand::OFF };
+        frame.see_from(world, aspect(size), Hand::OFF);
         frame
     }
 }
@@ -94,24 +96,31 @@ impl Frame {
         camera::place(self.values.target)
     }
 
+    /// The same as it is drawn for a window of that width over height, whatever the number of its pixels, in a quality.
+    pub fn in_window(mut self, world: &World, aspect: f64, quality: f32) -> Self {
+        self.quality = quality;
+        self.see_from(world, aspect, self.hand);
+        self
+    }
+
     /// The same moment in a picture of another size.
     pub fn resized(mut self, world: &World, size: (u32, u32)) -> Self {
-        self.see_from(world, (size.0.max(1), size.1.max(1)), self.hand);
+        self.size = (size.0.max(1), size.1.max(1));
+        self.see_from(world, aspect(self.size), self.hand);
         self
     }
 
     /// The same moment with the camera moved by hand.
     pub fn by_hand(mut self, world: &World, hand: Hand) -> Self {
-        self.see_from(world, self.size, hand);
+        self.see_from(world, aspect(self.size), hand);
         self
     }
 
     /// Puts the camera in its place, and tells the expressions where it is.
-    fn see_from(&mut self, world: &World, size: (u32, u32), hand: Hand) {
-        let camera = Camera::by_hand(&self.values, f64::from(size.0) / f64::from(size.1), &hand);
-        (self.size, self.hand, self.camera) = (size, hand, camera);
+    fn see_from(&mut self, world: &World, aspect: f64, hand: Hand) {
+        (self.hand, self.camera) = (hand, Camera::by_hand(&self.values, aspect, &hand));
         self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
-        self.inputs.eye = camera.position.as_vec3().to_array();
+        self.inputs.eye = self.camera.position.as_vec3().to_array();
         self.inputs.hoisted = world.hoisted.values(&self.inputs);
     }
 
@@ -119,6 +128,11 @@ impl Frame {
     pub fn own_pitch(&self) -> f64 {
         Hand::pitch_of(camera::place(self.values.position), self.target())
     }
+}
+
+/// Width over height.
+fn aspect(size: (u32, u32)) -> f64 {
+    f64::from(size.0) / f64::from(size.1)
 }
 
 /// Nothing non-finite reaches a scene's inputs.

@@ -5,6 +5,8 @@ mod bloom;
 mod edge_list;
 pub mod edge_samples;
 pub mod error;
+mod evaluations;
+pub mod flash_pass;
 pub mod gl;
 mod guest;
 pub mod headless;

@@ -81,6 +81,11 @@ impl Post {
         })
     }
 
+    /// What draws the passes.
+    pub(super) fn passes(&self) -> &Passes {
+        &self.passes
+    }
+
     /// Maps tones so from now on, whatever the scene says; none for as the scene says.
     pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.tone_map = tone_map;
@@ -173,6 +178,22 @@ impl Passes {
     /// Draws all over a target with what is bound.
     pub(super) fn draw(&self, program: &Program, target: &Target) {
         self.draw_with(program, target, [0.0; 2]);
+    }
+
+    /// Draws all over the window's framebuffer of `window` pixels with what is bound.
+    pub(super) fn draw_in_window(&self, program: &Program, window: (u32, u32)) {
+        self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
+        program.bind();
+        // SAFETY: plain state and a draw on objects of ours, in the current context.
+        unsafe {
+            let gl = &*self.gl;
+            for state in [glow::SCISSOR_TEST, glow::STENCIL_TEST, glow::BLEND, glow::FRAMEBUFFER_SRGB] {
+                gl.disable(state);
+            }
+            gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+            gl.draw_arrays(glow::TRIANGLES, 0, 3);
+        }
     }
 
     /// The same, and tells the pass two numbers.

@@ -16,9 +16,10 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 5] =
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
 /// number ([`scene_texture`]). What shares a unit is never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 10] = [
+pub const TEXTURE_UNITS: [(&str, u32); 11] = [
     ("edge_pixels", 12),
     ("picture", 12),
+    ("corrections", 13),
     ("extra_samples", 13),
     ("bloom", 13),
     ("blurred", 13),

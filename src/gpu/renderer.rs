@@ -10,12 +10,15 @@
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
 use std::rc::Rc;
+use std::time::Duration;
 
 use glow::HasContext;
 
 use super::edge_list::EdgeList;
 use super::edge_samples::EdgeSamples;
 use super::error::GpuError;
+pub use super::evaluations::Evaluations;
+use super::flash_pass::FlashPass;
 use super::gl::Gl;
 use super::object::{Buffer, VertexArray};
 use super::post::{Post, PostTargets};
@@ -23,6 +26,7 @@ use super::program::{Program, binding_of, unit_of};
 use super::scene_resources::{SceneNames, SceneResources};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
+use super::timer::FrameTimer;
 use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
@@ -40,56 +44,11 @@ const FIRST_SAMPLE: f32 = 0.0;
 const FURTHER_SAMPLE: f32 = 1.0;
 const LISTED_SAMPLES: f32 = 2.0;
 
+/// Enlarges a picture for a window.
+pub const UPSCALE_SHADER: &str = "upscale.frag";
+
 /// Marks edges. The other shaders are in [`super::post`] and, those of scenes, in [`super::scene_program`].
 pub const EDGE_SHADER: &str = "edges.frag";
-
-/// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
-#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
-pub struct Evaluations {
-    /// Along rays from the eye.
-    pub primary: f64,
-    /// Along mirrored rays.
-    pub reflection: f64,
-    /// For normals.
-    pub normal: f64,
-    /// Along rays to the lamp.
-    pub shadow: f64,
-    /// For ambient occlusion.
-    pub occlusion: f64,
-    /// Rays that ended at their step cap.
-    pub capped_rays: f64,
-    /// Clauses of distances and objects that the interpreter ran; 0 for compiled scenes.
-    pub clauses: f64,
-    /// The same of materials and light.
-    pub surface_clauses: f64,
-    /// Searches for the cell of a point.
-    pub lookups: f64,
-    /// Pixels that got the samples of an edge.
-    pub edge_pixels: f64,
-}
-
-impl Evaluations {
-    /// Evaluations of all kinds.
-    pub fn total(&self) -> f64 {
-        self.primary + self.reflection + self.normal + self.shadow + self.occlusion
-    }
-
-    /// The same, divided by a number of pixels.
-    pub fn per_pixel(&self, pixels: f64) -> Self {
-        Self {
-            primary: self.primary / pixels,
-            reflection: self.reflection / pixels,
-            normal: self.normal / pixels,
-            shadow: self.shadow / pixels,
-            occlusion: self.occlusion / pixels,
-            capped_rays: self.capped_rays / pixels,
-            clauses: self.clauses / pixels,
-            surface_clauses: self.surface_clauses / pixels,
-            lookups: self.lookups / pixels,
-            edge_pixels: self.edge_pixels / pixels,
-        }
-    }
-}
 
 /// Whether a renderer counts distance evaluations (slower) or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,6 +71,10 @@ pub struct Renderer {
     counting: Counting,
     edge_samples: EdgeSamples,
     targets: Option<Targets>,
+    /// Enlarges pictures for a window.
+    upscale: Option<Program>,
+    flashes: Option<FlashPass>,
+    timer: Option<FrameTimer>,
 }
 
 /// What depends on the picture's size.
@@ -157,9 +120,33 @@ impl Renderer {
             counting,
             edge_samples: EdgeSamples::Four,
             targets: None,
+            upscale: None,
+            flashes: None,
+            timer: None,
         };
         gl.check("setting up the renderer")?;
         Ok(renderer)
+    }
+
+    /// Gets what only a window needs: to show pictures that are smaller, and to tell how long they take.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.upscale = Some(Program::link(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
+        if !self.gl.info().software {
+            self.timer = Some(FrameTimer::new(&self.gl)?);
+        }
+        Ok(())
+    }
+
+    /// From now on [`Renderer::limit_flashes`] does something.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn add_flash_limiter(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.flashes = Some(FlashPass::new(&self.gl, library)?);
+        Ok(())
     }
 
     /// Maps tones so from now on, whatever scenes say; none for as they say.
@@ -201,10 +188,16 @@ impl Renderer {
         self.bind_inputs(block);
         self.post.bind_picture(picture, self.edge_samples);
         scene.bind(&self.gl);
+        if let Some(flashes) = &mut self.flashes {
+            flashes.begin();
+        }
         // Taken out, so that lists can grow while the rest is used.
         let Some(mut targets) = self.targets.take() else { return Ok(()) };
+        let mut timer = self.timer.take();
+        timer.iter_mut().for_each(FrameTimer::begin);
         let drawn = self.draw_passes(&mut targets, picture, program);
-        self.targets = Some(targets);
+        timer.iter_mut().for_each(FrameTimer::end);
+        (self.targets, self.timer) = (Some(targets), timer);
         drawn?;
         self.gl.check("drawing a frame")
     }
@@ -260,6 +253,29 @@ impl Renderer {
         program.bind();
         self.draw_sample([0.0, 0.0], 0.0, FIRST_SAMPLE);
         self.gl.check("drawing a view")
+    }
+
+    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
+        if let (Some(flashes), Some(targets)) = (&mut self.flashes, &self.targets) {
+            flashes.take(targets.post.finished(), seconds)?;
+        }
+        self.gl.check("limiting flashes")
+    }
+
+    /// How long the GPU took for one of the last pictures, if that has become known since the last call; never on a
+    /// software renderer.
+    pub fn gpu_time(&mut self) -> Option<Duration> {
+        self.timer.as_mut()?.take()
+    }
+
+    /// What is shown: the finished picture, its flashes limited.
+    fn shown(&self) -> Option<&Target> {
+        let limited = self.flashes.as_ref().and_then(FlashPass::limited);
+        limited.or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
     fn draw_passes(
@@ -383,20 +399,27 @@ impl Renderer {
         })
     }
 
-    /// Copies the finished picture to the window's framebuffer of `window` pixels.
+    /// Copies the finished picture to the window's framebuffer of `window` pixels, enlarged if that has more.
     ///
     /// # Errors
     /// An error that the driver reports.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
-        if let Some(targets) = &self.targets {
-            targets.post.finished().blit_to_window(window);
+        match (self.shown(), &self.upscale) {
+            (Some(picture), Some(upscale)) if picture.size() != window => {
+                picture.bind_color(0, unit_of("picture"));
+                // SAFETY: the vertex array is ours.
+                unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
+                self.post.passes().draw_in_window(upscale, window);
+            }
+            (Some(picture), _) => picture.blit_to_window(window),
+            (None, _) => {}
         }
         self.gl.check("showing a frame")
     }
 
-    /// The finished picture, four bytes a pixel, the top row first. Empty before the first draw.
+    /// The picture that is shown, four bytes a pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        self.targets.as_ref().map_or_else(Vec::new, |targets| targets.post.finished().read_rgba8(0))
+        self.shown().map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
     /// Distance evaluations of the last picture; zero without [`Counting::On`].

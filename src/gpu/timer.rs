@@ -2,6 +2,7 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
 use glow::HasContext;
@@ -35,5 +36,65 @@ impl GpuTimer {
             let nanoseconds = self.gl.get_query_parameter_u64(self.query.native(), glow::QUERY_RESULT);
             (result, Duration::from_nanos(nanoseconds))
         }
+    }
+}
+
+/// Frames whose times may be on their way at once.
+const TIMES_ON_THEIR_WAY: usize = 4;
+
+/// A timer of frames that waits for none: times come some frames later.
+pub(super) struct FrameTimer {
+    gl: Gl,
+    free: Vec<Query>,
+    running: Option<Query>,
+    on_their_way: VecDeque<Query>,
+}
+
+impl FrameTimer {
+    /// A timer in the current context.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub(super) fn new(gl: &Gl) -> Result<Self, GpuError> {
+        let free = (0..TIMES_ON_THEIR_WAY).map(|_| Query::new(gl)).collect::<Result<_, _>>()?;
+        Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
+    }
+
+    /// A frame begins. It is not timed if too many times are on their way.
+    pub(super) fn begin(&mut self) {
+        if self.running.is_some() {
+            return;
+        }
+        let Some(query) = self.free.pop() else { return };
+        // SAFETY: the query is ours and no other is active.
+        unsafe { self.gl.begin_query(glow::TIME_ELAPSED, query.native()) }
+        self.running = Some(query);
+    }
+
+    /// It ends.
+    pub(super) fn end(&mut self) {
+        let Some(query) = self.running.take() else { return };
+        // SAFETY: the query is the active one.
+        unsafe { self.gl.end_query(glow::TIME_ELAPSED) }
+        self.on_their_way.push_back(query);
+    }
+
+    /// How long the GPU took for the newest frame of which that has become known since the last call.
+    pub(super) fn take(&mut self) -> Option<Duration> {
+        let mut newest = None;
+        while let Some(query) = self.on_their_way.pop_front() {
+            // SAFETY: the query is ours and has ended.
+            let time = unsafe {
+                let available = self.gl.get_query_parameter_u32(query.native(), glow::QUERY_RESULT_AVAILABLE);
+                (available != 0).then(|| self.gl.get_query_parameter_u64(query.native(), glow::QUERY_RESULT))
+            };
+            let Some(nanoseconds) = time else {
+                self.on_their_way.push_front(query);
+                break;
+            };
+            newest = Some(Duration::from_nanos(nanoseconds));
+            self.free.push(query);
+        }
+        newest
     }
 }

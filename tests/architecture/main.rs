@@ -33,16 +33,20 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("audio", &["dsp", "limits"]),
     ("frame", &["world", "graph", "dsp", "limits"]),
     ("view", &["frame", "world", "limits"]),
-    ("gpu", &["frame", "view", "world", "region", "graph", "tape", "limits"]),
+    ("flash", &["limits"]),
+    ("gpu", &["frame", "view", "flash", "world", "region", "graph", "tape", "limits"]),
     ("scenes", &["lang", "world", "region", "limits"]),
     (
         "app",
         &[
             "lang", "graph", "tape", "region", "world", "scenes", "dsp", "audio", "frame", "view", "gpu",
-            "export", "config", "limits",
+            "export", "config", "flash", "limits",
         ],
     ),
-    ("export", &["world", "region", "scenes", "frame", "view", "gpu", "audio", "dsp", "config", "limits"]),
+    (
+        "export",
+        &["world", "region", "scenes", "frame", "view", "flash", "gpu", "audio", "dsp", "config", "limits"],
+    ),
     ("config", &["dsp", "limits"]),
 ];
 
@@ -65,7 +69,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
 ];
 
 /// Rooms that do no I/O, read no clock, spawn no thread and know no library of devices.
-const PURE_ROOMS: &[&str] = &["dsp", "lang", "graph", "tape", "region"];
+const PURE_ROOMS: &[&str] = &["dsp", "flash", "lang", "graph", "tape", "region"];
 const IMPURE_PATHS: &[&str] = &[
     "std::env",
     "std::fs",

@@ -1,0 +1,275 @@
+//! Keeps the window's frame rate: draws fewer pixels with cheaper terms where frames take too long, and more again where
+//! there is time left.
+//!
+//! A pure controller: when frames were and what they cost come in, a level comes out. It gives way within a quarter of a
+//! second and comes back one level at a time, after seconds without a doubt. One slow frame changes nothing. A level
+//! that was left again soon is tried later and later, so that nothing swings at a boundary.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use crate::config::QualityChoice;
+
+/// How a picture is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level {
+    /// Part of the window's width and height that is drawn, 0..1; the rest is interpolated.
+    pub scale: f64,
+    /// The shaders' `frame_quality`.
+    pub quality: f32,
+}
+
+/// From the best one down. One costs about a fifth less than the one before: no step between two is seen.
+const LEVELS: [Level; 14] = [
+    Level { scale: 1.0, quality: 1.0 },
+    Level { scale: 0.92, quality: 0.8 },
+    Level { scale: 0.84, quality: 0.8 },
+    Level { scale: 0.77, quality: 0.6 },
+    Level { scale: 0.70, quality: 0.6 },
+    Level { scale: 0.64, quality: 0.4 },
+    Level { scale: 0.58, quality: 0.4 },
+    Level { scale: 0.52, quality: 0.2 },
+    Level { scale: 0.46, quality: 0.2 },
+    Level { scale: 0.41, quality: 0.0 },
+    Level { scale: 0.36, quality: 0.0 },
+    Level { scale: 0.32, quality: 0.0 },
+    Level { scale: 0.28, quality: 0.0 },
+    Level { scale: 0.25, quality: 0.0 },
+];
+/// Sides of so many pixels are drawn as they are.
+const SIDE_MIN: u32 = 16;
+const HIGH: usize = 2;
+const MEDIUM: usize = 5;
+const LOW: usize = 8;
+/// From this level on the picture suffers: only a show that would no longer move is drawn so.
+const POOR: usize = 8;
+/// Frames per second below which it would not.
+const FPS_USABLE: f64 = 24.0;
+
+/// What is looked at before giving way: the frames of this time, but at least so many.
+const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
+/// Two frames in a row that take so many times as long as they may are enough.
+const FAR_TOO_LONG: f64 = 4.0;
+/// How long nothing is in doubt before it comes back, at first and at most.
+const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
+const PATIENCE_FRAMES: usize = 8;
+/// A level that is left again within this time was tried too early.
+const TOO_EARLY: Duration = Duration::from_secs(12);
+/// ... which is forgotten after a better level has held for so long.
+const FORGOTTEN: Duration = Duration::from_secs(60);
+/// Costs are remembered for so long, and so many.
+const FRAMES_MAX: usize = 4096;
+/// Frames after a change of level that say nothing: targets are made, and times of the GPU come later.
+const SETTLING: usize = 1;
+/// After a longer time without a frame, what was before says nothing.
+const PAUSE: Duration = Duration::from_secs(3);
+/// Parts of the time for a frame: giving way begins above the first, aims at the second, and a better level has to fit into
+/// the third.
+const FULL: f64 = 0.97;
+const AIM: f64 = 0.8;
+const FREE: f64 = 0.72;
+/// Where a lower level saves less than this part of the cost, pixels are not what costs.
+const HELP: f64 = 0.1;
+/// For how long it then stays as it is, at first and at most.
+const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
+
+impl Level {
+    /// The size in which a window of `window` pixels is drawn. Of short sides no pixel is left out.
+    pub fn size_in(self, window: (u32, u32)) -> (u32, u32) {
+        let side =
+            |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(pixels.clamp(1, SIDE_MIN));
+        (side(window.0), side(window.1))
+    }
+
+    /// What it costs about, where the best one costs 1.
+    fn cost(self) -> f64 {
+        self.scale * self.scale * (0.85 + 0.15 * f64::from(self.quality))
+    }
+}
+
+fn level_at(index: usize) -> Level {
+    LEVELS.get(index).copied().unwrap_or(LEVELS[0])
+}
+
+/// The controller of a window.
+#[derive(Debug, Clone)]
+pub struct Governor {
+    choice: QualityChoice,
+    /// Seconds for a frame.
+    interval: f64,
+    level: usize,
+    /// When the last frames at this level were, and what they cost in seconds.
+    frames: VecDeque<(Instant, f64)>,
+    settling: usize,
+    last: Option<Instant>,
+    patience: Duration,
+    /// When a better level was tried last.
+    tried: Option<Instant>,
+    /// The level and the cost before giving way, until that proves to help.
+    gave_way: Option<(usize, f64)>,
+    helpless_until: Option<Instant>,
+    helpless: Duration,
+}
+
+impl Governor {
+    /// For at most `fps` frames per second.
+    pub fn new(choice: QualityChoice, fps: f64) -> Self {
+        let level = match choice {
+            QualityChoice::Auto | QualityChoice::Best => 0,
+            QualityChoice::High => HIGH,
+            QualityChoice::Medium => MEDIUM,
+            QualityChoice::Low => LOW,
+        };
+        Self {
+            choice,
+            interval: 1.0 / fps,
+            level,
+            frames: VecDeque::new(),
+            settling: SETTLING,
+            last: None,
+            patience: PATIENCE.0,
+            tried: None,
+            gave_way: None,
+            helpless_until: None,
+            helpless: HELPLESS.0,
+        }
+    }
+
+    /// How the next picture is drawn.
+    pub fn level(&self) -> Level {
+        level_at(self.level)
+    }
+
+    /// How a picture that stands still is drawn: there is time for it.
+    pub fn still_level(&self) -> Level {
+        if self.choice == QualityChoice::Auto { LEVELS[0] } else { self.level() }
+    }
+
+    /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without what waits for the monitor.
+    pub fn note(&mut self, now: Instant, cost: Duration) {
+        if self.choice != QualityChoice::Auto {
+            return;
+        }
+        let paused =
+            self.last.replace(now).is_some_and(|last| now.saturating_duration_since(last) > PAUSE + cost);
+        if paused {
+            self.frames.clear();
+        }
+        if self.settling > 0 {
+            self.settling -= 1;
+            return;
+        }
+        self.frames.push_back((now, cost.as_secs_f64()));
+        let old = |(then, _): &(Instant, f64)| now.saturating_duration_since(*then) > self.patience;
+        while self.frames.len() > FRAMES_MAX
+            || (self.frames.len() > PATIENCE_FRAMES && self.frames.front().is_some_and(old))
+        {
+            self.frames.pop_front();
+        }
+        let Some(cost) = self.recent(now) else { return };
+        if self.looks_helpless(now, cost) {
+            return;
+        }
+        if cost > FULL * self.time_at(self.level) {
+            self.give_way(now, cost);
+        } else {
+            self.come_back(now);
+        }
+    }
+
+    /// Seconds for a frame at a level.
+    fn time_at(&self, level: usize) -> f64 {
+        if level < POOR { self.interval } else { self.interval.max(1.0 / FPS_USABLE) }
+    }
+
+    /// What one of the last frames cost that is no exception; none before there are enough.
+    fn recent(&self, now: Instant) -> Option<f64> {
+        let last_two = self.cost_of(2, 0.0).filter(|_| self.frames.len() >= 2);
+        let far_too_long = last_two.filter(|cost| *cost > FAR_TOO_LONG * self.time_at(self.level));
+        if far_too_long.is_some() {
+            return far_too_long;
+        }
+        let young = |then: &Instant| now.saturating_duration_since(*then) <= LOOK.0;
+        let count = self.frames.iter().rev().take_while(|(then, _)| young(then)).count().max(LOOK.1);
+        (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?
+    }
+
+    /// The cost that so much of the last `count` frames do not exceed.
+    fn cost_of(&self, count: usize, part: f64) -> Option<f64> {
+        let mut costs: Vec<f64> = self.frames.iter().rev().take(count).map(|(_, cost)| *cost).collect();
+        costs.sort_by(f64::total_cmp);
+        costs.get(((costs.len() as f64 * part) as usize).min(costs.len().saturating_sub(1))).copied()
+    }
+
+    /// Whether fewer pixels proved to be no help. Then the level is what it was before.
+    fn looks_helpless(&mut self, now: Instant, cost: f64) -> bool {
+        let Some((before, cost_before)) = self.gave_way.take() else { return false };
+        let expected = level_at(self.level).cost() / level_at(before).cost();
+        let helped = cost < (1.0 - HELP) * cost_before || expected > 1.0 - HELP;
+        if helped {
+            self.helpless = HELPLESS.0;
+            return false;
+        }
+        self.helpless_until = Some(now + self.helpless);
+        self.helpless = (2 * self.helpless).min(HELPLESS.1);
+        self.change(before);
+        true
+    }
+
+    fn give_way(&mut self, now: Instant, cost: f64) {
+        let last = LEVELS.len() - 1;
+        if self.level >= last || self.helpless_until.is_some_and(|until| now < until) {
+            return;
+        }
+        let share = cost / self.level().cost();
+        let fits = |level: &usize| share * level_at(*level).cost() <= AIM * self.time_at(*level);
+        let next = (self.level + 1..=last).find(fits).unwrap_or(last);
+        if self.tried.take().is_some_and(|tried| now.saturating_duration_since(tried) < TOO_EARLY) {
+            self.patience = (2 * self.patience).min(PATIENCE.1);
+        }
+        self.gave_way = Some((self.level, cost));
+        self.change(next);
+    }
+
+    fn come_back(&mut self, now: Instant) {
+        let Some(better) = self.level.checked_sub(1) else { return };
+        let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
+        // Frames that are a little younger than the patience are as old as can be.
+        let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);
+        if !waited || self.frames.len() < PATIENCE_FRAMES {
+            return;
+        }
+        let Some(cost) = self.cost_of(self.frames.len(), 0.9) else { return };
+        if cost * level_at(better).cost() / self.level().cost() > FREE * self.time_at(better) {
+            return;
+        }
+        if self.tried.is_some_and(|tried| now.saturating_duration_since(tried) >= FORGOTTEN) {
+            self.patience = PATIENCE.0;
+        }
+        self.tried = Some(now);
+        self.change(better);
+    }
+
+    fn change(&mut self, level: usize) {
+        self.level = level;
+        tracing::info!("{} of the window's width and height are drawn", self.level().scale);
+        self.frames.clear();
+        self.settling = SETTLING;
+    }
+}
+
+impl std::fmt::Display for Governor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.choice {
+            QualityChoice::Auto => write!(f, "quality auto {}", LEVELS.len() - self.level),
+            QualityChoice::Low => f.write_str("low quality"),
+            QualityChoice::Medium => f.write_str("medium quality"),
+            QualityChoice::High => f.write_str("high quality"),
+            QualityChoice::Best => f.write_str("best quality"),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "governor_tests.rs"]
+mod tests;

@@ -1,0 +1,175 @@
+use super::*;
+
+const FPS: f64 = 60.0;
+
+/// A window that shows what costs something at a level, and what became of its level.
+struct Window {
+    governor: Governor,
+    now: Instant,
+    start: Instant,
+    changes: Vec<(f64, usize)>,
+}
+
+impl Window {
+    fn new() -> Self {
+        let now = Instant::now();
+        Self { governor: Governor::new(QualityChoice::Auto, FPS), now, start: now, changes: Vec::new() }
+    }
+
+    fn seconds(&self) -> f64 {
+        self.now.duration_since(self.start).as_secs_f64()
+    }
+
+    /// Shows for some seconds what costs `cost(frame, level)` seconds.
+    fn show(&mut self, seconds: f64, mut cost: impl FnMut(usize, Level) -> f64) -> &mut Self {
+        let end = self.now + Duration::from_secs_f64(seconds);
+        for frame in 0.. {
+            if self.now >= end {
+                break;
+            }
+            let took = cost(frame, self.governor.level());
+            self.now += Duration::from_secs_f64(took.max(1.0 / FPS));
+            let before = self.governor.level;
+            self.governor.note(self.now, Duration::from_secs_f64(took));
+            if self.governor.level != before {
+                self.changes.push((self.seconds(), self.governor.level));
+            }
+        }
+        self
+    }
+
+    /// Changes after a time.
+    fn changes_after(&self, seconds: f64) -> usize {
+        self.changes.iter().filter(|(time, _)| *time > seconds).count()
+    }
+}
+
+/// Seconds that a scene takes which takes `best` at the best level, some of it whatever the level is.
+fn scene(best: f64, fixed: f64) -> impl Fn(usize, Level) -> f64 {
+    move |_, level| fixed + best * level.scale.powi(2) * (0.6 + 0.4 * f64::from(level.quality))
+}
+
+/// Noise of -1..1.
+fn noise(frame: usize) -> f64 {
+    f64::from((frame as u32).wrapping_mul(2_654_435_761) >> 8) / f64::from(1_u32 << 23) - 1.0
+}
+
+#[test]
+fn a_load_that_fits_is_drawn_best_and_named_choices_are_what_they_are() {
+    let mut window = Window::new();
+    window.show(60.0, scene(0.012, 0.001));
+    assert_eq!(window.changes, []);
+    for (choice, scale) in [
+        (QualityChoice::Best, 1.0),
+        (QualityChoice::High, 0.84),
+        (QualityChoice::Medium, 0.64),
+        (QualityChoice::Low, 0.46),
+    ] {
+        let mut governor = Governor::new(choice, FPS);
+        for frame in 0..600 {
+            governor.note(window.now + Duration::from_millis(20 * frame), Duration::from_millis(500));
+        }
+        assert_eq!(governor.level().scale, scale, "{choice:?}");
+    }
+}
+
+#[test]
+fn every_constant_load_settles_within_its_time_and_stays_there() {
+    for best in [0.017, 0.02, 0.025, 0.04, 0.06, 0.1, 0.3, 1.0] {
+        for fixed in [0.0, 0.002, 0.006] {
+            for noisy in [0.0, 0.15] {
+                let load = scene(best, fixed);
+                let mut window = Window::new();
+                window.show(240.0, |frame, level| load(frame, level) * (1.0 + noisy * noise(frame)));
+                let told = format!("{best} s, {fixed} s fixed, noise {noisy}: {:?}", window.changes);
+                let level = window.governor.level;
+                let cost = load(0, window.governor.level());
+                assert!(cost <= window.governor.time_at(level) || level == LEVELS.len() - 1, "{told}");
+                assert!(window.changes_after(60.0) <= 2, "{told}");
+                assert!(window.changes.len() <= 8, "{told}");
+                // And not much worse than it has to be.
+                let better = level_at(level.saturating_sub(3));
+                assert!(level == 0 || load(0, better) > 0.72 * window.governor.interval, "{told}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sudden_load_is_given_way_to_at_once_and_come_back_from_slowly() {
+    let mut window = Window::new();
+    window.show(20.0, scene(0.008, 0.001)).show(20.0, scene(0.05, 0.001));
+    let (first, _) = window.changes[0];
+    assert!((20.0..20.5).contains(&first), "{:?}", window.changes);
+    let under_load = window.changes.len();
+    assert!(under_load <= 3, "{:?}", window.changes);
+    window.show(60.0, scene(0.008, 0.001));
+    assert_eq!(window.governor.level, 0, "{:?}", window.changes);
+    for pair in window.changes[under_load..].windows(2) {
+        assert!(pair[1].1 + 1 == pair[0].1 && pair[1].0 - pair[0].0 > 1.5, "{:?}", window.changes);
+    }
+}
+
+#[test]
+fn slow_frames_here_and_there_change_nothing() {
+    let mut window = Window::new();
+    let quiet = scene(0.01, 0.001);
+    window.show(60.0, |frame, level| if frame % 40 == 7 { 0.4 } else { quiet(frame, level) });
+    assert_eq!(window.changes, []);
+    // Nor while it has given way.
+    let heavy = scene(0.04, 0.001);
+    window.show(30.0, &heavy);
+    let settled = window.changes.len();
+    window.show(60.0, |frame, level| if frame % 100 == 7 { 0.3 } else { heavy(frame, level) });
+    assert_eq!(window.changes.len(), settled, "{:?}", window.changes);
+}
+
+#[test]
+fn a_load_that_comes_and_goes_does_not_make_it_pump() {
+    for period in [0.5, 2.0, 7.0, 20.0] {
+        let mut window = Window::new();
+        let (calm, wild) = (scene(0.012, 0.001), scene(0.024, 0.001));
+        let mut time = 0.0;
+        window.show(400.0, |frame, level| {
+            let cost = if (time / period) % 1.0 < 0.5 { calm(frame, level) } else { wild(frame, level) };
+            time += cost.max(1.0 / FPS);
+            cost
+        });
+        // In the last three minutes: less than once in ten seconds.
+        let late = window.changes_after(220.0);
+        assert!(late <= 18, "period {period}: {late} changes, {:?}", window.changes);
+    }
+}
+
+#[test]
+fn where_pixels_are_not_what_costs_none_are_taken_away_for_long() {
+    let mut window = Window::new();
+    window.show(300.0, |_, _| 0.03);
+    let away: f64 = window.changes.chunks(2).map(|pair| pair.last().unwrap().0 - pair[0].0).sum();
+    assert_eq!(window.governor.level, 0);
+    assert!(away < 5.0 && window.changes.len() <= 12, "{:?}", window.changes);
+}
+
+#[test]
+fn a_pause_says_nothing_and_a_slow_processor_gets_a_show_that_moves() {
+    let mut window = Window::new();
+    window.show(10.0, scene(0.35, 0.004));
+    let cost = scene(0.35, 0.004)(0, window.governor.level());
+    assert!(cost < 1.0 / FPS_USABLE, "{cost} s");
+    assert!(window.changes[0].0 < 3.0, "{:?}", window.changes);
+    let before = window.governor.level;
+    window.now += Duration::from_secs(3600);
+    window.governor.note(window.now, Duration::from_secs(1));
+    assert_eq!(window.governor.level, before);
+}
+
+#[test]
+fn short_sides_stay() {
+    assert_eq!(LEVELS[13].size_in((1, 16_384)), (1, 4096));
+    assert_eq!(LEVELS[13].size_in((0, 40)), (1, 16));
+    assert_eq!(LEVELS[0].size_in((1280, 720)), (1280, 720));
+    for pair in LEVELS.windows(2) {
+        let ratio = pair[1].cost() / pair[0].cost();
+        assert!((0.7..0.88).contains(&ratio), "{pair:?}: {ratio}");
+    }
+}

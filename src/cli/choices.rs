@@ -1,0 +1,102 @@
+//! What the command line chooses from, and what that means.
+
+use crate::config::{QualityChoice, SdfChoice};
+use crate::dsp::Gain;
+use crate::world::ToneMap;
+
+/// See [`SdfChoice`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum Sdf {
+    Interpreted,
+    Compiled,
+    Auto,
+}
+
+impl From<Sdf> for SdfChoice {
+    fn from(choice: Sdf) -> Self {
+        match choice {
+            Sdf::Interpreted => SdfChoice::Interpreted,
+            Sdf::Compiled => SdfChoice::Compiled,
+            Sdf::Auto => SdfChoice::Auto,
+        }
+    }
+}
+
+/// See [`Gain`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum GainChoice {
+    Auto,
+    Off,
+}
+
+impl From<GainChoice> for Gain {
+    fn from(choice: GainChoice) -> Self {
+        match choice {
+            GainChoice::Auto => Gain::Auto,
+            GainChoice::Off => Gain::Off,
+        }
+    }
+}
+
+/// See [`ToneMap`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum ToneMapChoice {
+    Agx,
+    Aces,
+    Reinhard,
+    None,
+}
+
+impl From<ToneMapChoice> for ToneMap {
+    fn from(choice: ToneMapChoice) -> Self {
+        match choice {
+            ToneMapChoice::Agx => ToneMap::Agx,
+            ToneMapChoice::Aces => ToneMap::Aces,
+            ToneMapChoice::Reinhard => ToneMap::Reinhard,
+            ToneMapChoice::None => ToneMap::None,
+        }
+    }
+}
+
+/// See [`crate::audio::track::Repeat`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum RepeatChoice {
+    /// The list, again and again
+    All,
+    /// One track, again and again
+    One,
+    /// Each track once; the window stays
+    Off,
+}
+
+/// On or off.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Switch {
+    On,
+    Off,
+}
+
+/// See [`QualityChoice`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum Quality {
+    /// As good as the frame rate allows
+    Auto,
+    /// About half of the window's width and height
+    Low,
+    Medium,
+    High,
+    /// Every pixel, every term, however long it takes
+    Best,
+}
+
+impl From<Quality> for QualityChoice {
+    fn from(quality: Quality) -> Self {
+        match quality {
+            Quality::Auto => QualityChoice::Auto,
+            Quality::Low => QualityChoice::Low,
+            Quality::Medium => QualityChoice::Medium,
+            Quality::High => QualityChoice::High,
+            Quality::Best => QualityChoice::Best,
+        }
+    }
+}

@@ -1,0 +1,273 @@
+//! Keeps the flashes of a picture few: what would be the fourth one within a second is dimmed.
+//!
+//! Each cell counts the changes of the picture as it comes and as it is shown. A rise that could begin a fourth flash makes
+//! the cell one that is to be limited, for as long as such rises come and a second more; it is where such cells cover
+//! more than a part of a field. A limited cell is never brighter than its darkest moment of the last second plus a little, so that what
+//! flashed goes on as a flicker too faint to count. Afterwards that ceiling rises slowly. Nothing is ever brightened, and
+//! no picture is mixed with one before it: what moves leaves no trace. Red that flashes loses saturation instead.
+
+use super::swing::{Change, LightSwing, RedSwing, Times};
+use super::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, fields, luminance};
+
+/// Share of a field of sight from which on flashes are limited: somewhat less than what counts.
+const AREA: f64 = 0.2;
+/// Changes within a second of which the last, if it is a rise, begins one flash too many.
+const CHANGES: usize = 2 * FLASHES_MAX + 1;
+/// For how many seconds a cell stays one that is to be limited.
+const HOLD: f64 = 1.0;
+/// How much brighter than its darkest moment a limited cell may be: somewhat less than what counts as a flash.
+const SWING: f32 = 0.07;
+/// Half the time over which a darkest moment is remembered, in seconds.
+const MEMORY: f64 = 0.6;
+/// How fast a ceiling rises where the darkest moments have become brighter, and after all flashes, in luminance a second.
+const FOLLOW: f32 = 0.25;
+const RELEASE: f32 = 0.5;
+/// Share of grey in a limited red: no red is saturated then.
+const GREY: f32 = 0.6;
+/// How fast a limited red comes back, in share of grey a second.
+const RED_RELEASE: f32 = 0.6;
+/// A rise may come earlier by this part of a frame, and these seconds at most.
+const EARLY: (f64, f64) = (0.9, 0.015);
+
+/// What a limited cell does to its pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction {
+    /// Factor of linear light at the centre of the cell, 0..1. Between centres of limited cells it changes linearly.
+    pub gain: f32,
+    /// Share of the colour that becomes grey, 0..1.
+    pub grey: f32,
+    /// Whether the cell is changed at all; if not, its pixels stay as they are.
+    pub limited: bool,
+}
+
+impl Correction {
+    const NONE: Self = Self { gain: 1.0, grey: 0.0, limited: false };
+}
+
+#[derive(Clone)]
+struct Cell {
+    light: LightSwing,
+    light_changes: Times,
+    light_until: f64,
+    /// The luminance that is shown, and its changes.
+    shown: LightSwing,
+    shown_changes: Times,
+    red: RedSwing,
+    red_changes: Times,
+    red_until: f64,
+    /// Darkest luminance of this part of the memory, and of the one before.
+    lows: [f32; 2],
+    /// Highest luminance; infinite where the cell is not limited.
+    ceiling: f32,
+    grey: f32,
+}
+
+impl Cell {
+    const fn new() -> Self {
+        Self {
+            light: LightSwing::NEW,
+            light_changes: Times::NEW,
+            light_until: 0.0,
+            shown: LightSwing::NEW,
+            shown_changes: Times::NEW,
+            red: RedSwing::NEW,
+            red_changes: Times::NEW,
+            red_until: 0.0,
+            lows: [f32::INFINITY; 2],
+            ceiling: f32::INFINITY,
+            grey: 0.0,
+        }
+    }
+
+    /// The highest luminance of a limited cell.
+    fn highest(&self) -> f32 {
+        self.lows[0].min(self.lows[1]) + SWING
+    }
+
+    /// Brings the ceiling of the luminance to where it belongs now, `seconds` later.
+    fn move_ceiling(&mut self, limited: bool, seconds: f32) {
+        self.ceiling = match limited {
+            true => self.highest().min(self.ceiling + FOLLOW * seconds),
+            false => self.ceiling + RELEASE * seconds,
+        };
+        if !limited && self.ceiling >= 1.0 {
+            self.ceiling = f32::INFINITY;
+        }
+    }
+
+    /// Whether to show this luminance would begin one flash too many.
+    fn is_too_much(&self, light: f32, now: f64, early: f64) -> bool {
+        let mut shown = self.shown;
+        shown.step(light) == Some(Change::Up) && self.shown_changes.count(now, early) + 1 >= CHANGES
+    }
+}
+
+/// Keeps the flashes of a picture few, frame by frame.
+pub struct Limiter {
+    cells: Vec<Cell>,
+    now: f64,
+    /// When the present part of the memory of dark moments began.
+    memory_since: f64,
+    corrections: Vec<Correction>,
+}
+
+impl Default for Limiter {
+    fn default() -> Self {
+        Self {
+            cells: vec![Cell::new(); CELLS],
+            now: 0.0,
+            memory_since: 0.0,
+            corrections: vec![Correction::NONE; CELLS],
+        }
+    }
+}
+
+impl Limiter {
+    /// Takes the frame that is shown next, `seconds` after the last one, and tells what to do to its cells: nothing, or a
+    /// correction for each of them.
+    pub fn limit(&mut self, seconds: f64, frame: &Grid) -> Option<&[Correction]> {
+        let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
+        self.now += seconds;
+        // A rise may come a little early: frames do not come at even times.
+        let early = (EARLY.0 * seconds).min(EARLY.1);
+        self.follow(frame, early);
+        let now = self.now;
+        let wants = |until: fn(&Cell) -> f64| {
+            fields::crowded(|cell| self.cells.get(cell).is_some_and(|cell| until(cell) > now), AREA)
+        };
+        let (light, red) = (wants(|cell| cell.light_until), wants(|cell| cell.red_until));
+        let light = self.with_surroundings(&light, frame);
+        let mut any = false;
+        let cells = self.cells.iter_mut().zip(&mut self.corrections).zip(frame.colors()).enumerate();
+        for (place, ((cell, correction), color)) in cells {
+            let came = luminance(*color);
+            let limited = marked(&light, place);
+            cell.move_ceiling(limited, seconds as f32);
+            let mut shown = came.min(cell.ceiling);
+            if limited && cell.is_too_much(shown, now, early) {
+                shown = shown.min(cell.shown.low() + SWING);
+            }
+            if cell.shown.step(shown).is_some() {
+                cell.shown_changes.note(now);
+            }
+            let limited_red = marked(&red, place) && cell.red_until > now;
+            cell.grey = if limited_red { GREY } else { (cell.grey - RED_RELEASE * seconds as f32).max(0.0) };
+            *correction = Correction {
+                gain: if shown < came { shown / came } else { 1.0 },
+                grey: cell.grey,
+                limited: shown < came || cell.grey > 0.0,
+            };
+            any |= correction.limited;
+        }
+        if !any {
+            return None;
+        }
+        self.make_centres();
+        Some(&self.corrections)
+    }
+
+    /// Of the cells of crowded fields those that are to be limited, and those around them that are brighter than they could
+    /// be then: no edge is seen where a light that flashes becomes too faint to count.
+    fn with_surroundings(&self, crowded: &[bool], frame: &Grid) -> Vec<bool> {
+        let flashes = |(place, cell): (usize, &Cell)| marked(crowded, place) && cell.light_until > self.now;
+        let mut limited: Vec<bool> = self.cells.iter().enumerate().map(flashes).collect();
+        let mut rim: Vec<usize> = (0..CELLS).filter(|place| marked(&limited, *place)).collect();
+        while let Some(place) = rim.pop() {
+            for (step, _) in NEIGHBOURS {
+                let beside = neighbour(place, step);
+                let Some((cell, color)) = self.cells.get(beside).zip(frame.colors().get(beside)) else {
+                    continue;
+                };
+                let joins = marked(crowded, beside) && luminance(*color) > cell.highest();
+                if let Some(known) = limited.get_mut(beside).filter(|known| joins && !**known) {
+                    *known = true;
+                    rim.push(beside);
+                }
+            }
+        }
+        limited
+    }
+
+    /// Looks for changes and for what would be too many. `early` is how many seconds too early a rise may come.
+    fn follow(&mut self, frame: &Grid, early: f64) {
+        let forgets = self.now - self.memory_since >= MEMORY;
+        if forgets {
+            self.memory_since = self.now;
+        }
+        for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
+            if forgets {
+                cell.lows = [f32::INFINITY, cell.lows[0]];
+            }
+            cell.lows[0] = cell.lows[0].min(luminance(*color));
+            let kinds = [
+                (cell.light.step(luminance(*color)), &mut cell.light_changes, &mut cell.light_until),
+                (cell.red.step(*color), &mut cell.red_changes, &mut cell.red_until),
+            ];
+            for (change, times, until) in kinds {
+                let Some(change) = change else { continue };
+                times.note(self.now);
+                if change == Change::Up && times.count(self.now, early) >= CHANGES {
+                    *until = self.now + HOLD;
+                }
+            }
+            if cell.is_too_much(luminance(*color).min(cell.ceiling), self.now, early) {
+                cell.light_until = self.now + HOLD;
+            }
+        }
+    }
+
+    /// Turns the gains that cells shall have on average into those at their centres, between which the picture's gain is
+    /// linear: a cell's own counts for 9/16 of its mean, one beside it for 3/32, one at its corner for 1/64.
+    fn make_centres(&mut self) {
+        const ROUNDS: usize = 6;
+        let wanted: Vec<f32> = self.corrections.iter().map(|correction| correction.gain).collect();
+        for _ in 0..ROUNDS {
+            for place in 0..CELLS {
+                if self.corrections.get(place).is_none_or(|own| !own.limited) {
+                    continue;
+                }
+                let (mut others, mut own_share) = (0.0, 0.0);
+                for (step, share) in NEIGHBOURS {
+                    let beside = neighbour(place, step);
+                    match self.corrections.get(beside) {
+                        Some(other) if other.limited && beside != place => others += share * other.gain,
+                        // Where there is none that is limited, the cell goes on to its edge.
+                        _ => own_share += share,
+                    }
+                }
+                let mean = wanted.get(place).copied().unwrap_or(1.0);
+                if let Some(correction) = self.corrections.get_mut(place) {
+                    correction.gain = ((mean - others) / own_share).clamp(0.0, 1.0);
+                }
+            }
+        }
+    }
+}
+
+fn marked(marks: &[bool], cell: usize) -> bool {
+    marks.get(cell).copied().unwrap_or(false)
+}
+
+/// The cells around a cell and itself, by columns and rows, with their shares of its mean.
+const NEIGHBOURS: [((isize, isize), f32); 9] = [
+    ((-1, -1), 0.015_625),
+    ((0, -1), 0.093_75),
+    ((1, -1), 0.015_625),
+    ((-1, 0), 0.093_75),
+    ((0, 0), 0.562_5),
+    ((1, 0), 0.093_75),
+    ((-1, 1), 0.015_625),
+    ((0, 1), 0.093_75),
+    ((1, 1), 0.015_625),
+];
+
+/// The cell beside another one, or the last one on the way there.
+fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
+    let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
+    let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);
+    row * COLUMNS + column
+}
+
+#[cfg(test)]
+#[path = "limiter_tests.rs"]
+mod tests;

@@ -1,0 +1,100 @@
+//! Flashes of a picture that moves, by the definition of WCAG 2.3.1: how many there are, and what keeps them few.
+//!
+//! A general flash is a pair of opposing changes of relative luminance by 10 % or more of the highest one, where the darker
+//! state is below 0.8. A red flash is a pair of opposing changes to and from a saturated red. No more than three of a
+//! kind may be in any one second, unless those at a time cover no more than a quarter of any ten degrees of sight, which
+//! are a third of a screen's width and height.
+//!
+//! A picture is looked at as a grid of cells, each with its mean colour: finer patterns are none that flash. A cell
+//! counts its own changes; the area is that of the cells of a field with so many flashes within the same second.
+
+mod analyser;
+mod fields;
+mod limiter;
+mod swing;
+
+pub use analyser::{Analyser, Flashes};
+pub use limiter::{Correction, Limiter};
+
+/// Cells of a picture from left to right; a field of sight has a third of them.
+pub const COLUMNS: usize = 48;
+/// Cells from edge to edge the other way.
+pub const ROWS: usize = 36;
+/// Cells of a picture.
+pub const CELLS: usize = COLUMNS * ROWS;
+
+/// Most flashes of a kind in one second.
+pub const FLASHES_MAX: usize = 3;
+
+/// The mean colour of each cell of a picture: linear RGB, 0..1, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Grid(Vec<[f32; 3]>);
+
+impl Grid {
+    /// A grid of the colours of [`CELLS`] cells; missing ones are black, and so is what is no number.
+    pub fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
+        let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
+        let mut cells: Vec<[f32; 3]> = colors.into_iter().take(CELLS).map(|color| color.map(unit)).collect();
+        cells.resize(CELLS, [0.0; 3]);
+        Self(cells)
+    }
+
+    /// The cells of a finished picture: sRGB, four bytes a pixel, row by row.
+    pub fn of_picture(rgba: &[u8], (width, height): (u32, u32)) -> Self {
+        let linear: [f32; 256] = std::array::from_fn(|byte| {
+            let encoded = byte as f32 / 255.0;
+            if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+        });
+        let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
+        let (width, height) = (width as usize, height as usize);
+        // A picture with fewer pixels than cells gives each cell the nearest one.
+        let span = |cell: usize, cells: usize, side: usize| {
+            let first = cell * side / cells;
+            first..((cell + 1) * side / cells).max(first + 1)
+        };
+        let pixels = rgba.as_chunks::<4>().0;
+        let mean = |cell: usize| {
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for y in span(cell / COLUMNS, ROWS, height) {
+                for x in span(cell % COLUMNS, COLUMNS, width) {
+                    let Some([r, g, b, _]) = pixels.get(y * width + x) else { continue };
+                    for (sum, byte) in sum.iter_mut().zip([r, g, b]) {
+                        *sum += light(*byte);
+                    }
+                    count += 1.0;
+                }
+            }
+            sum.map(|sum: f64| (sum / f64::max(count, 1.0)) as f32)
+        };
+        Self::new((0..CELLS).map(mean))
+    }
+
+    fn colors(&self) -> &[[f32; 3]] {
+        &self.0
+    }
+}
+
+/// Relative luminance of linear RGB with the primaries of sRGB.
+fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_are_means_of_linear_light_and_a_pixel_fills_them_all() {
+        let mut rgba = vec![255; 96 * 72 * 4];
+        // The first cell: half of it black.
+        for at in [0, 96] {
+            rgba[4 * at..4 * at + 3].fill(0);
+        }
+        let grid = Grid::of_picture(&rgba, (96, 72));
+        assert_eq!(grid.colors()[..2], [[0.5; 3], [1.0; 3]]);
+        let one = Grid::of_picture(&[188, 0, 0, 255], (1, 1));
+        assert!(one.colors().iter().all(|[r, g, b]| (r - 0.503).abs() < 1e-3 && (*g, *b) == (0.0, 0.0)));
+        // Fewer bytes than pixels, and no numbers.
+        assert_eq!(Grid::of_picture(&[], (9, 9)), Grid::new([[f32::NAN; 3]]));
+    }
+}

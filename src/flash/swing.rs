@@ -1,0 +1,186 @@
+//! What one cell does: its changes between peaks and valleys, of luminance and of red.
+
+use std::collections::VecDeque;
+
+/// Smallest change of luminance that counts, of the highest luminance.
+const LIGHT_CHANGE: f32 = 0.1;
+/// From this luminance of the darker state on no change counts.
+const LIGHT_DARKER: f32 = 0.8;
+/// A colour is a saturated red from this share of red on, in linear light.
+const RED_SHARE: f32 = 0.8;
+/// Smallest change of a red's chromaticity that counts, in the CIE 1976 UCS diagram.
+const RED_CHANGE: f32 = 0.2;
+/// Light that a screen throws back in any case: what is nearly black is no colour.
+const FLARE: f32 = 0.01;
+/// Chromaticity of sRGB's red.
+const RED: [f32; 2] = [0.4507, 0.5229];
+
+/// A change that counts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Change {
+    /// To the brighter state, or to red.
+    Up,
+    /// To the darker one, or away from red.
+    Down,
+}
+
+/// Finds the changes of a luminance, each when it has become large enough.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LightSwing {
+    last: Option<Change>,
+    /// Since the last change.
+    low: f32,
+    high: f32,
+}
+
+impl LightSwing {
+    pub(super) const NEW: Self = Self { last: None, low: f32::INFINITY, high: f32::NEG_INFINITY };
+
+    pub(super) fn step(&mut self, light: f32) -> Option<Change> {
+        (self.low, self.high) = (self.low.min(light), self.high.max(light));
+        let rises = light - self.low >= LIGHT_CHANGE && self.low < LIGHT_DARKER;
+        let falls = self.high - light >= LIGHT_CHANGE && light < LIGHT_DARKER;
+        let change = match self.last {
+            Some(Change::Up) | None if falls => Change::Down,
+            Some(Change::Down) | None if rises => Change::Up,
+            _ => return None,
+        };
+        *self = Self { last: Some(change), low: light, high: light };
+        self.last
+    }
+
+    /// The darkest luminance since the last change.
+    pub(super) fn low(&self) -> f32 {
+        self.low
+    }
+}
+
+/// Finds the changes to and from a saturated red.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RedSwing {
+    /// The last change led to red.
+    red: bool,
+    /// The chromaticity since then that is the farthest from where the next change leads.
+    extreme: Option<[f32; 2]>,
+}
+
+impl RedSwing {
+    pub(super) const NEW: Self = Self { red: false, extreme: None };
+
+    pub(super) fn step(&mut self, color: [f32; 3]) -> Option<Change> {
+        let now = chromaticity(color);
+        let saturated = is_saturated_red(color);
+        let Some(extreme) = self.extreme else {
+            *self = Self { red: saturated, extreme: Some(now) };
+            return None;
+        };
+        if saturated != self.red && distance(now, extreme) > RED_CHANGE {
+            *self = Self { red: saturated, extreme: Some(now) };
+            return Some(if saturated { Change::Up } else { Change::Down });
+        }
+        let further = distance(now, RED) > distance(extreme, RED);
+        if further != self.red {
+            self.extreme = Some(now);
+        }
+        None
+    }
+}
+
+pub(super) fn is_saturated_red([r, g, b]: [f32; 3]) -> bool {
+    r > 0.0 && r >= RED_SHARE * (r + g + b)
+}
+
+/// In the CIE 1976 UCS diagram, as a screen in a room shows it.
+fn chromaticity(color: [f32; 3]) -> [f32; 2] {
+    let [r, g, b] = color.map(|value| value + FLARE);
+    let x = 0.4124 * r + 0.3576 * g + 0.1805 * b;
+    let y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    let z = 0.0193 * r + 0.1192 * g + 0.9505 * b;
+    let sum = x + 15.0 * y + 3.0 * z;
+    [4.0 * x / sum, 9.0 * y / sum]
+}
+
+fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Shortest time that counts as one: frames come at rounded times.
+const ROUNDING: f64 = 1e-6;
+
+/// When the changes of the last second were.
+#[derive(Debug, Clone)]
+pub(super) struct Times(VecDeque<f64>);
+
+impl Times {
+    pub(super) const NEW: Self = Self(VecDeque::new());
+
+    pub(super) fn note(&mut self, time: f64) {
+        self.forget(time);
+        self.0.push_back(time);
+    }
+
+    /// Forgets what is a second ago.
+    pub(super) fn forget(&mut self, now: f64) {
+        while self.0.front().is_some_and(|time| *time <= now - 1.0 + ROUNDING) {
+            self.0.pop_front();
+        }
+    }
+
+    /// How many there are, less those that are forgotten within `soon` seconds.
+    pub(super) fn count(&self, now: f64, soon: f64) -> usize {
+        self.0.iter().filter(|time| **time > now - 1.0 + soon + ROUNDING).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn light_changes(lights: &[f32]) -> usize {
+        let mut swing = LightSwing::NEW;
+        lights.iter().filter(|light| swing.step(**light).is_some()).count()
+    }
+
+    fn red_changes(colors: &[[f32; 3]]) -> usize {
+        let mut swing = RedSwing::NEW;
+        colors.iter().filter(|color| swing.step(**color).is_some()).count()
+    }
+
+    #[test]
+    fn changes_of_light_count_from_a_tenth_on_and_below_four_fifths() {
+        assert_eq!(light_changes(&[0.0, 1.0, 0.0, 1.0]), 3);
+        assert_eq!(light_changes(&[0.3, 0.39, 0.3, 0.39]), 0);
+        assert_eq!(light_changes(&[0.3, 0.41, 0.3]), 2);
+        assert_eq!(light_changes(&[0.82, 1.0, 0.82]), 0, "the darker state is bright");
+        assert_eq!(light_changes(&[0.7, 1.0, 0.7]), 2);
+        // Slowly up and down again: one change each.
+        let ramp = (0..200).map(|i| if i < 100 { i as f32 / 100.0 } else { 2.0 - i as f32 / 100.0 });
+        assert_eq!(light_changes(&ramp.collect::<Vec<_>>()), 2);
+        // From peak to valley, however many small steps there are on the way.
+        assert_eq!(light_changes(&[0.0, 0.5, 0.45, 0.55, 0.5, 0.6, 0.0]), 2);
+    }
+
+    #[test]
+    fn changes_to_and_from_saturated_red_count() {
+        let (red, black, white, green) = ([1.0, 0.0, 0.0], [0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]);
+        for other in [black, white, green] {
+            assert_eq!(red_changes(&[red, other, red]), 2, "{other:?}");
+        }
+        assert_eq!(red_changes(&[white, black, white, green, white]), 0);
+        assert_eq!(red_changes(&[[0.5, 0.2, 0.2], black, [0.5, 0.2, 0.2]]), 0, "that red is not saturated");
+        // Hardly any light, and two saturated reds.
+        assert_eq!(red_changes(&[[0.005, 0.0, 0.0], black, [0.005, 0.0, 0.0]]), 0);
+        assert_eq!(red_changes(&[red, [0.9, 0.1, 0.0], red]), 0);
+    }
+
+    #[test]
+    fn what_is_a_second_ago_is_forgotten() {
+        let mut times = Times::NEW;
+        for i in 0..30 {
+            times.note(f64::from(i) / 30.0);
+        }
+        assert_eq!(times.count(29.0 / 30.0, 0.0), 30);
+        times.note(1.0);
+        assert_eq!((times.count(1.0, 0.0), times.count(1.0, 0.1)), (30, 27));
+    }
+}
