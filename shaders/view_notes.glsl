@@ -20,22 +20,28 @@ float noted_light = 0.0;
 float noted_arrives = 0.0;
 
 // Only the first surface is looked at: what fades or mirrors does not. What is counted is the whole picture's.
-#define NOTE_SURFACE(s, t, p) \
-    if (!noted) { \
-        noted = true; \
-        noted_t = t; \
-        noted_p = p; \
-        noted_normal = s.normal; \
-        noted_open = s.open; \
-        noted_object = s.object; \
-        if (view_choice.x != VIEW_CLAUSES) { \
-            s.material.haze = 0.0; \
-            s.material.reflect = 0.0; \
-        } \
+void note_surface(inout Surface s, float t, vec3 p) {
+    if (noted) return;
+    noted = true;
+    noted_t = t;
+    noted_p = p;
+    noted_normal = s.normal;
+    noted_open = s.open;
+    noted_object = s.object;
+    if (view_choice.x != VIEW_CLAUSES) {
+        s.material.haze = 0.0;
+        s.material.reflect = 0.0;
     }
-#define NOTE_LIGHT(light, visible) \
-    noted_light += dot(light, vec3(1.0)); \
-    noted_arrives += dot(light, vec3(1.0)) * (visible)
+}
+
+void note_light(vec3 light, float visible) {
+    float amount = dot(light, vec3(1.0));
+    noted_light += amount;
+    noted_arrives += amount * visible;
+}
+
+#define NOTE_SURFACE(s, t, p) note_surface(s, t, p)
+#define NOTE_LIGHT(light, visible) note_light(light, visible)
 // The difference that normals are computed by.
 #define CHOSEN_TAP(h) (view_choice.x == VIEW_NORMALS && view_choice.y > 0.0 ? view_choice.y : (h))
 #else

@@ -75,11 +75,15 @@ const ROWS_MAX: usize = 6;
 /// Draws legends, and knows the last one.
 pub struct LegendPainter {
     letters: Letters,
-    last: Option<Drawn>,
+    last: Option<Known>,
 }
 
-/// A legend, the size of the picture that it was drawn for, and what was drawn: nothing where there was no room.
-type Drawn = (Legend, (u32, u32), Option<Arc<LegendPicture>>);
+/// A legend that was drawn for a picture's size, if it fits.
+struct Known {
+    legend: Legend,
+    size: (u32, u32),
+    drawn: Option<Arc<LegendPicture>>,
+}
 
 impl Default for LegendPainter {
     fn default() -> Self {
@@ -90,11 +94,11 @@ impl Default for LegendPainter {
 impl LegendPainter {
     /// The legend for a picture of `size` pixels; none if it would take too much of it.
     pub fn picture(&mut self, legend: Legend, size: (u32, u32)) -> Option<Arc<LegendPicture>> {
-        if let Some((_, _, known)) = self.last.as_ref().filter(|(of, at, _)| (of, *at) == (&legend, size)) {
-            return known.clone();
+        if let Some(known) = self.last.as_ref().filter(|known| known.legend == legend && known.size == size) {
+            return known.drawn.clone();
         }
         let drawn = draw(&mut self.letters, &legend, size).map(Arc::new);
-        self.last = Some((legend, size, drawn.clone()));
+        self.last = Some(Known { legend, size, drawn: drawn.clone() });
         drawn
     }
 }
