@@ -14,7 +14,7 @@ use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::{DoesNotFit, Interpreter, Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
-use support::compare::{TIGHT, assert_alike, difference};
+use support::compare::{LOOSE, TIGHT, Tolerance, assert_alike, difference};
 use support::oracle::BY_HAND;
 use support::studio::{Studio, driver, loud_music, loud_sound, ready, silence, soft_music, speakers};
 
@@ -103,11 +103,16 @@ fn kinds(all: &Evaluations) -> [f64; 5] {
 /// Fails unless both modes show the same, with regions and without, and evaluate about as much without, in loud music at
 /// each of the `times`. No ray of a shipped scene may reach its cap.
 fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
-    assert_modes_agree_at(name, scene, times, SIZE);
+    assert_modes_agree_at(name, scene, times, (SIZE, TIGHT));
 }
 
-/// The same in pictures of a size.
-fn assert_modes_agree_at(name: &str, scene: &SceneSource, times: &[f64], size: (u32, u32)) {
+/// The same in pictures of a size, as near as told.
+fn assert_modes_agree_at(
+    name: &str,
+    scene: &SceneSource,
+    times: &[f64],
+    (size, tolerance): ((u32, u32), Tolerance),
+) {
     let mut studio = Studio::of(scene, Mode::Compiled, Counting::On);
     let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
     let mut first: Option<RgbaImage> = None;
@@ -118,8 +123,8 @@ fn assert_modes_agree_at(name: &str, scene: &SceneSource, times: &[f64], size: (
         studio.resources.set_cells(false);
         let [compiled, interpreted] =
             [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
-        assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, TIGHT);
-        assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, TIGHT);
+        assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, tolerance);
+        assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, tolerance);
         if matches!(scene, SceneSource::Shipped(_)) {
             assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
         }
@@ -130,7 +135,7 @@ fn assert_modes_agree_at(name: &str, scene: &SceneSource, times: &[f64], size: (
             steep || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
             "{name}: {fewer:?}, but {all:?}"
         );
-        assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, TIGHT);
+        assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, tolerance);
         let (a, b) = (interpreted.1, compiled.1);
         assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
         for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {
@@ -153,10 +158,14 @@ fn assert_modes_agree_at(name: &str, scene: &SceneSource, times: &[f64], size: (
 
 #[test]
 fn both_modes_show_the_same_shipped_scenes() {
-    for name in shipped_names() {
-        // One of many: a small picture each.
-        assert_modes_agree_at(&name, &SceneSource::Shipped(name.clone()), &[40.0], (160, 90));
-    }
+    let differs = |name: &String| {
+        // One of many: a small picture each, in which much is finer than a pixel. Where a ray ends to a rounding
+        // decides there on which side of a line it is.
+        let scene = SceneSource::Shipped(name.clone());
+        std::panic::catch_unwind(|| assert_modes_agree_at(name, &scene, &[40.0], ((160, 90), LOOSE))).is_err()
+    };
+    let different: Vec<String> = shipped_names().into_iter().filter(differs).collect();
+    assert!(different.is_empty(), "modes differ in {different:?}: see above");
 }
 
 #[test]

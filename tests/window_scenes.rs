@@ -204,7 +204,9 @@ fn a_broken_save_keeps_the_picture_and_says_what_is_wrong_until_it_is_mended() {
     let kept = |app: &App| {
         // The panel may need all the room but a margin.
         for (x, y) in [(0, 0), (159, 0), (0, 89), (159, 89)] {
-            assert_eq!(app.picture().get_pixel(x, y), clear.get_pixel(x, y), "at {x}, {y}");
+            // While something moves, fewer pixels may be drawn: their grain is another.
+            let steps = pixel_difference(app.picture().get_pixel(x, y), clear.get_pixel(x, y));
+            assert!(steps <= 2, "{steps} steps at {x}, {y}");
         }
     };
 

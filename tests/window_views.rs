@@ -25,7 +25,8 @@ fn paused<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, RgbaImage) {
     app.press(&["Left", "Left", "Left", "Left"]);
     let mut last = app.picture();
     wait_until("a picture that stands", || {
-        std::thread::sleep(std::time::Duration::from_millis(400));
+        // One that stands for long is drawn once more, as good as can be.
+        std::thread::sleep(std::time::Duration::from_millis(1200));
         let now = app.picture();
         let stands = now == last;
         last = now;

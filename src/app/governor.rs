@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use crate::config::QualityChoice;
+use crate::gpu::edge_samples::EdgeSamples;
 
 /// How a picture is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,24 +18,33 @@ pub struct Level {
     pub scale: f64,
     /// The shaders' `frame_quality`.
     pub quality: f32,
+    /// Further samples of pixels at edges.
+    pub edges: EdgeSamples,
 }
+
+const fn moving(scale: f64, quality: f32) -> Level {
+    Level { scale, quality, edges: EdgeSamples::Four }
+}
+
+/// The best of all: as stills are drawn.
+const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
 
 /// From the best one down. One costs about a fifth less than the one before: no step between two is seen.
 const LEVELS: [Level; 14] = [
-    Level { scale: 1.0, quality: 1.0 },
-    Level { scale: 0.92, quality: 0.8 },
-    Level { scale: 0.84, quality: 0.8 },
-    Level { scale: 0.77, quality: 0.6 },
-    Level { scale: 0.70, quality: 0.6 },
-    Level { scale: 0.64, quality: 0.4 },
-    Level { scale: 0.58, quality: 0.4 },
-    Level { scale: 0.52, quality: 0.2 },
-    Level { scale: 0.46, quality: 0.2 },
-    Level { scale: 0.41, quality: 0.0 },
-    Level { scale: 0.36, quality: 0.0 },
-    Level { scale: 0.32, quality: 0.0 },
-    Level { scale: 0.28, quality: 0.0 },
-    Level { scale: 0.25, quality: 0.0 },
+    moving(1.0, 1.0),
+    moving(0.92, 0.8),
+    moving(0.84, 0.8),
+    moving(0.77, 0.6),
+    moving(0.70, 0.6),
+    moving(0.64, 0.4),
+    moving(0.58, 0.4),
+    moving(0.52, 0.2),
+    moving(0.46, 0.2),
+    moving(0.41, 0.0),
+    moving(0.36, 0.0),
+    moving(0.32, 0.0),
+    moving(0.28, 0.0),
+    moving(0.25, 0.0),
 ];
 /// Sides of so many pixels are drawn as they are.
 const SIDE_MIN: u32 = 16;
@@ -142,7 +152,10 @@ impl Governor {
 
     /// How a picture that stands still is drawn: there is time for it.
     pub fn still_level(&self) -> Level {
-        if self.choice == QualityChoice::Auto { LEVELS[0] } else { self.level() }
+        match self.choice {
+            QualityChoice::Auto | QualityChoice::Best => STILL,
+            _ => self.level(),
+        }
     }
 
     /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without what waits for the monitor.

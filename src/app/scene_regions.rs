@@ -11,6 +11,7 @@ use crate::audio::Moment;
 use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::frame::hand::Hand;
+use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 
@@ -24,6 +25,8 @@ pub struct Shown {
     pub moment: Moment,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// Further samples of pixels at edges.
+    pub edges: EdgeSamples,
     /// The stage's revision.
     pub revision: u64,
 }

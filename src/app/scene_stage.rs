@@ -18,6 +18,7 @@ use std::time::{Duration, Instant};
 
 use views::{Views, ViewsOf};
 
+use super::governor::Level;
 use super::overlay::Slider;
 use super::scene_regions::{SceneRegions, Shown};
 use crate::audio::Moment;
@@ -464,16 +465,17 @@ impl SceneStage {
         &mut self,
         renderer: &mut Renderer,
         (moment, sound): (Moment, Sound),
-        (size, aspect, quality): ((u32, u32), f64, f32),
+        (size, aspect, level): ((u32, u32), f64, Level),
     ) -> Result<Option<Shown>, GpuError> {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let Some(program) = cast.program(mode) else { return Ok(None) };
-        let wanted = Shown { moment, size, revision: self.revision };
+        let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
         let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
         let wishes = (params.as_slice(), self.hand);
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else { return Ok(None) };
-        let frame = frame.in_window(cast.resources.world(), aspect, quality);
+        let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
+        renderer.set_edge_samples(shown.edges);
         self.own_pitch = frame.own_pitch();
         match self.views.program(cast, mode) {
             None => renderer.draw(&frame, &cast.resources, program)?,

@@ -210,6 +210,7 @@ impl Show {
             shown: None,
             frame_times: FrameTimes::default(),
             governor: Governor::new(settings.quality, fps),
+            window_size: None,
             moved: now,
             pictured: None,
             status_due: now,
@@ -239,14 +240,15 @@ impl Show {
         if !stage.scene.has_regions() {
             stage.pacing.begun(begun);
         }
-        let Some(size) = stage.window.size() else { return Ok(()) };
+        stage.window_size = stage.window.size();
+        let Some(size) = stage.window_size else { return Ok(()) };
         let Some(moment) = stage.moment() else { return Ok(()) };
         let level = stage.level(begun);
         let drawn = stage.drawn_size(level, size);
         if !stage.scene.is_ready() {
             return Ok(());
         }
-        let wanted = Shown { moment, size: drawn, revision: stage.scene.revision() };
+        let wanted = Shown { moment, size: drawn, edges: level.edges, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) {
             // Its curves take longer than all the rest of a frame's inputs: only for scenes that read them.
@@ -254,7 +256,7 @@ impl Show {
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
             let sound = dsp::Sound { features: moment.features, tables: curves };
             let aspect = f64::from(size.0) / f64::from(size.1.max(1));
-            new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level.quality))?;
+            new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level))?;
             if new.is_some() {
                 stage.finish_picture(begun)?;
             }

@@ -42,6 +42,8 @@ pub(super) struct Stage {
     pub(super) shown: Option<Shown>,
     pub(super) frame_times: FrameTimes,
     pub(super) governor: Governor,
+    /// The window's size at the last drawing. (To ask a window that others have closed is the end of the program.)
+    pub(super) window_size: Option<(u32, u32)>,
     /// When the show last moved.
     pub(super) moved: Instant,
     /// When the last new picture was begun.
@@ -132,8 +134,9 @@ impl Stage {
 
     /// Whether a show that stands still could be drawn better than it is.
     pub(super) fn could_be_better(&self, now: Instant) -> bool {
-        let Some((shown, window)) = self.shown.zip(self.window.size()) else { return false };
-        shown.size != self.drawn_size(self.level(now), window)
+        let Some((shown, window)) = self.shown.zip(self.window_size) else { return false };
+        let level = self.level(now);
+        (shown.size, shown.edges) != (self.drawn_size(level, window), level.edges)
     }
 
     /// The line about the scene and how it is drawn, if it is wanted.

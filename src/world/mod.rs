@@ -222,8 +222,8 @@ pub(crate) mod testing {
     use super::World;
     use crate::lang::{compile, no_includes};
 
-    /// The shipped scene of that name.
-    pub(crate) const SPEAKERS: &str = include_str!("../../assets/scenes/speakers.scene");
+    /// The thesis' speakers.
+    pub(crate) const SPEAKERS: &str = include_str!("../../tests/oracle/speakers.scene");
 
     /// The world of a text, without its pictures.
     pub(crate) fn world_of(text: &str) -> World {
