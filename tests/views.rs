@@ -17,7 +17,7 @@ use mariana::view::legend::{LegendPainter, byte};
 use mariana::view::scale::{self, Color, HEAT};
 use mariana::view::setup::ViewSetup;
 use mariana::view::{VIEWS, View, ViewChoice};
-use support::compare::{TIGHT, assert_alike};
+use support::compare::{TIGHT, assert_alike, check_golden};
 use support::studio::{Studio, loud_music, silence, speakers};
 
 /// Too small for a legend.
@@ -354,4 +354,16 @@ fn a_view_leaves_the_next_picture_as_it_is() {
     viewer.view(View::Cells);
     viewer.view(View::Normals);
     assert_eq!(viewer.studio.picture(3.0, silence(), SIZE), before);
+}
+
+#[test]
+fn every_view_looks_as_it_did() {
+    let mut viewer = Viewer::of(&speakers(), Mode::Interpreted);
+    let frame = viewer.studio.frame(12.0, loud_music(), SIZE);
+    let results = VIEWS.iter().map(|row| {
+        let picture = viewer.draw(row.view, &frame, false);
+        check_golden(&format!("view-{}", row.name), &picture)
+    });
+    let failures: Vec<String> = results.filter_map(Result::err).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

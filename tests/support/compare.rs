@@ -66,7 +66,7 @@ pub fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String> {
         return write(&path, actual);
     }
     let advice =
-        "if the new look is wanted, run MARIANA_BLESS=1 cargo test --test pictures --test scene_looks";
+        "if the new look is wanted, run MARIANA_BLESS=1 cargo test --test pictures --test scene_looks --test views";
     let golden =
         image::open(&path).map_err(|error| format!("{}: {error}; {advice}", path.display()))?.to_rgba8();
     if golden.dimensions() != actual.dimensions() {
