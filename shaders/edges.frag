@@ -10,7 +10,9 @@ layout(location = 0) out float mark;
 
 // Keys from here on are of rough mirrors (scene.frag), whose noise is seen from this contrast on.
 const float ROUGH_KEY = 1024.0;
-const float ROUGH_CONTRAST = 0.006;
+const float ROUGH_CONTRAST = 0.02;
+// Further away, where colours differ without noise, too.
+const float FAR_ROUGH_CONTRAST = 0.06;
 
 // Where neighbours are looked at.
 const int NEAREST = 4;
@@ -29,22 +31,34 @@ vec3 shown(vec3 light) {
     return exposed / (1.0 + exposed);
 }
 
+void look_around(ivec2 texel, ivec2 limit, int from, int to, inout vec4 low, inout vec4 high) {
+    for (int i = from; i < to; i++) {
+        vec4 other = seen(texel + PLACES[i], limit);
+        low = min(low, other);
+        high = max(high, other);
+    }
+}
+
+// As bright as it will be seen, near enough. That keeps the order, so the extremes are enough.
+float contrast(vec4 low, vec4 high) {
+    vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
+    return max(range.r, max(range.g, range.b));
+}
+
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     ivec2 limit = textureSize(picture, 0) - 1;
     vec4 low = seen(texel, limit);
     vec4 high = low;
-    for (int i = 0; i < NEIGHBOURS; i++) {
-        // Noise that none of the nearest pixels shows is looked for further away.
-        if (i >= NEAREST && low.a < ROUGH_KEY) break;
-        vec4 other = seen(texel + PLACES[i], limit);
-        low = min(low, other);
-        high = max(high, other);
-    }
-    // As bright as it will be seen, near enough. That keeps the order, so the extremes are enough.
-    vec3 range = srgb_from_linear(shown(high.rgb)) - srgb_from_linear(shown(low.rgb));
-    float contrast = max(range.r, max(range.g, range.b));
+    look_around(texel, limit, 0, NEAREST, low, high);
     float least = high.a - low.a > 0.5 ? picture_edges.x : picture_edges.y;
-    if (contrast < (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) discard;
+    if (contrast(low, high) >= (high.a >= ROUGH_KEY ? ROUGH_CONTRAST : least)) {
+        mark = 1.0;
+        return;
+    }
+    // Noise that none of the nearest pixels shows is looked for further away.
+    if (high.a < ROUGH_KEY) discard;
+    look_around(texel, limit, NEAREST, NEIGHBOURS, low, high);
+    if (contrast(low, high) < FAR_ROUGH_CONTRAST) discard;
     mark = 1.0;
 }
