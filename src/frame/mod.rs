@@ -120,8 +120,12 @@ impl Frame {
     fn see_from(&mut self, world: &World, aspect: f64, hand: Hand) {
         (self.hand, self.camera) = (hand, Camera::by_hand(&self.values, aspect, &hand));
         self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
-        self.inputs.eye = self.camera.position.as_vec3().to_array();
-        self.inputs.hoisted = world.hoisted.values(&self.inputs);
+        let eye = self.camera.position.as_vec3().to_array();
+        // What is computed once a frame depends on nothing else here.
+        if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {
+            self.inputs.eye = eye;
+            self.inputs.hoisted = world.hoisted.values(&self.inputs);
+        }
     }
 
     /// How far the scene's own camera is above its target, in radians.

@@ -208,18 +208,18 @@ impl Passes {
 }
 
 /// A uniform block that is written anew again and again.
-struct Block {
+pub(super) struct Block {
     gl: Gl,
     buffer: Buffer,
     binding: u32,
 }
 
 impl Block {
-    fn new(gl: &Gl, name: &str) -> Result<Self, GpuError> {
+    pub(super) fn new(gl: &Gl, name: &str) -> Result<Self, GpuError> {
         Ok(Self { gl: gl.clone(), buffer: Buffer::new(gl)?, binding: binding_of(name) })
     }
 
-    fn set(&self, numbers: &[f32]) {
+    pub(super) fn set(&self, numbers: &[f32]) {
         let bytes: Vec<u8> = numbers.iter().flat_map(|value| value.to_ne_bytes()).collect();
         let buffer = Some(self.buffer.native());
         // SAFETY: the buffer is ours.

@@ -20,9 +20,9 @@ use super::error::GpuError;
 pub use super::evaluations::Evaluations;
 use super::flash_pass::FlashPass;
 use super::gl::Gl;
-use super::object::{Buffer, VertexArray};
-use super::post::{Post, PostTargets};
-use super::program::{Program, binding_of, unit_of};
+use super::object::VertexArray;
+use super::post::{Block, Post, PostTargets};
+use super::program::{Program, unit_of};
 use super::scene_resources::{SceneNames, SceneResources};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
@@ -64,9 +64,9 @@ pub struct Renderer {
     gl: Gl,
     edges: Program,
     post: Post,
-    frame_buffer: Buffer,
-    pass_buffer: Buffer,
-    view_buffer: Buffer,
+    frame_block: Block,
+    pass_block: Block,
+    view_block: Block,
     vertices: VertexArray,
     counting: Counting,
     edge_samples: EdgeSamples,
@@ -113,9 +113,9 @@ impl Renderer {
             gl: gl.clone(),
             edges: Program::link(gl, library, EDGE_SHADER, &Variant::default())?,
             post: Post::new(gl, library)?,
-            frame_buffer: Buffer::new(gl)?,
-            pass_buffer: Buffer::new(gl)?,
-            view_buffer: Buffer::new(gl)?,
+            frame_block: Block::new(gl, "FrameBlock")?,
+            pass_block: Block::new(gl, "PassBlock")?,
+            view_block: Block::new(gl, "ViewBlock")?,
             vertices: VertexArray::new(gl)?,
             counting,
             edge_samples: EdgeSamples::Four,
@@ -184,13 +184,7 @@ impl Renderer {
         scene: &SceneNames,
         program: &Program,
     ) -> Result<(), GpuError> {
-        self.need_targets(size, picture.lens.is_some())?;
-        self.bind_inputs(block);
-        self.post.bind_picture(picture, self.edge_samples);
-        scene.bind(&self.gl);
-        if let Some(flashes) = &mut self.flashes {
-            flashes.begin();
-        }
+        self.begin(size, (block, picture), scene)?;
         // Taken out, so that lists can grow while the rest is used.
         let Some(mut targets) = self.targets.take() else { return Ok(()) };
         let mut timer = self.timer.take();
@@ -236,12 +230,9 @@ impl Renderer {
         program: &Program,
         view: &ViewBlock,
     ) -> Result<(), GpuError> {
-        self.need_targets(size, picture.lens.is_some())?;
-        self.bind_inputs(block);
-        scene.bind(&self.gl);
+        self.begin(size, (block, picture), scene)?;
         let Some(targets) = &self.targets else { return Ok(()) };
-        self.post.bind_picture(picture, self.edge_samples);
-        self.bind_block("ViewBlock", &self.view_buffer, view.as_flattened());
+        self.view_block.set(view.as_flattened());
         self.reset_state();
         targets.post.finished().bind();
         // SAFETY: plain state.
@@ -471,25 +462,23 @@ impl Renderer {
         Ok(())
     }
 
-    /// Fills a uniform block and binds it to its place.
-    fn bind_block(&self, name: &str, buffer: &Buffer, values: &[f32]) {
-        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
-        // SAFETY: the buffer is ours, the bytes are those of the block.
-        unsafe {
-            self.gl.bind_buffer(glow::UNIFORM_BUFFER, Some(buffer.native()));
-            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
-            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of(name), Some(buffer.native()));
+    /// Begins a picture: targets of its size, and what every pass reads.
+    fn begin(
+        &mut self,
+        size: (u32, u32),
+        (block, picture): (&FrameBlock, &Picture),
+        scene: &SceneNames,
+    ) -> Result<(), GpuError> {
+        self.need_targets(size, picture.lens.is_some())?;
+        // SAFETY: the vertices are ours.
+        unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
+        self.frame_block.set(block.as_flattened());
+        self.post.bind_picture(picture, self.edge_samples);
+        scene.bind(&self.gl);
+        if let Some(flashes) = &mut self.flashes {
+            flashes.begin();
         }
-    }
-
-    fn bind_inputs(&self, block: &FrameBlock) {
-        // SAFETY: vertices and buffer are ours; the buffer is filled before each sample.
-        unsafe {
-            self.gl.bind_vertex_array(Some(self.vertices.native()));
-            let pass = Some(self.pass_buffer.native());
-            self.gl.bind_buffer_base(glow::UNIFORM_BUFFER, binding_of("PassBlock"), pass);
-        }
-        self.bind_block("FrameBlock", &self.frame_buffer, block.as_flattened());
+        Ok(())
     }
 
     /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
@@ -514,13 +503,9 @@ impl Renderer {
         let head = [place[0], place[1], kind, number, across as f32, down as f32, 0.0, 0.0];
         let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
-        let bytes: Vec<u8> = block.iter().flat_map(|value| value.to_ne_bytes()).collect();
-        // SAFETY: the buffer is ours and the draw reads nothing else than what `bind_inputs` bound.
-        unsafe {
-            self.gl.bind_buffer(glow::UNIFORM_BUFFER, Some(self.pass_buffer.native()));
-            self.gl.buffer_data_u8_slice(glow::UNIFORM_BUFFER, &bytes, glow::STREAM_DRAW);
-            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
-        }
+        self.pass_block.set(&block);
+        // SAFETY: the draw reads nothing else than what `begin` bound.
+        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
 }
 

@@ -1,5 +1,5 @@
-//! Views of the scene on the stage, and the hand at its camera: which is shown, and the programs that draw it, made beside the picture when they are
-//! asked for. Until one is there the picture goes on.
+//! Views of the scene on the stage, and the hand at its camera: which is shown, and the programs that draw it, made beside
+//! the picture when they are asked for. Until one is there the picture goes on.
 
 use std::rc::Rc;
 

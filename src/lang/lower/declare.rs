@@ -8,6 +8,7 @@ use super::super::scene::{Camera, Light, LightPlace, Material, Object, Param, Pi
 use super::super::source::{Sources, Span};
 use super::super::symbol::Symbol;
 use super::super::value::Value;
+use super::sections::Values;
 use super::{GlobalFunction, GlobalLet, GlobalValue, Lowering};
 use crate::graph::NodeId;
 
@@ -309,17 +310,7 @@ impl<'a> Lowering<'a> {
         if let Some(index) = parts.default_material {
             return index;
         }
-        let material = Material {
-            name: "default".to_owned(),
-            color: self.vector([0.8, 0.8, 0.8]),
-            roughness: self.constant(0.5),
-            metalness: self.constant(0.0),
-            emission: self.vector([0.0; 3]),
-            reflect: self.constant(0.0),
-            coat: self.constant(0.0),
-            haze: self.constant(0.0),
-            blur: self.constant(0.0),
-        };
+        let material = self.material("default".to_owned(), &Values::default());
         parts.materials.push(material);
         parts.default_material = Some(parts.materials.len() - 1);
         parts.materials.len() - 1

@@ -353,7 +353,7 @@ impl Lowering<'_> {
         None
     }
 
-    fn material(&mut self, name: String, values: &Values) -> Material {
+    pub(super) fn material(&mut self, name: String, values: &Values) -> Material {
         let (zero, half) = (self.constant(0.0), self.constant(0.5));
         let (gray, black) = (self.vector([0.8; 3]), self.vector([0.0; 3]));
         Material {
