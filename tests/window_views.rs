@@ -5,6 +5,8 @@
 
 mod support;
 
+use std::time::Duration;
+
 use image::RgbaImage;
 use mariana::view::VIEWS;
 use support::compare::{TIGHT, difference};
@@ -19,8 +21,7 @@ fn paused<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, RgbaImage) {
     let song = desktop.folder().join("quiet.wav");
     write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
     let mut app =
-        // Views that follow each other quickly flash: what the limiter takes of them it gives back slowly.
-        desktop.open(&song, &[&["--silent", "--size", SIZE, "--sdf", "compiled", "--flash-limiter", "off"], options].concat());
+        desktop.open(&song, &[&["--silent", "--size", SIZE, "--sdf", "compiled"], options].concat());
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     app.press(&["Left", "Left", "Left", "Left"]);
@@ -28,7 +29,7 @@ fn paused<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, RgbaImage) {
     let is_view = options.contains(&"--view");
     let mut last = if is_view { app.picture() } else { app.wait_for_moment(0.0) };
     wait_until("a picture that stands", || {
-        std::thread::sleep(std::time::Duration::from_millis(400));
+        std::thread::sleep(Duration::from_millis(400));
         let now = app.picture();
         let stands = now == last;
         last = now;
@@ -39,6 +40,14 @@ fn paused<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, RgbaImage) {
 
 fn share(a: &RgbaImage, b: &RgbaImage) -> f64 {
     difference(a, b, TIGHT.visible).share
+}
+
+/// Whether this is the picture, but darker.
+fn is_dimmed(now: &RgbaImage, picture: &RgbaImage) -> bool {
+    let light = |image: &RgbaImage| image.as_raw().iter().map(|byte| f64::from(*byte)).sum::<f64>();
+    let bytes = || now.as_raw().iter().zip(picture.as_raw());
+    let brighter = bytes().filter(|(now, byte)| **now > byte.saturating_add(8)).count();
+    (brighter as f64) < 0.02 * picture.as_raw().len() as f64 && light(now) < 0.98 * light(picture)
 }
 
 /// Drags with the left button from the middle.
@@ -81,6 +90,23 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
 }
 
 #[test]
+fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
+    let desktop = Desktop::start();
+    let (mut app, picture) = paused(&desktop, &["--regions", "off"]);
+    app.press(&["v"]);
+    wait_until("the first view", || share(&app.picture(), &picture) > 0.3);
+    for _ in 0..VIEWS.len() {
+        app.press(&["v"]);
+        std::thread::sleep(Duration::from_millis(60));
+    }
+    wait_until("the picture again", || {
+        let now = app.picture();
+        assert!(!is_dimmed(&now, &picture), "the picture is dimmed");
+        share(&now, &picture) < 0.1
+    });
+}
+
+#[test]
 fn the_camera_is_turned_by_hand_and_given_back() {
     let desktop = Desktop::start();
     let (mut app, picture) = paused(&desktop, &["--regions", "off"]);
@@ -95,7 +121,7 @@ fn the_camera_is_turned_by_hand_and_given_back() {
     wait_until("the scene's own picture again", || app.picture() == picture);
     // A click that does not move turns nothing, and two are a wish for full screen.
     app.xdotool(&["click", "1"]);
-    std::thread::sleep(std::time::Duration::from_millis(700));
+    std::thread::sleep(Duration::from_millis(700));
     assert!(app.picture() == picture, "a click moves the camera");
     drag(&app, (-40, 0));
     wait_until("the picture turned once more", || share(&app.picture(), &picture) > 0.1);

@@ -156,6 +156,12 @@ impl Stage {
         self.renderer.limit_flashes(begun.saturating_duration_since(last).as_secs_f64())
     }
 
+    /// Shows another view, or the picture again. Its colours carry numbers, so the change must not be dimmed as a flash.
+    pub(super) fn change_view(&mut self, change: impl FnOnce(&mut SceneStage)) {
+        change(&mut self.scene);
+        self.renderer.forget_flashes();
+    }
+
     /// Tells the governor what a picture cost that took `drawing` until it was handed over and `showing` in all. To hand
     /// over waits for a monitor, but on a software renderer it is what draws.
     pub(super) fn note_cost(&mut self, drawn: Level, drawing: Duration, showing: Duration) {

@@ -59,6 +59,11 @@ impl FlashPass {
         self.is_limited = false;
     }
 
+    /// Begins anew: what comes next is another kind of picture, that somebody asked for.
+    pub(super) fn forget(&mut self) {
+        self.limiter = Limiter::default();
+    }
+
     /// Takes a finished picture that is shown `seconds` after the last one.
     ///
     /// # Errors

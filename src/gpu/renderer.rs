@@ -257,6 +257,13 @@ impl Renderer {
         self.gl.check("limiting flashes")
     }
 
+    /// What was drawn before is no flash beside what comes next, as somebody changed from one to the other by hand.
+    pub fn forget_flashes(&mut self) {
+        if let Some(flashes) = &mut self.flashes {
+            flashes.forget();
+        }
+    }
+
     /// How long the GPU took for one of the last pictures, if that has become known since the last call; never on a
     /// software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
