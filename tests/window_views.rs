@@ -92,7 +92,7 @@ fn the_key_goes_through_the_views_and_the_title_tells_which() {
 #[test]
 fn views_that_follow_each_other_quickly_were_dimmed_as_flashes() {
     let desktop = Desktop::start();
-    let (mut app, picture) = paused(&desktop, &["--regions", "off"]);
+    let (app, picture) = paused(&desktop, &["--regions", "off"]);
     app.press(&["v"]);
     wait_until("the first view", || share(&app.picture(), &picture) > 0.3);
     for _ in 0..VIEWS.len() {
