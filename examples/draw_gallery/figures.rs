@@ -16,6 +16,8 @@ use mariana::scenes::{ReadyScene, SceneSource};
 use super::MOMENTS;
 
 const SIZE: (u32, u32) = (320, 180);
+/// Where the costs are counted: at a smaller size, edges weigh more.
+const COST_SIZE: (u32, u32) = (1280, 720);
 /// The loudest of the moments.
 const LOUD: usize = 2;
 /// Steps of 0..255 in a channel that are seen.
@@ -44,31 +46,32 @@ impl Figures {
         let variant = variant_of(&world, &buffers, &plan, Mode::Interpreted, gl.info(), Counting::On)?;
         let program = link_scene(gl, &library, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        let mut drawn = |moment: usize, sound: Sound| -> anyhow::Result<(RgbaImage, Evaluations)> {
-            let frame = Frame::new(resources.world(), MOMENTS[moment], sound, SIZE);
-            renderer.draw(&frame, &resources, &program)?;
-            let picture = RgbaImage::from_raw(SIZE.0, SIZE.1, renderer.read());
-            let pixels = f64::from(SIZE.0) * f64::from(SIZE.1);
-            Ok((
-                picture.context("a picture has four bytes a pixel")?,
-                renderer.evaluations().per_pixel(pixels),
-            ))
-        };
+        let mut draw =
+            |moment: usize, sound: Sound, size: (u32, u32)| -> anyhow::Result<(RgbaImage, Evaluations)> {
+                let frame = Frame::new(resources.world(), MOMENTS[moment], sound, size);
+                renderer.draw(&frame, &resources, &program)?;
+                let picture = RgbaImage::from_raw(size.0, size.1, renderer.read());
+                let pixels = f64::from(size.0) * f64::from(size.1);
+                Ok((
+                    picture.context("a picture has four bytes a pixel")?,
+                    renderer.evaluations().per_pixel(pixels),
+                ))
+            };
         let mut figures = Self { cost: Evaluations::default(), moved: 0.0, black: 0.0, white: 0.0 };
         for (moment, sound) in sounds.iter().enumerate() {
-            let (picture, cost) = drawn(moment, sound.clone())?;
+            let (picture, _) = draw(moment, sound.clone(), SIZE)?;
             figures.black = figures.black.max(share(&picture, |pixel| pixel.iter().all(|value| *value <= 1)));
             figures.white =
                 figures.white.max(share(&picture, |pixel| pixel.iter().all(|value| *value >= 254)));
             if moment == LOUD {
-                let (silent, _) = drawn(moment, Sound::default())?;
+                let (silent, _) = draw(moment, Sound::default(), SIZE)?;
                 let mut before = silent.pixels();
                 let moves = |now: &[u8]| {
                     let then = before.next().map_or([0; 4], |pixel| pixel.0);
                     now.iter().zip(then).any(|(a, b)| a.abs_diff(b) > VISIBLE)
                 };
                 figures.moved = share(&picture, moves);
-                figures.cost = cost;
+                (_, figures.cost) = draw(moment, sound.clone(), COST_SIZE)?;
             }
         }
         Ok(figures)

@@ -76,8 +76,8 @@ const TABLE_HEAD: &str = "
 # Figures
 
 Distance evaluations of a pixel, clauses that the interpreter runs for one, and those of materials and light, at the
-loudest moment, 320x180. Moved: pixels that differ visibly between that moment and silence. Black and white: the largest
-shares of pixels that are one or the other at the four moments.
+loudest moment, 1280x720. Moved: pixels that differ visibly between that moment and silence, 320x180. Black and white:
+the largest shares of pixels that are one or the other at the four moments.
 
 | scene | evaluations | clauses | of materials and light | moved | black | white |
 |---|---|---|---|---|---|---|
