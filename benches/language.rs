@@ -1,5 +1,7 @@
 //! Text to words: what an edit of a scene costs before the GPU sees it, beside a public peer.
 //!
+//! `cargo bench --features peer --bench language` runs it: the peer takes long to compile.
+//!
 //! The peer is fidget (Keeter's own successor of the work that the tape follows), on one thread and without its JIT.
 //! Both sides begin with a text in memory and end with what their interpreter runs:
 //!
