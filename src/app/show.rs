@@ -311,8 +311,8 @@ impl Show {
             }
             Action::ToggleMode => stage.scene.toggle_mode(),
             Action::ToggleRegions => stage.scene.toggle_regions(),
-            Action::ChangeView { forward } => stage.change_view(|scene| scene.go_view(forward)),
-            Action::ChangeNumber { larger } => stage.change_view(|scene| scene.step_view(larger)),
+            Action::ChangeView { forward } => stage.go_view(forward),
+            Action::ChangeNumber { larger } => stage.scene.step_view(larger),
             Action::GiveCameraBack => stage.scene.give_camera_back(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
             Action::ToggleSliders => stage.sliders = !stage.sliders,

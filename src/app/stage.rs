@@ -156,9 +156,10 @@ impl Stage {
         self.renderer.limit_flashes(begun.saturating_duration_since(last).as_secs_f64())
     }
 
-    /// Shows another view, or the picture again. Its colours carry numbers, so the change must not be dimmed as a flash.
-    pub(super) fn change_view(&mut self, change: impl FnOnce(&mut SceneStage)) {
-        change(&mut self.scene);
+    /// Shows the next view or the one before. Its colours carry numbers, so the change must not be dimmed as a flash. The key
+    /// does not repeat: no more than a hand's presses escape the limiter.
+    pub(super) fn go_view(&mut self, forward: bool) {
+        self.scene.go_view(forward);
         self.renderer.forget_flashes();
     }
 
