@@ -35,6 +35,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::gpu::stand_ins::SceneShape;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 use crate::view::ViewChoice;
 
@@ -117,7 +118,7 @@ impl SceneStage {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
         let mut regions = SceneRegions::start(regions, wake.clone()).map_err(no_worker)?;
         regions.insist(view.is_some());
-        let compiler = BackgroundCompiler::start(gl, contexts, library, wake).map_err(no_worker)?;
+        let compiler = BackgroundCompiler::start(contexts, library, wake);
         let mut stage = Self {
             gl: gl.clone(),
             choice,
@@ -153,20 +154,20 @@ impl SceneStage {
             self.take_loaded(loaded)?;
         }
         while let Some(finished) = self.compiler.poll() {
-            let program = finished.program.map(|ready| Program::adopt(&self.gl, ready));
-            match (self.tasks.remove(&finished.id), program) {
-                (Some(Task::Views(of)), program) => self.take_views(of, program),
-                (Some(Task::Interpreter(interpreter)), Ok(program)) => {
+            let Some(task) = self.tasks.remove(&finished.id) else { continue };
+            let program = finished.program.and_then(|ready| Program::adopt(&self.gl, &ready));
+            match (task, program) {
+                (Task::Views(of), program) => self.take_views(of, program),
+                (Task::Interpreter(interpreter), Ok(program)) => {
                     tracing::info!("an interpreter is ready");
                     self.interpreters.push((interpreter, Rc::new(program)));
                 }
-                (Some(Task::Compiled(id)), Ok(program)) => {
+                (Task::Compiled(id), Ok(program)) => {
                     if let Some(cast) = self.cast_mut(id) {
                         cast.compiled = Some(program);
                     }
                 }
-                (Some(task), Err(error)) => self.take_failure(&task, error)?,
-                (None, _) => {}
+                (task, Err(error)) => self.take_failure(&task, error)?,
             }
         }
         self.recast();
@@ -357,7 +358,7 @@ impl SceneStage {
             variant: Box::new(variant),
             block: frame.block(world, &RegionTree::default()),
             picture: frame.picture,
-            scene: cast.resources.names(),
+            scene: SceneShape::of(world),
             draws_views: false,
         }
     }

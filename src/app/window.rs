@@ -91,11 +91,11 @@ impl GlWindowContext {
         Ok(Self { gl, context, surface, config, window })
     }
 
-    /// Contexts that share their objects with the window's, for compiling on other threads; fewer than asked for where
-    /// the driver gives none.
+    /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for where the
+    /// driver gives none.
     pub fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
         let made = (0..count).map(|_| {
-            WorkerContext::sharing(&self.config.display(), &self.config, &self.context).map_err(|error| {
+            WorkerContext::new(&self.config.display(), &self.config).map_err(|error| {
                 tracing::info!("no second context ({error}); scenes are compiled between frames");
             })
         });

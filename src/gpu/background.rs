@@ -1,8 +1,10 @@
-//! Programs compiled beside the frame loop, on threads whose contexts share objects with the drawing one.
+//! Programs compiled beside the frame loop, on threads with contexts of their own.
 //!
 //! A driver's work on a large shader takes from tens of milliseconds to many seconds, and part of it waits for the first
-//! draw. So a worker links the program and draws a small picture with it in the same states and with the same textures
-//! that the renderer will use; what the drawing thread gets is ready.
+//! draw. So a worker links the program and draws a small picture with it in the same states, and with textures of the same
+//! kinds, that the renderer will use. What the drawing thread gets are values, the driver's own form of the program among
+//! them; what the driver compiled at the draw it finds in its cache. No object is ever known to two contexts: drivers
+//! are wrong about those that are ([`super::program::ReadyProgram`]).
 
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
 
@@ -15,18 +17,17 @@ use std::time::{Duration, Instant};
 
 use glutin::config::Config;
 use glutin::context::{
-    AsRawContext, ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentContext, PossiblyCurrentContext,
-    Version,
+    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentContext, PossiblyCurrentContext, Version,
 };
 use glutin::display::{Display, GlDisplay};
 
 use super::error::GpuError;
 use super::gl::Gl;
-use super::program::{Program, ReadyProgram};
+use super::program::{Program, ProgramTexts, ReadyProgram};
 use super::renderer::{Counting, Renderer};
-use super::scene_program::link_scene;
-use super::scene_resources::SceneNames;
+use super::scene_program::SCENE_SHADER;
 use super::shader_source::{ShaderLibrary, Variant};
+use super::stand_ins::{SceneShape, StandIns};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 
@@ -37,21 +38,16 @@ pub struct WorkerContext {
 }
 
 impl WorkerContext {
-    /// A context that shares its objects with `with`.
+    /// A context of the display that shares nothing with any other.
     ///
     /// # Errors
     /// What EGL says.
-    pub fn sharing(
-        display: &Display,
-        config: &Config,
-        with: &impl AsRawContext,
-    ) -> glutin::error::Result<Self> {
+    pub fn new(display: &Display, config: &Config) -> glutin::error::Result<Self> {
         let attributes = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
-            .with_sharing(with)
             .build(None);
-        // SAFETY: display, configuration and the shared context are of one EGL library and alive.
+        // SAFETY: display and configuration are of one EGL library and alive.
         let context = unsafe { display.create_context(config, &attributes) }?;
         Ok(Self { display: display.clone(), context })
     }
@@ -84,7 +80,7 @@ pub struct ProgramJob {
     /// What happens to its light.
     pub picture: Picture,
     /// What that picture reads.
-    pub scene: SceneNames,
+    pub scene: SceneShape,
     /// Whether it is a program of views.
     pub draws_views: bool,
 }
@@ -93,12 +89,13 @@ pub struct ProgramJob {
 pub struct Finished {
     /// The asker's name for it.
     pub id: u64,
-    /// The program, of no context yet.
+    /// The program, as values.
     pub program: Result<ReadyProgram, GpuError>,
 }
 
-/// Size of the pictures that warm a program up.
-const WARM_UP_SIZE: (u32, u32) = (16, 16);
+/// Size of the pictures that warm a program up; no powers of two, as those of windows are none (see
+/// [`super::stand_ins`]).
+const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
 /// How long the end waits for drivers at work: a process that ends under one that compiles may crash.
 const END_WAIT: Duration = Duration::from_secs(4);
@@ -108,8 +105,7 @@ pub struct BackgroundCompiler {
     queue: Arc<Queue>,
     finished: Receiver<Finished>,
     threads: Vec<JoinHandle<()>>,
-    /// Where programs are made between frames, if there are no threads.
-    gl: Gl,
+    /// What the texts of programs are made of, if there are no threads.
     library: ShaderLibrary,
 }
 
@@ -146,17 +142,13 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread. Without any context,
-    /// programs are made by [`BackgroundCompiler::poll`], in the context of `gl`.
-    ///
-    /// # Errors
-    /// What the system says about threads.
+    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread. Where there is no
+    /// context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
     pub fn start(
-        gl: &Gl,
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
         wake: impl Fn() + Send + Clone + 'static,
-    ) -> std::io::Result<Self> {
+    ) -> Self {
         let queue = Arc::new(Queue::default());
         let (sender, finished) = channel();
         let mut threads = Vec::with_capacity(contexts.len());
@@ -164,9 +156,12 @@ impl BackgroundCompiler {
             let (queue, sender, library, wake) =
                 (queue.clone(), sender.clone(), library.clone(), wake.clone());
             let worker = std::thread::Builder::new().name("compiler".into());
-            threads.push(worker.spawn(move || work(context, &queue, &sender, &library, &wake))?);
+            match worker.spawn(move || work(context, &queue, &sender, &library, &wake)) {
+                Ok(thread) => threads.push(thread),
+                Err(error) => tracing::warn!("no thread to compile on ({error}); one fewer does it"),
+            }
         }
-        Ok(Self { queue, finished, threads, gl: gl.clone(), library: library.clone() })
+        Self { queue, finished, threads, library: library.clone() }
     }
 
     /// Asks for a program, after those asked for before.
@@ -184,8 +179,8 @@ impl BackgroundCompiler {
     pub fn poll(&self) -> Option<Finished> {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
-            let program = (job.variant)().and_then(|variant| link_scene(&self.gl, &self.library, &variant));
-            return Some(Finished { id: job.id, program: program.map(Program::into_ready) });
+            let program = texts_of(&self.library, job.variant).map(ReadyProgram::from);
+            return Some(Finished { id: job.id, program });
         }
         self.finished.try_recv().ok()
     }
@@ -203,8 +198,8 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // A driver cannot be interrupted, and may need minutes for a large scene. Its context, current on that
-            // thread alone, holds what they share, so that the window can go without it.
+            // A driver cannot be interrupted, and may need minutes for a large scene. Nothing of its context is the
+            // window's, which can go without it.
             if !thread.is_finished() {
                 tracing::info!("a driver is still compiling: nobody waits for it");
                 continue;
@@ -228,16 +223,16 @@ fn work(
     let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
         let gl = Gl::load(|name| display.get_proc_address(name), false).map_err(|error| error.to_string())?;
         let renderer = Renderer::new(&gl, library, Counting::Off).map_err(|error| error.to_string())?;
-        Ok((gl, renderer))
+        let stand_ins = StandIns::new(&gl).map_err(|error| error.to_string())?;
+        Ok(Studio { gl, renderer, stand_ins })
     });
     while let Some(job) = queue.next() {
         let id = job.id;
         let program = match &mut studio {
             // A panic must not leave the asker waiting.
-            Ok((gl, renderer)) => catch_unwind(AssertUnwindSafe(|| make(gl, renderer, library, job)))
-                .unwrap_or_else(|_| {
-                    Err(GpuError::NoWorker { reason: "making a program ended by a panic".into() })
-                }),
+            Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(library, job))).unwrap_or_else(|_| {
+                Err(GpuError::NoWorker { reason: "making a program ended by a panic".into() })
+            }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
         if finished.send(Finished { id, program }).is_err() {
@@ -247,25 +242,39 @@ fn work(
     }
 }
 
-/// Links a program and draws with it, so that the driver has nothing left to do.
-fn make(
-    gl: &Gl,
-    renderer: &mut Renderer,
-    library: &ShaderLibrary,
-    job: ProgramJob,
-) -> Result<ReadyProgram, GpuError> {
-    let variant = (job.variant)()?;
-    let program = link_scene(gl, library, &variant)?;
-    // A scene that was replaced meanwhile has lost its textures: an error of the draw is none of the program.
-    let blocks = (&job.block, &job.picture);
-    let drawn = if job.draws_views {
-        renderer.draw_view_block(WARM_UP_SIZE, blocks, &job.scene, &program, &[[0.0, 1.0, 0.0, 0.0]; 2])
-    } else {
-        renderer.draw_block(WARM_UP_SIZE, blocks, &job.scene, &program)
-    };
-    if let Err(error) = drawn {
-        tracing::debug!("warming up a program: {error}");
+/// The texts of a scene's program.
+fn texts_of(library: &ShaderLibrary, variant: VariantMaker) -> Result<ProgramTexts, GpuError> {
+    Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?)?)
+}
+
+/// Everything of a worker's context.
+struct Studio {
+    gl: Gl,
+    renderer: Renderer,
+    stand_ins: StandIns,
+}
+
+impl Studio {
+    /// Links a program and draws with it, so that the driver has nothing left to do. The program itself ends here, with
+    /// all that the driver keeps for it in this context.
+    fn make(&mut self, library: &ShaderLibrary, job: ProgramJob) -> Result<ReadyProgram, GpuError> {
+        let texts = texts_of(library, job.variant)?;
+        let program = Program::of(&self.gl, &texts)?;
+        let scene = self.stand_ins.names(&job.scene)?;
+        let blocks = (&job.block, &job.picture);
+        let drawn = if job.draws_views {
+            let view = [[0.0, 1.0, 0.0, 0.0]; 2];
+            self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, &program, &view)
+        } else {
+            self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, &program)
+        };
+        // The program is none the worse for it.
+        if let Err(error) = drawn {
+            tracing::debug!("warming up a program: {error}");
+        }
+        self.gl.finish();
+        let ready = program.ready(texts);
+        program.unbind();
+        Ok(ready)
     }
-    gl.finish();
-    Ok(program.into_ready())
 }

@@ -61,7 +61,7 @@ impl EdgeList {
             block,
             rows_max,
             marks: Target::new(gl, size, &[Texel::R8], None)?,
-            pixels: index_texture(gl, (row, rows_max))?,
+            pixels: index_texture(gl, (no_power_of_two(row), no_power_of_two(rows_max)))?,
             squares: index_texture(gl, size)?,
             samples: Target::new(gl, (1, 1), texels, None)?,
         };
@@ -182,6 +182,12 @@ impl EdgeList {
             );
         }
     }
+}
+
+/// A side of at least so many texels that is no power of two, for which software renderers compile programs once more: the
+/// scene's programs read this texture, and a resized window must not make them wait.
+fn no_power_of_two(side: u32) -> u32 {
+    if side.is_power_of_two() { side + 1 } else { side }
 }
 
 /// A texture of two whole numbers in each texel.

@@ -37,6 +37,8 @@ pub struct GlInfo {
     pub texture_buffer_texels_max: u32,
     /// Most anisotropy of texture filters; 1 where the driver has none.
     pub anisotropy_max: f32,
+    /// Whether a program can be had in the driver's own form (GL_ARB_get_program_binary, with a format).
+    pub program_binaries: bool,
     /// Whether the pictures are computed by the processor (llvmpipe and its like). GL timers then tell nothing.
     pub software: bool,
 }
@@ -141,6 +143,9 @@ fn read_info(gl: &glow::Context) -> GlInfo {
     unsafe {
         let renderer = gl.get_parameter_string(glow::RENDERER);
         let lower = renderer.to_lowercase();
+        let version = gl.version();
+        let gives_binaries = (version.major, version.minor) >= (4, 1)
+            || gl.supported_extensions().contains("GL_ARB_get_program_binary");
         let anisotropic = ["GL_EXT_texture_filter_anisotropic", "GL_ARB_texture_filter_anisotropic"]
             .iter()
             .any(|name| gl.supported_extensions().contains(*name));
@@ -154,6 +159,7 @@ fn read_info(gl: &glow::Context) -> GlInfo {
                 .max(0)
                 .cast_unsigned(),
             anisotropy_max: if anisotropic { gl.get_parameter_f32(MAX_ANISOTROPY).max(1.0) } else { 1.0 },
+            program_binaries: gives_binaries && gl.get_parameter_i32(glow::NUM_PROGRAM_BINARY_FORMATS) > 0,
             software: ["llvmpipe", "softpipe", "swrast", "software rasterizer"]
                 .iter()
                 .any(|s| lower.contains(s)),

@@ -19,6 +19,7 @@ pub mod renderer;
 pub mod scene_program;
 pub mod scene_resources;
 pub mod shader_source;
+pub mod stand_ins;
 pub mod target;
 pub mod texture;
 pub mod texture_buffer;

@@ -70,16 +70,3 @@ owned_object!(
     /// A query.
     Query, glow::NativeQuery, "a query", create_query, delete_query
 );
-
-/// Programs alone travel between contexts.
-impl ProgramObject {
-    /// Takes a program that a context made which shares its objects with `gl`'s.
-    pub(super) fn from_native(gl: &Gl, native: glow::NativeProgram) -> Self {
-        Self { gl: gl.clone(), native }
-    }
-
-    /// Gives the program away: it is not freed, and neither is its share of the context's functions.
-    pub(super) fn into_native(self) -> glow::NativeProgram {
-        std::mem::ManuallyDrop::new(self).native
-    }
-}

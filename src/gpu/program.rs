@@ -7,7 +7,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::ProgramObject;
-use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant, name_places};
+use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, ShaderSourceError, Variant, name_places};
 use crate::limits::LIMITS;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
@@ -50,9 +50,46 @@ pub fn scene_texture(index: usize) -> String {
 /// The vertex shader that all passes share.
 pub const VERTEX_SHADER: &str = "fullscreen.vert";
 
-/// A program on its way from one context to another. One that is never adopted lives as long as the contexts.
-#[derive(Debug)]
-pub struct ReadyProgram(glow::NativeProgram);
+/// The texts of a program's two shaders.
+#[derive(Debug, Clone)]
+pub struct ProgramTexts {
+    vertex: String,
+    /// The fragment shader's name, and its text.
+    fragment: (String, String),
+}
+
+impl ProgramTexts {
+    /// Assembles a variant of `fragment` of `library`.
+    ///
+    /// # Errors
+    /// Missing shader files.
+    pub fn assemble(
+        library: &ShaderLibrary,
+        fragment: &str,
+        variant: &Variant,
+    ) -> Result<Self, ShaderSourceError> {
+        let assembled = |name| library.assemble(name, DRIVER_PREAMBLE, variant);
+        Ok(Self { vertex: assembled(VERTEX_SHADER)?, fragment: (fragment.to_owned(), assembled(fragment)?) })
+    }
+}
+
+/// A program on its way from one context to another: values only, no object of either.
+///
+/// Contexts that share programs are a trap: where a driver compiles a program once for each context (Mesa's software
+/// renderers do), a program that one context deletes leaves its compiled forms to the others, and Mesa up to 22.3
+/// unbinds whatever they are drawing with when it frees those (`free_zombie_shaders`): the next draw of that context
+/// reads a null pointer.
+pub struct ReadyProgram {
+    texts: ProgramTexts,
+    /// The driver's own form of it, where it gives one: linking it again then takes milliseconds.
+    binary: Option<glow::ProgramBinary>,
+}
+
+impl From<ProgramTexts> for ReadyProgram {
+    fn from(texts: ProgramTexts) -> Self {
+        Self { texts, binary: None }
+    }
+}
 
 /// A linked program, its blocks and textures bound to their fixed places.
 pub struct Program {
@@ -71,9 +108,21 @@ impl Program {
         fragment: &str,
         variant: &Variant,
     ) -> Result<Self, GpuError> {
-        let assembled = |name| library.assemble(name, DRIVER_PREAMBLE, variant);
-        let (vertex, text) = (assembled(VERTEX_SHADER)?, assembled(fragment)?);
-        let object = link_texts(gl, (VERTEX_SHADER, &vertex), (fragment, &text))?;
+        Self::of(gl, &ProgramTexts::assemble(library, fragment, variant)?)
+    }
+
+    /// Compiles and links two texts.
+    ///
+    /// # Errors
+    /// What the driver says about malformed ones.
+    pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self, GpuError> {
+        let (name, text) = &texts.fragment;
+        let object = link_texts(gl, (VERTEX_SHADER, &texts.vertex), (name, text))?;
+        Ok(Self::with_places(gl, object))
+    }
+
+    /// Binds the blocks and textures of a linked program to their places.
+    fn with_places(gl: &Gl, object: ProgramObject) -> Self {
         let program = object.native();
         // SAFETY: the program is linked and ours.
         unsafe {
@@ -91,17 +140,47 @@ impl Program {
                 }
             }
         }
-        Ok(Self { gl: gl.clone(), object })
+        Self { gl: gl.clone(), object }
     }
 
-    /// Leaves the program to another context that shares objects with this one.
-    pub fn into_ready(self) -> ReadyProgram {
-        ReadyProgram(self.object.into_native())
+    /// What another context of the same driver needs to have the program, too; `texts` are what it was made of.
+    pub fn ready(&self, texts: ProgramTexts) -> ReadyProgram {
+        // SAFETY: the program is linked and ours, and the functions are there where the driver has binaries.
+        let binary = self
+            .gl
+            .info()
+            .program_binaries
+            .then(|| unsafe { self.gl.get_program_binary(self.object.native()) })
+            .flatten();
+        ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()) }
     }
 
-    /// Takes a program that was made in a context which shares objects with `gl`'s.
-    pub fn adopt(gl: &Gl, ready: ReadyProgram) -> Self {
-        Self { gl: gl.clone(), object: ProgramObject::from_native(gl, ready.0) }
+    /// Makes a program that another context has made before: from the driver's own form or, where it gives none or no
+    /// longer knows it, from the texts.
+    ///
+    /// # Errors
+    /// What the driver says about the texts.
+    pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
+        if let Some(binary) = &ready.binary {
+            let object = ProgramObject::new(gl)?;
+            // SAFETY: the program is ours; a binary that is no longer good leaves it unlinked.
+            let linked = unsafe {
+                gl.program_binary(object.native(), binary);
+                gl.get_program_link_status(object.native())
+            };
+            if linked {
+                return Ok(Self::with_places(gl, object));
+            }
+            // What the driver has noted about it is answered here.
+            let _ = gl.check("taking a program");
+        }
+        Self::of(gl, &ready.texts)
+    }
+
+    /// Leaves the context without a program, so that it holds on to none that is deleted.
+    pub fn unbind(&self) {
+        // SAFETY: plain state.
+        unsafe { self.gl.use_program(None) }
     }
 
     /// Makes this the program of the following draws.
@@ -141,6 +220,9 @@ pub(super) fn link_texts(
             if !compiled {
                 return Err(GpuError::Compile { name: name.into(), log });
             }
+        }
+        if gl.info().program_binaries {
+            gl.program_binary_retrievable_hint(program, true);
         }
         gl.link_program(program);
         if !gl.get_program_link_status(program) {

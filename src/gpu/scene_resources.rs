@@ -32,12 +32,10 @@ pub struct SceneResources {
     buffers: Arc<TapeBuffers>,
     /// Those of the world; scenes that were loaded one after the other share what they both read.
     pictures: Vec<Rc<Texture>>,
-    tape: TextureBuffer,
+    on_gpu: SceneBuffers,
     /// Whether the driver has room for the tape.
     is_interpretable: bool,
     plan: Arc<RegionPlan>,
-    regions: TextureBuffer,
-    sound_tables: TextureBuffer,
     /// Whether any expression reads the sound's tables.
     hears_tables: bool,
     texels_max: usize,
@@ -153,10 +151,7 @@ impl SceneResources {
             }
         });
         let pictures = pictures.collect::<Result<_, _>>()?;
-        let tape = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
-        let regions = TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?;
-        let silence = floats_as_bytes(&sound_tables::texels(&FrameInputs::default()));
-        let sound_tables = TextureBuffer::new(gl, BufferTexel::R32F, &silence)?;
+        let on_gpu = SceneBuffers::new(gl, &sound_tables::texels(&FrameInputs::default()))?;
         gl.check("uploading a scene")?;
         Ok(Self {
             hears_tables: sound_tables::are_read_by(&world),
@@ -164,10 +159,8 @@ impl SceneResources {
             world,
             buffers,
             pictures,
-            tape,
+            on_gpu,
             plan,
-            regions,
-            sound_tables,
             with_cells: Cell::new(true),
             uploaded: RefCell::new(None),
             texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
@@ -229,7 +222,7 @@ impl SceneResources {
         if self.regions().is_some_and(|last| Arc::ptr_eq(&last, &built)) {
             return;
         }
-        self.regions.replace(&bytes_of(&built.regions.texels));
+        self.on_gpu.regions.replace(&bytes_of(&built.regions.texels));
         *self.uploaded.borrow_mut() = Some(built);
     }
 
@@ -249,17 +242,43 @@ impl SceneResources {
     /// Uploads the programs and the tables of a frame.
     pub(super) fn upload_inputs(&self, inputs: &FrameInputs) {
         if self.is_interpretable {
-            self.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
+            self.on_gpu.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
         }
         if self.hears_tables {
-            self.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));
+            self.on_gpu.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));
         }
     }
 
-    /// The driver's names of everything, for any context that shares its objects.
+    /// The driver's names of everything.
     pub fn names(&self) -> SceneNames {
+        self.on_gpu.names(self.pictures.iter().map(|picture| picture.native()).collect())
+    }
+}
+
+/// The texture buffers of a scene.
+pub(super) struct SceneBuffers {
+    tape: TextureBuffer,
+    regions: TextureBuffer,
+    sound_tables: TextureBuffer,
+}
+
+impl SceneBuffers {
+    /// Without a tape and without regions, and with these tables of the sound.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no object left.
+    pub(super) fn new(gl: &Gl, sound: &[f32]) -> Result<Self, GpuError> {
+        Ok(Self {
+            tape: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
+            regions: TextureBuffer::new(gl, BufferTexel::Rgba32U, &[0; 16])?,
+            sound_tables: TextureBuffer::new(gl, BufferTexel::R32F, &floats_as_bytes(sound))?,
+        })
+    }
+
+    /// What is bound for a scene with these pictures.
+    pub(super) fn names(&self, pictures: Vec<glow::NativeTexture>) -> SceneNames {
         SceneNames {
-            pictures: self.pictures.iter().map(|picture| picture.native()).collect(),
+            pictures,
             tape: self.tape.texture(),
             regions: self.regions.texture(),
             sound_tables: self.sound_tables.texture(),

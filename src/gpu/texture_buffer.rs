@@ -2,6 +2,8 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::borrow::Cow;
+
 use glow::HasContext;
 
 use super::error::GpuError;
@@ -41,7 +43,7 @@ impl TextureBuffer {
         // SAFETY: both names are ours, made in the current context.
         unsafe {
             gl.bind_buffer(glow::TEXTURE_BUFFER, Some(buffer.native()));
-            gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, bytes, glow::STATIC_DRAW);
+            gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, &padded(bytes), glow::STATIC_DRAW);
             gl.bind_texture(glow::TEXTURE_BUFFER, Some(texture.native()));
             gl.tex_buffer(glow::TEXTURE_BUFFER, format, Some(buffer.native()));
         }
@@ -58,7 +60,35 @@ impl TextureBuffer {
         // SAFETY: the buffer is ours.
         unsafe {
             self.gl.bind_buffer(glow::TEXTURE_BUFFER, Some(self.buffer.native()));
-            self.gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, bytes, glow::STREAM_DRAW);
+            self.gl.buffer_data_u8_slice(glow::TEXTURE_BUFFER, &padded(bytes), glow::STREAM_DRAW);
         }
+    }
+}
+
+/// Most bytes of a texel.
+const TEXEL_BYTES: usize = 16;
+
+/// The bytes, with a texel more where their number is a power of two. Mesa's software renderers compile a program once more
+/// for buffers of such sizes, which tapes and regions have now and then by chance: in the middle of a show, for seconds.
+fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
+    if bytes.len().is_power_of_two() {
+        Cow::Owned([bytes, &[0; TEXEL_BYTES]].concat())
+    } else {
+        Cow::Borrowed(bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_buffer_whose_size_was_a_power_of_two_was_compiled_for_once_more() {
+        for bytes in [16, 1024, 1 << 16] {
+            let buffer = vec![1; bytes];
+            let stored = padded(&buffer);
+            assert!(!stored.len().is_power_of_two() && stored.starts_with(&buffer));
+        }
+        assert_eq!(padded(&[1; 48]).len(), 48);
     }
 }
