@@ -1,4 +1,5 @@
-//! The window: the only room that uses winit.
+//! The window: the only room that uses winit. Its events come in on one thread ([`window_thread`]), the show runs on another
+//! ([`show`]).
 
 mod announcer;
 pub mod error;
@@ -6,6 +7,7 @@ mod frame_times;
 mod governor;
 pub mod keys;
 mod media_controls;
+mod opening;
 pub mod overlay;
 pub mod pacing;
 mod pointer;
@@ -17,6 +19,7 @@ mod sound;
 mod stage;
 mod title;
 mod window;
+mod window_thread;
 
 pub use error::AppError;
 pub use show::run;

@@ -1,43 +1,33 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-use winit::application::ApplicationHandler;
 use winit::event::{ElementState, KeyEvent, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
-use winit::window::WindowId;
+use winit::event_loop::EventLoop;
 
-use super::announcer::{Announcer, next_repeat};
+use super::announcer::next_repeat;
 use super::error::AppError;
-use super::frame_times::FrameTimes;
-use super::governor::Governor;
 use super::keys::{self, Action};
-use super::media_controls::{Asked, MediaControls};
-use super::overlay::Overlay;
-use super::pacing::Pacing;
-use super::pointer::{Gesture, Pointer};
+use super::media_controls::Asked;
+use super::opening::Opening;
+use super::pointer::Gesture;
 use super::scene_regions::Shown;
-use super::scene_stage::{SceneLoader, SceneStage};
-use super::sound::{Sound, Start};
+use super::scene_stage::SceneLoader;
 use super::stage::{IDLE_INTERVAL, Stage, show_sound};
 use super::title::{live_title, title};
-use super::window::GlWindowContext;
+use super::window::{OpenWindow, WindowWishes};
+use super::window_thread::{self, Message, Waker, inbox};
+use crate::audio::PlayerStatus;
 use crate::audio::playlist::Opened;
-use crate::audio::{OutputChoice, Player, PlayerOptions, PlayerStatus};
 use crate::config::PlaySettings;
 use crate::dsp::{self, TapTempo};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::headless::Headless;
-use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
-/// Frame cap where the monitor tells no rate.
-const FPS_DEFAULT: f64 = 60.0;
-/// Threads that compile programs: one for the scene's own, one for the interpreter's.
-const COMPILERS: usize = 2;
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 
@@ -52,9 +42,9 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
         return Err(AppError::SongLost(trouble.clone()).into());
     }
-    let waker = Waker::default();
+    let (waker, inbox) = inbox();
     let (loader, first) = load_first(&scene, &waker)?;
-    let event_loop = match EventLoop::new() {
+    let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
             let context = Headless::new(false)?;
@@ -63,36 +53,26 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         }
         Err(error) => return Err(AppError::NoDisplay(reason(&error.to_string()).to_owned()).into()),
     };
-    // There is one event loop, and it is set here alone.
-    let _ = waker.0.set(event_loop.create_proxy());
-    let mut show = Show {
-        waker,
-        loader: Some((loader, first)),
-        tracks,
-        dropped: Vec::new(),
-        settings,
-        scene,
-        started,
-        stage: None,
-        error: None,
+    let name = tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
+    let wishes = WindowWishes {
+        title: format!("{name} - Mariana"),
+        size: settings.size,
+        visible: !settings.gl_info,
+        log_debug: scene.verbose,
     };
-    event_loop
-        .run_app(&mut show)
-        .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
-    show.error.map_or(Ok(()), |error| Err(error.into()))
-}
-
-/// Wakes the event loop from other threads, once there is one.
-#[derive(Clone, Default)]
-struct Waker(Arc<OnceLock<EventLoopProxy<()>>>);
-
-impl Waker {
-    fn wake(&self) {
-        if let Some(proxy) = self.0.get() {
-            // After the end there is nobody to wake.
-            let _ = proxy.send_event(());
+    let of_show = waker.clone();
+    let play = move |window: OpenWindow| {
+        if settings.gl_info {
+            return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
-    }
+        let opening = Opening { tracks, settings: &settings, scene: &scene, scene_at_start: (loader, first) };
+        let stage = opening.stage(window, &of_show)?;
+        let mut show = Show { dropped: Vec::new(), settings, started, stage, over: false };
+        let ended = show.go_on(&inbox);
+        tracing::info!("{}", show.stage.frame_times);
+        ended
+    };
+    Ok(window_thread::run(event_loop, wishes, &waker, Box::new(play))?)
 }
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
@@ -121,120 +101,52 @@ fn reason(text: &str) -> &str {
     reason.map_or(text, |(_, reason)| reason).trim_end_matches('.')
 }
 
-/// Everything that lives as long as the event loop.
+/// The show, on its thread.
 struct Show {
-    /// Taken by the player when the window stands.
-    tracks: Option<Opened>,
     /// Files that were dropped onto the window and are not played yet.
     dropped: Vec<PathBuf>,
     settings: PlaySettings,
-    scene: SceneChoice,
-    /// Taken by the stage when the window stands, with the first scene.
-    loader: Option<(SceneLoader, (SceneSource, ReadyScene))>,
-    waker: Waker,
     started: Instant,
-    stage: Option<Stage>,
-    error: Option<AppError>,
+    /// Whether it is to end.
+    over: bool,
+    stage: Stage,
 }
 
 impl Show {
-    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
-        let settings = &self.settings;
-        let name = self.tracks.as_ref().map_or("live", |tracks| tracks.first.info.name.as_str());
-        let title = format!("{name} - Mariana");
-        let window =
-            GlWindowContext::open(event_loop, &title, settings.size, !settings.gl_info, self.scene.verbose)?;
-        if settings.gl_info {
-            event_loop.exit();
-            return Ok(print_line(&window.gl().info().to_string())?);
-        }
-        if settings.fullscreen {
-            window.set_fullscreen(true);
-        }
-        let library = &self.scene.shaders;
-        let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
-        renderer.prepare_for_window(library)?;
-        if settings.limit_flashes {
-            renderer.add_flash_limiter(library)?;
-        }
-        renderer.set_tone_map(self.scene.tone_map);
-        let Some((loader, first)) = self.loader.take() else { return Ok(()) };
-        let contexts = window.worker_contexts(COMPILERS);
-        let waker = self.waker.clone();
-        let wake = move || waker.wake();
-        let scene = SceneStage::new(
-            window.gl(),
-            contexts,
-            library,
-            (self.scene.sdf, self.scene.regions, self.scene.view),
-            loader,
-            first,
-            wake,
-        )?;
-        // The song starts with the first picture, so that nothing of it is missed.
-        let options = PlayerOptions {
-            device: settings.device.clone(),
-            volume: settings.volume,
-            paused: true,
-            output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
-            gain: settings.gain,
-            ..PlayerOptions::default()
-        };
-        let mut announcer = Announcer::default();
-        let mut player = None;
-        if let Some(tracks) = self.tracks.take() {
-            for trouble in tracks.troubles {
-                tell(&trouble);
-                announcer.say(trouble);
+    /// Goes on until somebody ends it.
+    ///
+    /// # Errors
+    /// What the show cannot go on without.
+    fn go_on(&mut self, inbox: &Receiver<Message>) -> Result<(), AppError> {
+        loop {
+            let until = self.look_around()?;
+            if self.over {
+                return Ok(());
             }
-            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
-            let options = PlayerOptions { repeat, shuffled, ..options };
-            player = Some(Player::start(tracks.first, Box::new(tracks.list), options)?);
+            let patience = until.saturating_duration_since(Instant::now());
+            let first = match inbox.recv_timeout(patience) {
+                Ok(message) => Some(message),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            };
+            // However often it was asked for meanwhile, it is drawn once.
+            let mut redraws = false;
+            for message in first.into_iter().chain(inbox.try_iter()) {
+                match message {
+                    Message::Window(WindowEvent::RedrawRequested) => redraws = true,
+                    Message::Window(event) => self.take(&event),
+                    Message::Wake => {}
+                    Message::End => return Ok(()),
+                }
+            }
+            if redraws {
+                self.draw()?;
+            }
         }
-        let sound = Sound::start(Start {
-            player,
-            listen: settings.listen,
-            device: settings.device.clone(),
-            latency: settings.latency,
-            gain: settings.gain,
-        })?;
-        let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
-        let now = Instant::now();
-        self.stage = Some(Stage {
-            sound,
-            taps: TapTempo::default(),
-            paused: false,
-            renderer,
-            scene,
-            pacing: Pacing::new(fps, now),
-            shown: None,
-            frame_times: FrameTimes::default(),
-            governor: Governor::new(settings.quality, fps),
-            window_size: None,
-            moved: now,
-            pictured: None,
-            status_due: now,
-            told_silent: None,
-            announcer,
-            controls: {
-                let waker = self.waker.clone();
-                MediaControls::start(move || waker.wake())
-            },
-            title,
-            pointer: Pointer::default(),
-            shift: false,
-            occluded: false,
-            overlay: Overlay::new(window.gl(), window.window()),
-            help: false,
-            sliders: false,
-            corner: false,
-            window,
-        });
-        Ok(())
     }
 
     fn draw(&mut self) -> Result<(), AppError> {
-        let Some(stage) = &mut self.stage else { return Ok(()) };
+        let stage = &mut self.stage;
         let begun = Instant::now();
         // A picture whose regions have come is one that was due before.
         if !stage.scene.has_regions() {
@@ -290,8 +202,8 @@ impl Show {
         Ok(())
     }
 
-    fn act(&mut self, action: Action, event_loop: &ActiveEventLoop) {
-        let Some(stage) = &mut self.stage else { return };
+    fn act(&mut self, action: Action) {
+        let stage = &mut self.stage;
         match action {
             Action::TogglePause => stage.set_paused(!stage.paused),
             Action::Seek(seconds) => stage.with_song(|player| player.seek_by(seconds)),
@@ -325,15 +237,15 @@ impl Show {
                     tell(&error.to_string());
                 }
             }
-            Action::Quit => event_loop.exit(),
+            Action::Quit => self.over = true,
         }
         stage.status_due = Instant::now();
     }
 
     /// Does what media keys and the desktop ask for.
-    fn obey_controls(&mut self, event_loop: &ActiveEventLoop) {
-        while let Some(asked) = self.stage.as_ref().and_then(|stage| stage.controls.poll()) {
-            let Some(stage) = &mut self.stage else { return };
+    fn obey_controls(&mut self) {
+        let stage = &mut self.stage;
+        while let Some(asked) = stage.controls.poll() {
             match asked {
                 Asked::Play(play) => stage.set_paused(!play),
                 Asked::TogglePause => stage.set_paused(!stage.paused),
@@ -345,24 +257,25 @@ impl Show {
                 Asked::Shuffle(shuffled) => stage.set_order(|repeat, _| (repeat, shuffled)),
                 Asked::Fullscreen(on) => stage.window.set_fullscreen(on),
                 Asked::Raise => stage.window.window().focus_window(),
-                Asked::Quit => event_loop.exit(),
+                Asked::Quit => self.over = true,
             }
             stage.status_due = Instant::now();
         }
     }
 
     /// Title and messages, and the end of a song that plays once.
-    fn look_at_status(&mut self, event_loop: &ActiveEventLoop) {
-        let Some(stage) = &mut self.stage else { return };
+    fn look_at_status(&mut self) -> Result<(), AppError> {
+        let stage = &mut self.stage;
         let now = Instant::now();
         if now < stage.status_due {
-            return;
+            return Ok(());
         }
         stage.status_due = now + STATUS_INTERVAL;
         if let Some(live) = stage.sound.live_status() {
-            return stage.set_title(live_title(&live, stage.scene.notes(), stage.paused));
+            stage.set_title(live_title(&live, stage.scene.notes(), stage.paused));
+            return Ok(());
         }
-        let Some(status) = stage.sound.song_status() else { return };
+        let Some(status) = stage.sound.song_status() else { return Ok(()) };
         let status = PlayerStatus { paused: stage.paused, ..status };
         if status.silent != stage.told_silent {
             if let Some(reason) = status.silent.as_ref().filter(|_| !self.settings.silent) {
@@ -373,53 +286,37 @@ impl Show {
         if let (true, true, 1, Some(error)) =
             (status.ended, self.settings.once, status.track.count, &status.troubles.last)
         {
-            return self.fail(AppError::SongLost(error.clone()), event_loop);
+            return Err(AppError::SongLost(error.clone()));
         }
         stage.announcer.look(&status);
         stage.controls.show(&status, stage.window.is_fullscreen());
         let title = title(stage.scene.notes(), &status, self.settings.silent);
         stage.set_title(title);
         if status.ended && self.settings.once {
-            event_loop.exit();
+            self.over = true;
         }
+        Ok(())
     }
 
-    fn fail(&mut self, error: AppError, event_loop: &ActiveEventLoop) {
-        self.error.get_or_insert(error);
-        event_loop.exit();
-    }
-}
-
-impl ApplicationHandler for Show {
-    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
-        if self.stage.is_none()
-            && self.error.is_none()
-            && let Err(error) = self.open(event_loop)
-        {
-            self.fail(error, event_loop);
-        }
-    }
-
-    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
-        let Some(stage) = &mut self.stage else { return };
-        if stage.overlay.on_event(stage.window.window(), &event) {
+    /// Takes what happened to the window.
+    fn take(&mut self, event: &WindowEvent) {
+        let stage = &mut self.stage;
+        if stage.overlay.on_event(stage.window.window(), event) {
             return;
         }
         match event {
-            // Destroyed: closed by others without asking.
-            WindowEvent::CloseRequested | WindowEvent::Destroyed => event_loop.exit(),
-            WindowEvent::Resized(_) => {
-                stage.window.resize();
+            WindowEvent::Resized(size) => {
+                stage.window.resize((*size).into());
                 stage.window.window().request_redraw();
             }
-            WindowEvent::DroppedFile(path) => self.dropped.push(path),
-            WindowEvent::Occluded(occluded) => stage.occluded = occluded,
+            WindowEvent::DroppedFile(path) => self.dropped.push(path.clone()),
+            WindowEvent::Occluded(occluded) => stage.occluded = *occluded,
             WindowEvent::ModifiersChanged(modifiers) => stage.shift = modifiers.state().shift_key(),
             WindowEvent::CursorMoved { .. }
             | WindowEvent::MouseInput { .. }
             | WindowEvent::MouseWheel { .. }
-            | WindowEvent::Focused(_) => match stage.pointer.take(&event, Instant::now()) {
-                Some(Gesture::DoubleClick) => self.act(Action::ToggleFullscreen, event_loop),
+            | WindowEvent::Focused(_) => match stage.pointer.take(event, Instant::now()) {
+                Some(Gesture::DoubleClick) => self.act(Action::ToggleFullscreen),
                 Some(Gesture::Drag(way)) => {
                     let height = f64::from(stage.window.size().map_or(1, |(_, height)| height));
                     stage.scene.move_camera(|hand, own| hand.drag((way.0 / height, way.1 / height), own));
@@ -432,29 +329,24 @@ impl ApplicationHandler for Show {
                 is_synthetic: false,
                 ..
             } => {
-                if let Some(action) = keys::action_of(&logical_key, repeat, stage.shift) {
-                    self.act(action, event_loop);
-                }
-            }
-            WindowEvent::RedrawRequested if !event_loop.exiting() => {
-                if let Err(error) = self.draw() {
-                    self.fail(error, event_loop);
+                if let Some(action) = keys::action_of(logical_key, *repeat, stage.shift) {
+                    self.act(action);
                 }
             }
             _ => {}
         }
     }
 
-    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
-        self.obey_controls(event_loop);
-        self.look_at_status(event_loop);
-        let Some(stage) = &mut self.stage else { return };
+    /// Takes in what other threads have finished, asks for a picture where one is due, and tells when to look around again
+    /// if nothing happens before.
+    fn look_around(&mut self) -> Result<Instant, AppError> {
+        self.obey_controls();
+        self.look_at_status()?;
+        let stage = &mut self.stage;
         if !self.dropped.is_empty() {
             stage.play_files(std::mem::take(&mut self.dropped));
         }
-        if let Err(error) = stage.scene.update() {
-            return self.fail(error.into(), event_loop);
-        }
+        stage.scene.update()?;
         let now = Instant::now();
         let corner = stage.corner_line();
         stage.announcer.update(now);
@@ -474,22 +366,12 @@ impl ApplicationHandler for Show {
             // Paused, ended or covered: nothing to draw until something happens. In silence it may happen at any time.
             let idle = now + stage.idle_interval(seen);
             let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
-            event_loop.set_control_flow(ControlFlow::WaitUntil(wake));
+            Ok(wake)
         } else if now >= stage.pacing.due() || stage.scene.has_regions() {
             stage.window.window().request_redraw();
-            event_loop.set_control_flow(ControlFlow::WaitUntil(now + IDLE_INTERVAL));
+            Ok(now + IDLE_INTERVAL)
         } else {
-            event_loop.set_control_flow(ControlFlow::WaitUntil(stage.pacing.due()));
+            Ok(stage.pacing.due())
         }
-    }
-
-    fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
-        if let Some(stage) = &self.stage {
-            tracing::info!("{}", stage.frame_times);
-            // What still waits for a driver does so unseen.
-            stage.window.window().set_visible(false);
-        }
-        // While the event loop's display still lives.
-        self.stage = None;
     }
 }

@@ -2,11 +2,14 @@
 
 #![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
 
+use std::cell::Cell;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 
 use glutin::config::{ConfigTemplateBuilder, GlConfig};
 use glutin::context::{
-    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext, Version,
+    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentContext, NotCurrentGlContext,
+    PossiblyCurrentContext, Version,
 };
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
@@ -20,6 +23,30 @@ use super::error::AppError;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::gl::Gl;
 
+/// Which window to open.
+pub struct WindowWishes {
+    /// Its title.
+    pub title: String,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Whether it is shown.
+    pub visible: bool,
+    /// Whether the driver's messages are logged.
+    pub log_debug: bool,
+}
+
+/// A window whose context is current on no thread yet. It is opened on the thread of the window's events and bound on the
+/// one that draws.
+pub struct OpenWindow {
+    context: NotCurrentContext,
+    surface: Surface<WindowSurface>,
+    config: glutin::config::Config,
+    window: Arc<Window>,
+    size: (u32, u32),
+    refresh_rate: Option<f64>,
+    log_debug: bool,
+}
+
 /// A window, its surface and its current context.
 pub struct GlWindowContext {
     // Dropped in this order: the context before the surface before the window.
@@ -27,26 +54,23 @@ pub struct GlWindowContext {
     context: PossiblyCurrentContext,
     surface: Surface<WindowSurface>,
     config: glutin::config::Config,
-    window: Window,
+    window: Arc<Window>,
+    /// As the window's events told it last. (To ask a window that others have closed is the end of the program.)
+    size: Cell<(u32, u32)>,
+    refresh_rate: Option<f64>,
 }
 
-impl GlWindowContext {
-    /// Opens a window of `size` pixels and makes its context current.
+impl OpenWindow {
+    /// Opens a window.
     ///
     /// # Errors
-    /// No window, or no OpenGL 3.3.
-    pub fn open(
-        event_loop: &ActiveEventLoop,
-        title: &str,
-        size: (u32, u32),
-        visible: bool,
-        log_debug: bool,
-    ) -> Result<Self, AppError> {
+    /// No window, or no OpenGL.
+    pub fn open(event_loop: &ActiveEventLoop, wishes: &WindowWishes) -> Result<Self, AppError> {
         let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
         let attributes = WindowAttributes::default()
-            .with_title(title)
-            .with_inner_size(PhysicalSize::new(size.0, size.1))
-            .with_visible(visible);
+            .with_title(&wishes.title)
+            .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
+            .with_visible(wishes.visible);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
         let (window, config) = DisplayBuilder::new()
@@ -82,15 +106,37 @@ impl GlWindowContext {
                 display.create_window_surface(&config, &attributes).map_err(|error| no_context(&error))?;
             (context, surface)
         };
-        let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
+        let size = window.inner_size().into();
+        let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
+        let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
+        let window = Arc::new(window);
+        Ok(Self { context, surface, config, window, size, refresh_rate, log_debug: wishes.log_debug })
+    }
+
+    /// The window.
+    pub fn window(&self) -> Arc<Window> {
+        self.window.clone()
+    }
+
+    /// Makes its context current on this thread.
+    ///
+    /// # Errors
+    /// The driver refuses, or has no OpenGL 3.3.
+    pub fn bind(self) -> Result<GlWindowContext, AppError> {
+        let Self { context, surface, config, window, size, refresh_rate, log_debug } = self;
+        let context =
+            context.make_current(&surface).map_err(|error| AppError::NoContext(error.to_string()))?;
         if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
             tracing::info!("no vertical sync ({error}); the frame cap holds alone");
         }
-        let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
+        let gl = Gl::load(|name| config.display().get_proc_address(name), log_debug)?;
         tracing::info!("window context by {}", config_kind(&config));
-        Ok(Self { gl, context, surface, config, window })
+        let size = Cell::new(size);
+        Ok(GlWindowContext { gl, context, surface, config, window, size, refresh_rate })
     }
+}
 
+impl GlWindowContext {
     /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for where the
     /// driver gives none.
     pub fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
@@ -115,12 +161,13 @@ impl GlWindowContext {
 
     /// Size of the drawable, in pixels; none while it has no area.
     pub fn size(&self) -> Option<(u32, u32)> {
-        let size = self.window.inner_size();
-        (size.width > 0 && size.height > 0).then_some((size.width, size.height))
+        let (width, height) = self.size.get();
+        (width > 0 && height > 0).then_some((width, height))
     }
 
-    /// Brings the surface to the window's size.
-    pub fn resize(&self) {
+    /// Brings the surface to the window's new size.
+    pub fn resize(&self, size: (u32, u32)) {
+        self.size.set(size);
         if let Some((width, height)) = self.size()
             && let (Some(width), Some(height)) = (NonZeroU32::new(width), NonZeroU32::new(height))
         {
@@ -141,8 +188,7 @@ impl GlWindowContext {
 
     /// Frames per second of the window's monitor, where it tells.
     pub fn refresh_rate(&self) -> Option<f64> {
-        let millihertz = self.window.current_monitor()?.refresh_rate_millihertz()?;
-        (millihertz > 0).then(|| f64::from(millihertz) / 1000.0)
+        self.refresh_rate
     }
 
     /// Whether the window is in full screen.

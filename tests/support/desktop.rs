@@ -87,6 +87,19 @@ impl Desktop {
         self.show(command, Path::new(""))
     }
 
+    /// The same as [`Desktop::open`] with more variables in the program's environment.
+    pub fn open_with(&self, variables: &[(&str, &str)], song: &Path, options: &[&str]) -> App<'_> {
+        let mut command = self.command(PROGRAM);
+        command.envs(variables.iter().copied()).arg(song).args(options);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        self.show(command, song)
+    }
+
+    /// The display's name.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+
     /// The same as [`Desktop::open`] with another standard output.
     pub fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
@@ -253,6 +266,13 @@ impl App<'_> {
         let (worked, since) = (self.processor_seconds(), Instant::now());
         std::thread::sleep(time);
         (self.processor_seconds() - worked) / since.elapsed().as_secs_f64()
+    }
+
+    /// Memory that the program holds, in MiB (the resident set).
+    pub fn memory_mib(&self) -> f64 {
+        let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        line.trim().trim_end_matches(" kB").trim().parse::<f64>().unwrap() / 1024.0
     }
 
     /// Seconds that processors have worked for the program.

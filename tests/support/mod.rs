@@ -10,6 +10,8 @@ pub mod desktop;
 pub mod expression;
 pub mod glsl;
 pub mod oracle;
+#[cfg(target_os = "linux")]
+pub mod pings;
 #[cfg(unix)]
 pub mod process;
 #[cfg(target_os = "linux")]

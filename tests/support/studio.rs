@@ -38,6 +38,7 @@ pub fn driver(software: bool) -> GlInfo {
         texture_side_max: 1024,
         texture_buffer_texels_max: 65_536,
         anisotropy_max: 1.0,
+        program_binaries: false,
         software,
     }
 }

@@ -1,0 +1,131 @@
+//! What a show begins with: everything that lives as long as the window, made on the show's thread.
+
+use std::time::Instant;
+
+use super::announcer::Announcer;
+use super::error::AppError;
+use super::frame_times::FrameTimes;
+use super::governor::Governor;
+use super::media_controls::MediaControls;
+use super::overlay::Overlay;
+use super::pacing::Pacing;
+use super::pointer::Pointer;
+use super::scene_stage::{SceneLoader, SceneStage};
+use super::sound::{Sound, Start};
+use super::stage::Stage;
+use super::window::OpenWindow;
+use super::window_thread::Waker;
+use crate::audio::playlist::Opened;
+use crate::audio::{OutputChoice, Player, PlayerOptions};
+use crate::config::PlaySettings;
+use crate::dsp::TapTempo;
+use crate::export::painter::SceneChoice;
+use crate::export::print::tell;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::scenes::{ReadyScene, SceneSource};
+
+/// Frame cap where the monitor tells no rate.
+const FPS_DEFAULT: f64 = 60.0;
+/// Threads that compile programs: one for the scene's own, one for the interpreter's.
+const COMPILERS: usize = 2;
+
+/// What is known before the window opens.
+pub(super) struct Opening<'a> {
+    /// What is played; nothing if only an input is listened to.
+    pub(super) tracks: Option<Opened>,
+    /// How.
+    pub(super) settings: &'a PlaySettings,
+    /// How scenes are drawn.
+    pub(super) scene: &'a SceneChoice,
+    /// What loads scenes, and the first of them.
+    pub(super) scene_at_start: (SceneLoader, (SceneSource, ReadyScene)),
+}
+
+impl Opening<'_> {
+    /// Makes everything that the show needs in a window.
+    ///
+    /// # Errors
+    /// What the driver or the system refuses.
+    pub(super) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
+        let Self { tracks, settings, scene, scene_at_start: (loader, first) } = self;
+        let window = window.bind()?;
+        if settings.fullscreen {
+            window.set_fullscreen(true);
+        }
+        let title = String::new();
+        let library = &scene.shaders;
+        let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+        renderer.prepare_for_window(library)?;
+        if settings.limit_flashes {
+            renderer.add_flash_limiter(library)?;
+        }
+        renderer.set_tone_map(scene.tone_map);
+        let of_scenes = waker.clone();
+        let scene = SceneStage::new(
+            window.gl(),
+            window.worker_contexts(COMPILERS),
+            library,
+            (scene.sdf, scene.regions, scene.view),
+            loader,
+            first,
+            move || of_scenes.wake(),
+        )?;
+        // The song starts with the first picture, so that nothing of it is missed.
+        let options = PlayerOptions {
+            device: settings.device.clone(),
+            volume: settings.volume,
+            paused: true,
+            output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
+            gain: settings.gain,
+            ..PlayerOptions::default()
+        };
+        let mut announcer = Announcer::default();
+        let mut player = None;
+        if let Some(tracks) = tracks {
+            for trouble in tracks.troubles {
+                tell(&trouble);
+                announcer.say(trouble);
+            }
+            let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
+            let options = PlayerOptions { repeat, shuffled, ..options };
+            player = Some(Player::start(tracks.first, Box::new(tracks.list), options)?);
+        }
+        let sound = Sound::start(Start {
+            player,
+            listen: settings.listen,
+            device: settings.device.clone(),
+            latency: settings.latency,
+            gain: settings.gain,
+        })?;
+        let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
+        let now = Instant::now();
+        let of_controls = waker.clone();
+        Ok(Stage {
+            sound,
+            taps: TapTempo::default(),
+            paused: false,
+            renderer,
+            scene,
+            pacing: Pacing::new(fps, now),
+            shown: None,
+            frame_times: FrameTimes::default(),
+            governor: Governor::new(settings.quality, fps),
+            window_size: None,
+            moved: now,
+            pictured: None,
+            status_due: now,
+            told_silent: None,
+            announcer,
+            controls: MediaControls::start(move || of_controls.wake()),
+            title,
+            pointer: Pointer::default(),
+            shift: false,
+            occluded: false,
+            overlay: Overlay::new(window.gl(), window.window()),
+            help: false,
+            sliders: false,
+            corner: false,
+            window,
+        })
+    }
+}

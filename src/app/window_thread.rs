@@ -1,0 +1,197 @@
+//! The window's thread: takes the window's events and hands them to the show, which runs on a thread of its own.
+//!
+//! Whatever a driver, a disk or a device keeps waiting is the show; this thread waits for nothing but events. So the window
+//! answers its window system at once, and quits at once, however long a driver compiles.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use winit::application::ApplicationHandler;
+use winit::event::{ElementState, KeyEvent, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::window::{Window, WindowId};
+
+use super::error::AppError;
+use super::keys::{self, Action};
+use super::window::{OpenWindow, WindowWishes};
+
+/// How long the end waits for a show that a driver keeps: a little longer than the show waits for its compilers.
+const END_WAIT: Duration = Duration::from_secs(6);
+
+/// What the show is told.
+pub(super) enum Message {
+    /// Something happened to the window.
+    Window(WindowEvent),
+    /// Another thread has something for the show.
+    Wake,
+    /// The window is closed, or is to be.
+    End,
+}
+
+/// Wakes the show from other threads, whether it has begun or not.
+#[derive(Clone)]
+pub(super) struct Waker(Sender<Message>);
+
+impl Waker {
+    /// Makes the show look around.
+    pub(super) fn wake(&self) {
+        // After the end there is nobody to wake.
+        let _ = self.0.send(Message::Wake);
+    }
+}
+
+/// Where a show gets its messages from, and what wakes it.
+pub(super) fn inbox() -> (Waker, Receiver<Message>) {
+    let (sender, inbox) = channel();
+    (Waker(sender), inbox)
+}
+
+/// The show has ended.
+#[derive(Debug)]
+pub(super) struct Ended;
+
+/// A show: everything that happens on its thread, from the window to the end.
+pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
+
+/// Opens a window, plays `play` in it on a thread of its own, and hands it the window's events by way of `waker`, until one
+/// of both ends.
+///
+/// # Errors
+/// What the show ended with, no window, or no thread.
+pub(super) fn run(
+    event_loop: EventLoop<Ended>,
+    wishes: WindowWishes,
+    waker: &Waker,
+    play: Play,
+) -> Result<(), AppError> {
+    let mut front = Front {
+        proxy: event_loop.create_proxy(),
+        messages: waker.0.clone(),
+        begins_with: Some((wishes, play)),
+        running: None,
+        ends_by: None,
+        result: Ok(()),
+    };
+    event_loop
+        .run_app(&mut front)
+        .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
+    front.result
+}
+
+struct Front {
+    proxy: EventLoopProxy<Ended>,
+    messages: Sender<Message>,
+    /// Taken when the window opens.
+    begins_with: Option<(WindowWishes, Play)>,
+    running: Option<Running>,
+    /// Since when it is over: how long the show is waited for.
+    ends_by: Option<Instant>,
+    result: Result<(), AppError>,
+}
+
+struct Running {
+    show: JoinHandle<Result<(), AppError>>,
+    // The window goes here, on the thread that made it, after the show.
+    window: Arc<Window>,
+}
+
+impl Front {
+    fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
+        let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
+        let opened = OpenWindow::open(event_loop, &wishes)?;
+        let window = opened.window();
+        let proxy = self.proxy.clone();
+        let show = move || {
+            // However it ends, by a panic too.
+            let _tells = TellsEnd(proxy);
+            play(opened)
+        };
+        let thread = std::thread::Builder::new().name("show".into());
+        let show = thread
+            .spawn(show)
+            .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
+        self.running = Some(Running { show, window });
+        Ok(())
+    }
+
+    /// Tells the show to end. The window goes at once: what still waits for a driver does so unseen.
+    fn end(&mut self, event_loop: &ActiveEventLoop) {
+        if self.ends_by.is_some() {
+            return;
+        }
+        let Some(running) = &self.running else { return event_loop.exit() };
+        running.window.set_visible(false);
+        let _ = self.messages.send(Message::End);
+        let until = Instant::now() + END_WAIT;
+        self.ends_by = Some(until);
+        event_loop.set_control_flow(ControlFlow::WaitUntil(until));
+    }
+}
+
+/// Whether an event asks for the end, which must not wait for the show.
+fn asks_for_the_end(event: &WindowEvent) -> bool {
+    match event {
+        // Destroyed: closed by others without asking.
+        WindowEvent::CloseRequested | WindowEvent::Destroyed => true,
+        WindowEvent::KeyboardInput {
+            event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
+            is_synthetic: false,
+            ..
+        } => keys::action_of(logical_key, *repeat, false) == Some(Action::Quit),
+        _ => false,
+    }
+}
+
+impl ApplicationHandler<Ended> for Front {
+    fn resumed(&mut self, event_loop: &ActiveEventLoop) {
+        if let Err(error) = self.open(event_loop) {
+            self.result = Err(error);
+            event_loop.exit();
+        }
+    }
+
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+        if asks_for_the_end(&event) {
+            return self.end(event_loop);
+        }
+        if self.ends_by.is_none() {
+            let _ = self.messages.send(Message::Window(event));
+        }
+    }
+
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, _ended: Ended) {
+        event_loop.exit();
+    }
+
+    fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if self.ends_by.is_some_and(|until| Instant::now() >= until) {
+            tracing::info!("a driver keeps the show: nobody waits for it");
+            event_loop.exit();
+        }
+    }
+
+    fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
+        let Some(Running { show, window }) = self.running.take() else { return };
+        if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
+            // It draws into the window, by the connection that the event loop closes when this returns.
+            std::process::exit(0);
+        }
+        self.result = show.join().unwrap_or_else(|_| {
+            let reason = "the show ended by a panic; please report what stands above".to_owned();
+            Err(AppError::Window { doing: "to go on", reason })
+        });
+        drop(window);
+    }
+}
+
+/// Tells the event loop when it is dropped that the show has ended.
+struct TellsEnd(EventLoopProxy<Ended>);
+
+impl Drop for TellsEnd {
+    fn drop(&mut self) {
+        // An event loop that has gone knows.
+        let _ = self.0.send_event(Ended);
+    }
+}

@@ -1,0 +1,102 @@
+//! Asks a window whether it answers, as a compositor does: by the pings of the window protocol
+//! (Extended Window Manager Hints, `_NET_WM_PING`).
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use x11rb::connection::Connection;
+use x11rb::protocol::Event;
+use x11rb::protocol::xproto::{
+    ChangeWindowAttributesAux, ClientMessageEvent, ConnectionExt, EventMask, Window,
+};
+use x11rb::rust_connection::RustConnection;
+
+/// How often a window is asked.
+const PERIOD: Duration = Duration::from_millis(20);
+/// A window that does not answer for so long is taken for dead.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A thread that asks a window until it is told to stop.
+pub struct Pings {
+    thread: Option<JoinHandle<()>>,
+    over: Arc<AtomicBool>,
+    answers: Arc<Mutex<Vec<Duration>>>,
+}
+
+/// How long answers took.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Answers {
+    /// How many there were.
+    pub count: usize,
+    /// Half of them took no longer.
+    pub median: Duration,
+    /// 999 of 1,000 took no longer.
+    pub permille: Duration,
+    /// The slowest one.
+    pub worst: Duration,
+}
+
+impl Pings {
+    /// Asks the window with this number on this display.
+    pub fn start(display: &str, window: Window) -> Self {
+        let over = Arc::new(AtomicBool::new(false));
+        let answers = Arc::<Mutex<Vec<Duration>>>::default();
+        let (display, stop, noted) = (display.to_owned(), over.clone(), answers.clone());
+        let thread = std::thread::spawn(move || ask(&display, window, &stop, &noted));
+        Self { thread: Some(thread), over, answers }
+    }
+
+    /// Stops asking.
+    pub fn stop(mut self) -> Answers {
+        self.over.store(true, Ordering::Relaxed);
+        self.thread.take().unwrap().join().unwrap();
+        let mut times = self.answers.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        times.sort();
+        let at = |share: f64| {
+            let place = (times.len() as f64 * share) as usize;
+            times.get(place.min(times.len().saturating_sub(1))).copied().unwrap_or_default()
+        };
+        Answers { count: times.len(), median: at(0.5), permille: at(0.999), worst: at(1.0) }
+    }
+}
+
+fn ask(display: &str, window: Window, over: &AtomicBool, answers: &Mutex<Vec<Duration>>) {
+    let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
+    let root = connection.setup().roots[screen].root;
+    // Answers go to the root window.
+    let mask = ChangeWindowAttributesAux::new().event_mask(EventMask::SUBSTRUCTURE_NOTIFY);
+    connection.change_window_attributes(root, &mask).unwrap().check().unwrap();
+    let [protocols, ping] = ["WM_PROTOCOLS", "_NET_WM_PING"]
+        .map(|name| connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom);
+    let mut number = 1;
+    while !over.load(Ordering::Relaxed) {
+        number += 1;
+        let data = [ping, number, window, 0, 0];
+        let message = ClientMessageEvent::new(32, window, protocols, data);
+        let asked = Instant::now();
+        let sent = connection.send_event(false, window, EventMask::NO_EVENT, message).unwrap();
+        if sent.check().is_err() {
+            // The window is gone.
+            return;
+        }
+        while asked.elapsed() < PATIENCE {
+            let Some(event) = connection.poll_for_event().unwrap() else {
+                if over.load(Ordering::Relaxed) && asked.elapsed() > PERIOD {
+                    break;
+                }
+                std::thread::sleep(Duration::from_millis(1));
+                continue;
+            };
+            if let Event::ClientMessage(answer) = event
+                && answer.window == root
+                && answer.data.as_data32()[1] == number
+            {
+                break;
+            }
+        }
+        answers.lock().unwrap_or_else(PoisonError::into_inner).push(asked.elapsed());
+        std::thread::sleep(PERIOD.saturating_sub(asked.elapsed()));
+    }
+}
