@@ -92,6 +92,11 @@ pub struct Limits {
     pub scene_lights_max: usize,
     /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond have the whole tape.
     pub region_texels_max: usize,
+    /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a software
+    /// renderer).
+    pub programs_kept_max: usize,
+    /// Longest time that a scene's first picture may take in a window before the scene that was shown stays, in seconds.
+    pub picture_seconds_max: f64,
     /// Most values that are computed once a frame instead of at every point; further ones stay where they are.
     pub hoisted_max: usize,
 }
@@ -141,6 +146,8 @@ pub const LIMITS: Limits = Limits {
     scene_materials_max: 64,
     scene_lights_max: 16,
     region_texels_max: 1 << 22,
+    programs_kept_max: 4,
+    picture_seconds_max: 10.0,
     hoisted_max: 256,
 };
 

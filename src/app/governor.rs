@@ -190,6 +190,15 @@ impl Governor {
         }
     }
 
+    /// Takes note that a picture that was begun will cost so many seconds. Whether it should be begun again, in another way.
+    pub fn expects(&mut self, now: Instant, seconds: f64) -> bool {
+        let before = self.level;
+        if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
+            self.give_way(now, seconds);
+        }
+        self.level != before
+    }
+
     /// Seconds for a frame at a level.
     fn time_at(&self, level: usize) -> f64 {
         if level < POOR { self.interval } else { self.interval.max(1.0 / FPS_USABLE) }

@@ -1,11 +1,13 @@
 //! Trees of regions, built beside the frames on a thread of their own.
 //!
 //! Only the latest request counts: one that was not begun is replaced. What comes back is the tree with the whole frame
-//! that it was asked for, so that a picture is drawn with the inputs of its tree.
+//! that it was asked for, so that a picture is drawn with the inputs of its tree. A tree that takes longer than it may is
+//! given up, and so is one that nobody waits for any more.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionRequest};
@@ -21,6 +23,8 @@ pub struct TreeJob<Tag> {
     pub plan: Arc<RegionPlan>,
     /// What it is built for.
     pub request: RegionRequest,
+    /// How long it may take.
+    pub patience: Duration,
 }
 
 /// A tree that is done.
@@ -29,9 +33,12 @@ pub struct BuiltTree<Tag> {
     pub tag: Tag,
     /// The frame that is to be drawn with it.
     pub frame: Frame,
-    /// The tree.
-    pub regions: Arc<BuiltRegions>,
+    /// The tree; none if it would have taken longer than it may.
+    pub regions: Option<Arc<BuiltRegions>>,
 }
+
+/// How long the end waits for a tree that is being built.
+const END_WAIT: Duration = Duration::from_millis(200);
 
 struct State<Tag> {
     next: Option<TreeJob<Tag>>,
@@ -103,14 +110,19 @@ impl<Tag> Drop for RegionBuilder<Tag> {
         state.next = None;
         drop(state);
         self.shared.changed.notify_one();
-        // A tree takes milliseconds.
-        if self.thread.take().is_some_and(|thread| thread.join().is_err()) {
+        // A tree takes milliseconds, that of a scene too large to be drawn minutes: nobody waits for that one.
+        let until = Instant::now() + END_WAIT;
+        let Some(thread) = self.thread.take() else { return };
+        while !thread.is_finished() && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        if thread.is_finished() && thread.join().is_err() {
             tracing::warn!("the thread of the regions ended by a panic");
         }
     }
 }
 
-fn work<Tag>(shared: &Shared<Tag>, wake: &dyn Fn()) {
+fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
     loop {
         let mut state = shared.lock();
         while state.next.is_none() && !state.over {
@@ -119,14 +131,23 @@ fn work<Tag>(shared: &Shared<Tag>, wake: &dyn Fn()) {
         let Some(job) = state.next.take().filter(|_| !state.over) else { return };
         let forgotten = state.forgotten;
         drop(state);
-        let TreeJob { tag, frame, plan, request } = job;
+        let TreeJob { tag, frame, plan, request, patience } = job;
+        let begun = Instant::now();
+        let is_wanted = || {
+            let state = shared.lock();
+            state.forgotten == forgotten && !state.over && begun.elapsed() < patience
+        };
         // A panic must not leave the picture waiting: the next request is another chance.
-        let built = catch_unwind(AssertUnwindSafe(|| BuiltRegions::new(&plan, &frame.inputs, request)));
+        let built = catch_unwind(AssertUnwindSafe(|| {
+            BuiltRegions::new_while(&plan, &frame.inputs, request, &is_wanted)
+        }));
         match built {
             Ok(regions) => {
                 let mut state = shared.lock();
                 if state.forgotten == forgotten {
-                    state.done = Some(BuiltTree { tag, frame, regions: Arc::new(regions) });
+                    let in_time = begun.elapsed() < patience;
+                    let regions = in_time.then(|| Arc::new(regions));
+                    state.done = Some(BuiltTree { tag, frame, regions });
                 }
             }
             Err(_) => tracing::error!("building the regions ended by a panic"),
@@ -143,7 +164,6 @@ mod tests {
     use crate::region::RegionOptions;
     use crate::world::testing::world_of;
     use std::sync::mpsc::channel;
-    use std::time::Duration;
 
     #[test]
     fn what_is_forgotten_while_it_is_built_does_not_come() {
@@ -153,13 +173,27 @@ mod tests {
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
         let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
-        builder.request(TreeJob { tag: 1, frame, plan, request });
+        builder.request(TreeJob { tag: 1, frame, plan, request, patience: Duration::MAX });
         while builder.shared.lock().next.is_some() {
             std::thread::yield_now();
         }
         builder.forget();
         wakes.recv_timeout(Duration::from_secs(20)).unwrap();
         assert!(!builder.has_built());
+    }
+
+    #[test]
+    fn a_tree_that_takes_too_long_kept_others_waiting() {
+        let world = world_of("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
+        let plan = Arc::new(RegionPlan::new(&world));
+        let (woken, wakes) = channel();
+        let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
+        let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
+        builder.request(TreeJob { tag: 1, frame, plan, request, patience: Duration::ZERO });
+        wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+        let built = builder.poll().unwrap();
+        assert!(built.tag == 1 && built.regions.is_none());
     }
 
     #[test]
@@ -171,7 +205,7 @@ mod tests {
         let job = |tag: usize| {
             let frame = Frame::new(&world, tag as f64, Features::SILENCE, (8, 8));
             let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
-            TreeJob { tag, frame, plan: plan.clone(), request }
+            TreeJob { tag, frame, plan: plan.clone(), request, patience: Duration::MAX }
         };
         for tag in 0..50 {
             builder.request(job(tag));
@@ -185,7 +219,7 @@ mod tests {
         };
         assert_eq!(last.frame.inputs.time, 49.0);
         let alone = plan.build(&last.frame.inputs, &RegionOptions::default());
-        assert_eq!(last.regions.regions, alone);
+        assert_eq!(last.regions.unwrap().regions, alone);
         assert!(builder.poll().is_none(), "a tree comes once");
     }
 }

@@ -4,19 +4,24 @@
 //! it comes: the picture then follows the sound with fewer frames. Where the compiled program draws sooner than a tree
 //! is built, it draws without; an interpreter would take much longer that way.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::audio::Moment;
-use crate::dsp::Sound;
+use crate::dsp::{Features, Sound};
 use crate::frame::Frame;
 use crate::frame::hand::Hand;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::limits::LIMITS;
 
 /// Trees that take no longer than this are waited for, in however short a time a frame is drawn.
 const WAITED_FOR: Duration = Duration::from_millis(17);
+
+/// Size of the picture for which a scene's first tree is built; it says nothing but how wide the picture is.
+const TRIAL_SIZE: (u32, u32) = (16, 9);
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +42,8 @@ pub struct SceneRegions {
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
     builder: RegionBuilder<(u64, Shown)>,
+    /// Builds the first trees of scenes that are to come on the stage.
+    trials: RegionBuilder<u64>,
     /// The scene and the picture for which a tree was asked last.
     asked: Option<(u64, Shown)>,
     /// The compiled scene that is drawn sooner than its tree is built, so that it is drawn without.
@@ -54,11 +61,12 @@ impl SceneRegions {
     ///
     /// # Errors
     /// What the system says about threads.
-    pub fn start(wanted: bool, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub fn start(wanted: bool, wake: impl Fn() + Send + Clone + 'static) -> std::io::Result<Self> {
         Ok(Self {
             wanted,
             insists: false,
-            builder: RegionBuilder::start(wake)?,
+            builder: RegionBuilder::start(wake.clone())?,
+            trials: RegionBuilder::start(wake)?,
             asked: None,
             late_for: None,
             waited_for: None,
@@ -86,7 +94,7 @@ impl SceneRegions {
         let request = scene.region_request(&frame);
         // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture waits
         // for its tree: what was shown is of another scene.
-        if !cells || scene.regions().is_none_or(|built| built.request == request) {
+        if !cells || scene.regions().is_some_and(|built| built.request == request) {
             self.waited = false;
             if self.asked.take().is_some() {
                 self.builder.forget();
@@ -95,14 +103,13 @@ impl SceneRegions {
         }
         let tag = (id, wanted);
         if self.asked != Some(tag) {
-            self.builder.request(TreeJob { tag, frame, plan: scene.plan().clone(), request });
+            let (plan, patience) = (scene.plan().clone(), Duration::MAX);
+            self.builder.request(TreeJob { tag, frame, plan, request, patience });
             self.asked = Some(tag);
         }
         let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
         let (of, mut shown) = tag;
-        if of != id || !regions.request.options.cells {
-            return None;
-        }
+        let regions = regions.filter(|regions| of == id && regions.request.options.cells == cells)?;
         if shown.size != wanted.size {
             shown.size = wanted.size;
             frame = frame.resized(scene.world(), wanted.size);
@@ -110,6 +117,26 @@ impl SceneRegions {
         scene.take_regions(regions);
         self.waited = true;
         Some((frame, shown))
+    }
+
+    /// Asks for the first tree of a scene that is to come on the stage, in place of any other one's.
+    pub fn try_tree(&self, id: u64, scene: &SceneResources) {
+        scene.set_cells(self.wanted || scene.world().steep);
+        let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
+        let request = scene.region_request(&frame);
+        let patience = Duration::from_secs_f64(LIMITS.picture_seconds_max);
+        self.trials.forget();
+        self.trials.request(TreeJob { tag: id, frame, plan: scene.plan().clone(), request, patience });
+    }
+
+    /// A first tree that was asked for, and its scene; no tree if it takes longer than anybody waits.
+    pub fn tried_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
+        self.trials.poll().map(|built| (built.tag, built.regions))
+    }
+
+    /// Draws a compiled scene without a tree, from its first picture on.
+    pub fn do_without(&mut self, id: u64) {
+        self.late_for = Some((id, Mode::Compiled));
     }
 
     /// Waits for trees from now on, however long they take, or not.

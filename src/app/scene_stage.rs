@@ -8,6 +8,8 @@
 //! Whatever comes is prepared beside what is shown, and takes its place only when a program can draw it: no scene is
 //! ever lost to one that is broken or slow to compile.
 
+mod drawing;
+mod kept;
 mod told;
 mod views;
 mod wishes;
@@ -16,14 +18,14 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+pub use drawing::Drawn;
+use drawing::Making;
+use kept::KeptPrograms;
 use views::{Views, ViewsOf};
 
-use super::governor::Level;
 use super::overlay::Slider;
-use super::scene_regions::{SceneRegions, Shown};
-use crate::audio::Moment;
+use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
-use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::hand::Hand;
@@ -31,7 +33,7 @@ use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
-use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -54,7 +56,8 @@ struct Cast {
     /// The variant of the interpreter that it needs; none if its tape does not fit the driver, or the driver refused it.
     interpreter: Option<Interpreter>,
     interpreted: Option<Rc<Program>>,
-    compiled: Option<Program>,
+    compiled: Option<Rc<Program>>,
+    tree: FirstTree,
     /// Whether no compiler has refused it so far.
     compilable: bool,
     /// Whether it moves without sound, too.
@@ -62,6 +65,17 @@ struct Cast {
     /// Whether it reads curves of the sound.
     hears_curves: bool,
     sliders: Vec<Slider>,
+}
+
+/// The first tree of regions of a scene that is coming.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum FirstTree {
+    /// It is being built.
+    Coming,
+    /// It is there.
+    There,
+    /// It takes longer than anybody waits for a picture.
+    TooLong,
 }
 
 /// What a program in the making is for.
@@ -81,13 +95,19 @@ pub struct SceneStage {
     source: SceneSource,
     on_stage: Option<Cast>,
     coming: Option<Cast>,
-    interpreters: Vec<(Interpreter, Rc<Program>)>,
+    /// What was on the stage before, until the first picture of what is there now is finished.
+    before: Option<Cast>,
+    /// The picture that is being drawn.
+    making: Option<Making>,
+    interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_id: u64,
     /// Parameters that the user moved, by name: they outlive the text that declares them.
     moved: HashMap<String, f32>,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
+    /// The scene of which a picture was finished last.
+    pictured: Option<u64>,
     /// Counts what makes the same moment look different.
     revision: u64,
     /// The scene on the stage and its mode when they were last told.
@@ -127,12 +147,15 @@ impl SceneStage {
             source: source.clone(),
             on_stage: None,
             coming: None,
-            interpreters: Vec::new(),
+            before: None,
+            making: None,
+            interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_id: 0,
             moved: HashMap::new(),
             problem: None,
             notice: None,
+            pictured: None,
             revision: 0,
             announced: None,
             regions,
@@ -160,15 +183,18 @@ impl SceneStage {
                 (Task::Views(of), program) => self.take_views(of, program),
                 (Task::Interpreter(interpreter), Ok(program)) => {
                     tracing::info!("an interpreter is ready");
-                    self.interpreters.push((interpreter, Rc::new(program)));
+                    self.interpreters.add(interpreter, program);
                 }
                 (Task::Compiled(id), Ok(program)) => {
                     if let Some(cast) = self.cast_mut(id) {
-                        cast.compiled = Some(program);
+                        cast.compiled = Some(Rc::new(program));
                     }
                 }
                 (task, Err(error)) => self.take_failure(&task, error)?,
             }
+        }
+        while let Some((id, tree)) = self.regions.tried_tree() {
+            self.take_tree(id, tree);
         }
         self.recast();
         Ok(())
@@ -278,6 +304,7 @@ impl SceneStage {
             interpreter,
             interpreted: None,
             compiled: None,
+            tree: FirstTree::Coming,
             compilable: true,
             moves,
             hears_curves,
@@ -285,6 +312,7 @@ impl SceneStage {
         });
         self.forget_obsolete();
         let Some(cast) = self.cast(id) else { return Ok(()) };
+        self.regions.try_tree(id, &cast.resources);
         let (compiles, interprets) = match self.choice {
             SdfChoice::Interpreted => (fits.is_err(), true),
             SdfChoice::Compiled => (true, false),
@@ -309,7 +337,7 @@ impl SceneStage {
     /// What was asked for scenes that will not be shown is not worth making. A program that is in the making already
     /// is dropped when it comes.
     fn forget_obsolete(&mut self) {
-        let kept = [&self.on_stage, &self.coming].map(|cast| cast.as_ref().map(|cast| cast.id));
+        let kept = [&self.on_stage, &self.coming, &self.before].map(|cast| cast.as_ref().map(|cast| cast.id));
         self.tasks.retain(|_, task| match task {
             Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(&Some(*id)),
             Task::Interpreter(_) | Task::Views(_) => true,
@@ -332,12 +360,12 @@ impl SceneStage {
     fn ask_for_interpreter(&mut self, id: u64) {
         let Some(cast) = self.cast(id) else { return };
         let Some(needed) = cast.interpreter.clone() else { return };
-        let known = self.interpreters.iter().map(|(known, _)| known);
-        let asked = self.tasks.values().filter_map(|task| match task {
+        let mut asked = self.tasks.values().filter_map(|task| match task {
             Task::Interpreter(asked) => Some(asked),
             _ => None,
         });
-        if known.chain(asked).any(|known| known.covers(&needed)) {
+        let covers = |known: &Interpreter| known.covers(&needed);
+        if self.interpreters.has(covers) || asked.any(covers) {
             return;
         }
         let variant = needed.clone();
@@ -389,9 +417,7 @@ impl SceneStage {
         let before = self.announced;
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
-                // The narrowest one that fits was asked for last.
-                let known = self.interpreters.iter().rev().find(|(known, _)| known.covers(needed));
-                cast.interpreted = known.map(|(_, program)| program.clone());
+                cast.interpreted = self.interpreters.find(|known| known.covers(needed));
             }
         }
         let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
@@ -400,19 +426,26 @@ impl SceneStage {
                 SdfChoice::Compiled => true,
                 SdfChoice::Auto => self.is_patient_with(cast),
             };
-            cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable))
+            let has_program =
+                cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable));
+            has_program && cast.tree != FirstTree::Coming
         });
         if can_be_drawn {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
+            let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
+            let is_another = replaced.is_some() && name(&replaced) != name(&self.on_stage);
+            // One that has shown nothing is none to come back to.
+            if self.pictured == replaced.as_ref().map(|cast| cast.id) {
+                self.before = replaced;
+            }
             self.forget_obsolete();
             // They may have been moved since it was asked for.
             for slider in self.on_stage.iter_mut().flat_map(|cast| &mut cast.sliders) {
                 let value = self.moved.get(&slider.name).copied().unwrap_or(slider.default);
                 slider.value = value.clamp(slider.min, slider.max);
             }
-            let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
-            if replaced.is_some() && name(&replaced) != name(&self.on_stage) {
-                self.tell(name(&self.on_stage).unwrap_or_default());
+            if is_another {
+                self.tell(self.name().unwrap_or_default());
                 self.hand = Hand::OFF;
             }
         }
@@ -455,36 +488,6 @@ impl SceneStage {
             }
             Task::Views(_) => false,
         })
-    }
-
-    /// Draws the scene on the stage as it was at a moment for which its regions are built, and tells which that is; none
-    /// if there is nothing new to draw. `moment` is what should be shown next: what it needs is asked for.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub fn draw(
-        &mut self,
-        renderer: &mut Renderer,
-        (moment, sound): (Moment, Sound),
-        (size, aspect, level): ((u32, u32), f64, Level),
-    ) -> Result<Option<Shown>, GpuError> {
-        let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
-        let Some(program) = cast.program(mode) else { return Ok(None) };
-        let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
-        let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
-        let wishes = (params.as_slice(), self.hand);
-        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
-        let Some((frame, shown)) = drawable else { return Ok(None) };
-        let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
-        renderer.set_edge_samples(shown.edges);
-        self.own_pitch = frame.own_pitch();
-        match self.views.program(cast, mode) {
-            None => renderer.draw(&frame, &cast.resources, program)?,
-            Some((view, mode, program)) => {
-                self.views.draw(renderer, &frame, (cast, mode), (view, &program))?;
-            }
-        }
-        Ok(Some(shown))
     }
 
     /// Whether the regions of a picture that was asked for have come.
@@ -532,9 +535,9 @@ impl Cast {
         self.resources.buffers().cost.total <= COMPILED_BY_ITSELF_MAX
     }
 
-    fn program(&self, mode: Mode) -> Option<&Program> {
+    fn program(&self, mode: Mode) -> Option<&Rc<Program>> {
         match mode {
-            Mode::Interpreted => self.interpreted.as_deref(),
+            Mode::Interpreted => self.interpreted.as_ref(),
             Mode::Compiled => self.compiled.as_ref(),
         }
     }

@@ -14,7 +14,7 @@ use super::media_controls::Asked;
 use super::opening::Opening;
 use super::pointer::Gesture;
 use super::scene_regions::Shown;
-use super::scene_stage::SceneLoader;
+use super::scene_stage::{Drawn, SceneLoader};
 use super::stage::{IDLE_INTERVAL, Stage, show_sound};
 use super::title::{live_title, title};
 use super::window::{OpenWindow, WindowWishes};
@@ -139,7 +139,7 @@ impl Show {
                     Message::End => return Ok(()),
                 }
             }
-            if redraws {
+            if redraws || self.stage.scene.is_drawing() {
                 self.draw()?;
             }
         }
@@ -149,7 +149,7 @@ impl Show {
         let stage = &mut self.stage;
         let begun = Instant::now();
         // A picture whose regions have come is one that was due before.
-        if !stage.scene.has_regions() {
+        if !stage.scene.has_regions() && !stage.scene.is_drawing() {
             stage.pacing.begun(begun);
         }
         stage.window_size = stage.window.size();
@@ -162,7 +162,7 @@ impl Show {
         }
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: stage.scene.revision() };
         let mut new = None;
-        if stage.shown != Some(wanted) {
+        if stage.shown != Some(wanted) || stage.scene.is_drawing() {
             // Its curves take longer than all the rest of a frame's inputs: only for scenes that read them.
             let curves =
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
@@ -171,26 +171,31 @@ impl Show {
             new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level))?;
             if new.is_some() {
                 stage.finish_picture(begun)?;
+            } else {
+                stage.weigh_picture(begun);
             }
         }
         let corner = stage.corner_line();
+        let is_drawing = stage.scene.is_drawing();
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
         show_sound(&stage.sound, &stage.announcer, &mut content, begun);
-        let Some(shown) = new.or(stage.shown) else { return Ok(()) };
+        let Some(shown) = new.map(|new| new.shown).or(stage.shown) else { return Ok(()) };
+        let handing_over = Instant::now();
         // Without a new picture there is something to show only if what stands over it changes, or the window.
-        let waits = new.is_none() && shown != wanted && shown.size == drawn;
+        let waits = new.is_none() && (shown != wanted || is_drawing);
         if waits && stage.overlay.due(&content, begun).is_none_or(|due| due > begun) {
             return Ok(());
         }
         stage.renderer.show(size)?;
         let painted = stage.overlay.paint(stage.window.window(), size, content)?;
-        let drawing = begun.elapsed();
+        let painting = handing_over.elapsed();
         stage.window.swap()?;
         let first = stage.shown.replace(shown).is_none();
-        if new.is_some() {
-            stage.frame_times.note(begun.elapsed());
-            stage.note_cost(level, drawing, begun.elapsed());
-            stage.scene.note_frame_time(begun.elapsed());
+        if let Some(Drawn { spent, .. }) = new {
+            let showing = spent + handing_over.elapsed();
+            stage.frame_times.note(showing);
+            stage.note_cost(level, spent + painting, showing);
+            stage.scene.note_frame_time(showing);
         }
         if painted.params_changed {
             stage.scene.note_moved();
@@ -348,8 +353,11 @@ impl Show {
         }
         stage.scene.update()?;
         let now = Instant::now();
-        let corner = stage.corner_line();
         stage.announcer.update(now);
+        if stage.scene.is_drawing() {
+            return Ok(now);
+        }
+        let corner = stage.corner_line();
         let mut content = stage.scene.overlay(corner.as_deref(), stage.sliders, stage.help);
         show_sound(&stage.sound, &stage.announcer, &mut content, now);
         let overlay_due = stage.overlay.due(&content, now);

@@ -19,6 +19,7 @@ use crate::audio::{Moment, Player};
 use crate::dsp::TapTempo;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
+use crate::limits::LIMITS;
 
 /// How often a show that stands still looks around.
 pub(super) const IDLE_INTERVAL: Duration = Duration::from_millis(250);
@@ -154,6 +155,17 @@ impl Stage {
     pub(super) fn finish_picture(&mut self, begun: Instant) -> Result<(), GpuError> {
         let last = self.pictured.replace(begun).unwrap_or(begun);
         self.renderer.limit_flashes(begun.saturating_duration_since(last).as_secs_f64())
+    }
+
+    /// Looks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, where that would
+    /// not do either, not at all.
+    pub(super) fn weigh_picture(&mut self, now: Instant) {
+        let Some(seconds) = self.scene.seconds_of_picture() else { return };
+        if self.governor.expects(now, seconds) {
+            self.scene.give_picture_up();
+        } else if seconds > LIMITS.picture_seconds_max {
+            self.scene.take_back(seconds);
+        }
     }
 
     /// Shows the next view or the one before. Its colours carry numbers, so the change must not be dimmed as a flash. The key

@@ -15,6 +15,7 @@ use super::gl::Gl;
 use super::object::Texture;
 use super::program::unit_of;
 use super::target::{Target, Texel};
+use super::tiles::Part;
 
 /// Pixels are listed by squares of so many to each side: what is drawn together then sees similar things.
 const TILE: usize = 8;
@@ -94,11 +95,12 @@ impl EdgeList {
         Ok(())
     }
 
-    /// Lists the pixels that are marked and draws their samples: `draw` draws over what is bound.
+    /// Lists the pixels that are marked and tells which areas of the target their samples are to be drawn in; the rest of it
+    /// is empty.
     ///
     /// # Errors
     /// No room for the samples.
-    pub(super) fn draw(&mut self, draw: impl Fn()) -> Result<(), GpuError> {
+    pub(super) fn prepare(&mut self) -> Result<Vec<Part>, GpuError> {
         let marks = self.marks.read_red();
         let listed = listed_pixels(&marks, self.size);
         let row = self.row() as usize;
@@ -120,26 +122,14 @@ impl EdgeList {
         self.upload(&self.pixels, (row as u32, (pixels.len() / row) as u32), &pixels);
 
         self.samples.bind();
-        self.bind_pixels();
-        // SAFETY: plain state; the scissor leaves out what holds no block.
-        unsafe {
-            let (rows, rest) = ((listed.len() / row) as i32, (listed.len() % row) as i32);
-            let (across, down) = (self.block.0.cast_signed(), self.block.1.cast_signed());
-            let gl = &*self.gl;
-            // Counts that the last picture left are none of this one's.
-            gl.clear(glow::COLOR_BUFFER_BIT);
-            gl.enable(glow::SCISSOR_TEST);
-            for (y, width, height) in
-                [(0, across * row as i32, down * rows), (down * rows, across * rest, down)]
-            {
-                if width > 0 && height > 0 {
-                    gl.scissor(0, y, width, height);
-                    draw();
-                }
-            }
-            gl.disable(glow::SCISSOR_TEST);
-        }
-        Ok(())
+        // SAFETY: plain state. Counts that the last picture left are none of this one's.
+        unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
+        let (rows, rest) = ((listed.len() / row) as u32, (listed.len() % row) as u32);
+        let (across, down) = self.block;
+        Ok(vec![
+            Part { x: 0, y: 0, width: across * row as u32, height: down * rows },
+            Part { x: 0, y: down * rows, width: across * rest, height: down },
+        ])
     }
 
     /// What the scene's shader reads. llvmpipe compiles it once for each kind of texture that is bound, read or not:

@@ -23,4 +23,5 @@ pub mod stand_ins;
 pub mod target;
 pub mod texture;
 pub mod texture_buffer;
+mod tiles;
 pub mod timer;

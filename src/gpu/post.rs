@@ -157,6 +157,11 @@ impl PostTargets {
     pub(super) fn finished(&self) -> &Target {
         &self.finished
     }
+
+    /// The finished picture alone.
+    pub(super) fn into_finished(self) -> Target {
+        self.finished
+    }
 }
 
 /// What all passes over light share.

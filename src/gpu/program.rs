@@ -177,6 +177,11 @@ impl Program {
         Self::of(gl, &ready.texts)
     }
 
+    /// The driver's number of it.
+    pub(super) fn number(&self) -> u32 {
+        self.object.native().0.get()
+    }
+
     /// Leaves the context without a program, so that it holds on to none that is deleted.
     pub fn unbind(&self) {
         // SAFETY: plain state.

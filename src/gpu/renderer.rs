@@ -4,10 +4,14 @@
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
 //! 3. `scene.frag` again, more samples, only there, each elsewhere in the pixel.
 //!
+//! A picture is drawn in parts, in one go or several ([`making`]).
+//!
 //! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
 //! any of them.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
+
+mod making;
 
 use std::rc::Rc;
 use std::time::Duration;
@@ -23,16 +27,14 @@ use super::gl::Gl;
 use super::object::VertexArray;
 use super::post::{Block, Post, PostTargets};
 use super::program::{Program, unit_of};
-use super::scene_resources::{SceneNames, SceneResources};
+use super::scene_resources::SceneResources;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use super::timer::FrameTimer;
 use crate::frame::Frame;
-use crate::frame::block::FrameBlock;
-use crate::frame::picture::Picture;
-use crate::view::legend::LegendPicture;
-use crate::view::setup::ViewBlock;
 use crate::world::ToneMap;
+use making::Making;
+pub use making::Progress;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
@@ -75,6 +77,12 @@ pub struct Renderer {
     upscale: Option<Program>,
     flashes: Option<FlashPass>,
     timer: Option<FrameTimer>,
+    /// The picture that is being drawn.
+    making: Option<Making>,
+    /// What is shown while a picture of another size is being drawn.
+    stands: Option<Target>,
+    /// How long the GPU took for the last picture, until that is taken note of.
+    gpu_cost: Option<Duration>,
 }
 
 /// What depends on the picture's size.
@@ -123,6 +131,9 @@ impl Renderer {
             upscale: None,
             flashes: None,
             timer: None,
+            making: None,
+            stands: None,
+            gpu_cost: None,
         };
         gl.check("setting up the renderer")?;
         Ok(renderer)
@@ -157,93 +168,9 @@ impl Renderer {
     /// Gives pixels at edges so many samples from now on: four where nobody said.
     pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
         if self.edge_samples != samples {
-            (self.edge_samples, self.targets) = (samples, None);
+            self.edge_samples = samples;
+            self.put_targets_away();
         }
-    }
-
-    /// Draws `frame` of a scene with one of its programs into the renderer's own target; [`Renderer::show`] or
-    /// [`Renderer::read`] brings it out.
-    ///
-    /// # Errors
-    /// A size beyond the driver's, or an error that the driver reports.
-    pub fn draw(&mut self, frame: &Frame, scene: &SceneResources, program: &Program) -> Result<(), GpuError> {
-        scene.upload_inputs(&frame.inputs);
-        let tree = scene.tree_of(frame);
-        let block = frame.block(scene.world(), &tree);
-        self.draw_block(frame.size, (&block, &frame.picture), &scene.names(), program)
-    }
-
-    /// Draws a picture of `size` pixels from a frame's blocks and what is bound for its scene.
-    ///
-    /// # Errors
-    /// As [`Renderer::draw`].
-    pub fn draw_block(
-        &mut self,
-        size: (u32, u32),
-        (block, picture): (&FrameBlock, &Picture),
-        scene: &SceneNames,
-        program: &Program,
-    ) -> Result<(), GpuError> {
-        self.begin(size, (block, picture), scene)?;
-        // Taken out, so that lists can grow while the rest is used.
-        let Some(mut targets) = self.targets.take() else { return Ok(()) };
-        let mut timer = self.timer.take();
-        timer.iter_mut().for_each(FrameTimer::begin);
-        let drawn = self.draw_passes(&mut targets, picture, program);
-        timer.iter_mut().for_each(FrameTimer::end);
-        (self.targets, self.timer) = (Some(targets), timer);
-        drawn?;
-        self.gl.check("drawing a frame")
-    }
-
-    /// Draws a view of `frame` with a program of [`super::scene_program::as_views`], and its legend over it. Its colours
-    /// are the screen's: no pass of the picture changes them, and no pixel is a mean of several samples.
-    ///
-    /// # Errors
-    /// As [`Renderer::draw`].
-    pub fn draw_view(
-        &mut self,
-        frame: &Frame,
-        scene: &SceneResources,
-        program: &Program,
-        (view, legend): (&ViewBlock, Option<&LegendPicture>),
-    ) -> Result<(), GpuError> {
-        scene.upload_inputs(&frame.inputs);
-        let tree = scene.tree_of(frame);
-        let block = frame.block(scene.world(), &tree);
-        self.draw_view_block(frame.size, (&block, &frame.picture), &scene.names(), program, view)?;
-        if let (Some(targets), Some(legend)) = (&self.targets, legend) {
-            targets.post.finished().put_rgba8((legend.margin, legend.margin), legend.size, &legend.rgba);
-        }
-        self.gl.check("drawing a legend")
-    }
-
-    /// The same without a legend, from a frame's block and what is bound for its scene.
-    ///
-    /// # Errors
-    /// As [`Renderer::draw`].
-    pub fn draw_view_block(
-        &mut self,
-        size: (u32, u32),
-        (block, picture): (&FrameBlock, &Picture),
-        scene: &SceneNames,
-        program: &Program,
-        view: &ViewBlock,
-    ) -> Result<(), GpuError> {
-        self.begin(size, (block, picture), scene)?;
-        let Some(targets) = &self.targets else { return Ok(()) };
-        self.view_block.set(view.as_flattened());
-        self.reset_state();
-        targets.post.finished().bind();
-        // SAFETY: plain state.
-        unsafe {
-            // No list of edges is read here, and what stood there may be a target.
-            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
-            self.gl.bind_texture(glow::TEXTURE_2D, None);
-        }
-        program.bind();
-        self.draw_sample([0.0, 0.0], 0.0, FIRST_SAMPLE);
-        self.gl.check("drawing a view")
     }
 
     /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
@@ -264,37 +191,18 @@ impl Renderer {
         }
     }
 
-    /// How long the GPU took for one of the last pictures, if that has become known since the last call; never on a
-    /// software renderer.
+    /// How long the GPU took for one of the last pictures that were drawn in one go, if that has become known since the
+    /// last call; never on a software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
-        self.timer.as_mut()?.take()
+        let time = self.timer.as_mut()?.take();
+        self.gpu_cost = time.or(self.gpu_cost);
+        time
     }
 
     /// What is shown: the finished picture, its flashes limited.
     fn shown(&self) -> Option<&Target> {
         let limited = self.flashes.as_ref().and_then(FlashPass::limited);
-        limited.or(self.targets.as_ref().map(|targets| targets.post.finished()))
-    }
-
-    fn draw_passes(
-        &self,
-        targets: &mut Targets,
-        picture: &Picture,
-        program: &Program,
-    ) -> Result<(), GpuError> {
-        self.reset_state();
-        match &mut targets.edges {
-            Edges::Stencil(sum) => self.draw_by_stencil(&targets.first, sum, program),
-            Edges::List(list) => self.draw_by_list(&targets.first, list, program)?,
-        }
-        targets.first.bind_color(0, unit_of("picture"));
-        match &targets.edges {
-            Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
-            Edges::List(list) => list.bind_samples(),
-        }
-        self.post.resolve(&targets.post, self.edge_samples.block());
-        self.post.finish(&targets.post, picture, &targets.first);
-        Ok(())
+        limited.or(self.stands.as_ref()).or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
     /// The state in which passes begin.
@@ -342,59 +250,6 @@ impl Renderer {
         self.post.resolve_all(&targets.post);
         self.post.finish(&targets.post, &frame.picture, &targets.first);
         self.gl.check("drawing a reference")
-    }
-
-    /// All samples of the picture, those of edges summed in `sum`.
-    fn draw_by_stencil(&self, first: &Target, sum: &Target, program: &Program) {
-        // SAFETY: plain state and draws on objects of ours, in the current context.
-        unsafe {
-            let gl = &*self.gl;
-            first.bind();
-            gl.clear_stencil(1);
-            gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
-            gl.enable(glow::STENCIL_TEST);
-            self.prepare_samples(program);
-            self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE);
-
-            gl.disable(glow::BLEND);
-            sum.bind();
-            gl.clear_stencil(0);
-            gl.clear(glow::COLOR_BUFFER_BIT | glow::STENCIL_BUFFER_BIT);
-            gl.stencil_func(glow::ALWAYS, 1, 0xff);
-            gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
-            gl.color_mask(false, false, false, false);
-            first.bind_color(0, unit_of("picture"));
-            self.edges.bind();
-            gl.draw_arrays(glow::TRIANGLES, 0, 3);
-            gl.color_mask(true, true, true, true);
-
-            self.prepare_samples(program);
-            for (number, place) in self.edge_samples.offsets().enumerate() {
-                self.draw_sample(place, number as f32, FURTHER_SAMPLE);
-            }
-            gl.disable(glow::BLEND);
-            gl.disable(glow::STENCIL_TEST);
-        }
-    }
-
-    /// All samples of the picture, those of edges side by side in the target of `list`.
-    fn draw_by_list(&self, first: &Target, list: &mut EdgeList, program: &Program) -> Result<(), GpuError> {
-        first.bind();
-        list.bind_pixels();
-        program.bind();
-        self.draw_sample([0.0; 2], 0.0, FIRST_SAMPLE);
-        list.marks().bind();
-        // SAFETY: plain draws on objects of ours, in the current context.
-        unsafe {
-            self.gl.clear(glow::COLOR_BUFFER_BIT);
-            first.bind_color(0, unit_of("picture"));
-            self.edges.bind();
-            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
-        }
-        list.draw(|| {
-            program.bind();
-            self.draw_sample([0.0; 2], 0.0, LISTED_SAMPLES);
-        })
     }
 
     /// Copies the finished picture to the window's framebuffer of `window` pixels, enlarged if that has more.
@@ -464,55 +319,21 @@ impl Renderer {
     fn need_targets(&mut self, size: (u32, u32), has_lens: bool) -> Result<(), GpuError> {
         let fits = |targets: &Targets| targets.first.size() == size && targets.has_lens == has_lens;
         if !self.targets.as_ref().is_some_and(fits) {
+            Target::check_size(&self.gl, size)?;
+            self.put_targets_away();
             self.targets = Some(Targets::new(&self.gl, size, has_lens, self.edge_samples, self.counting)?);
         }
         Ok(())
     }
 
-    /// Begins a picture: targets of its size, and what every pass reads.
-    fn begin(
-        &mut self,
-        size: (u32, u32),
-        (block, picture): (&FrameBlock, &Picture),
-        scene: &SceneNames,
-    ) -> Result<(), GpuError> {
-        self.need_targets(size, picture.lens.is_some())?;
-        // SAFETY: the vertices are ours.
-        unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
-        self.frame_block.set(block.as_flattened());
-        self.post.bind_picture(picture, self.edge_samples);
-        scene.bind(&self.gl);
-        if let Some(flashes) = &mut self.flashes {
-            flashes.begin();
+    /// Makes room for other targets. The last picture is shown until the next one is finished.
+    fn put_targets_away(&mut self) {
+        self.making = None;
+        if let Some(targets) = self.targets.take()
+            && self.stands.is_none()
+        {
+            self.stands = Some(targets.post.into_finished());
         }
-        Ok(())
-    }
-
-    /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
-    /// once for each set of states.
-    fn prepare_samples(&self, program: &Program) {
-        // SAFETY: plain state.
-        unsafe {
-            // No list of edges is read here, and what stood there may be the target of the draw.
-            self.gl.active_texture(glow::TEXTURE0 + unit_of("edge_pixels"));
-            self.gl.bind_texture(glow::TEXTURE_2D, None);
-            self.gl.stencil_func(glow::EQUAL, 1, 0xff);
-            self.gl.stencil_op(glow::KEEP, glow::KEEP, glow::KEEP);
-            self.gl.enable(glow::BLEND);
-            self.gl.blend_func(glow::ONE, glow::ONE);
-        }
-        program.bind();
-    }
-
-    /// Draws a sample everywhere: where in the pixel, which of the further ones, and of which kind.
-    fn draw_sample(&self, place: [f32; 2], number: f32, kind: f32) {
-        let (across, down) = self.edge_samples.block();
-        let head = [place[0], place[1], kind, number, across as f32, down as f32, 0.0, 0.0];
-        let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
-        block.resize(PASS_BLOCK_NUMBERS, 0.0);
-        self.pass_block.set(&block);
-        // SAFETY: the draw reads nothing else than what `begin` bound.
-        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
 }
 

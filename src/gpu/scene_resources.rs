@@ -17,6 +17,7 @@ use super::program::unit_of;
 use super::scene_program::{Interpreter, Mode};
 use super::texture;
 use super::texture_buffer::{BufferTexel, TextureBuffer};
+use super::tiles::Costs;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::sound_tables;
@@ -39,6 +40,8 @@ pub struct SceneResources {
     /// Whether any expression reads the sound's tables.
     hears_tables: bool,
     texels_max: usize,
+    /// What its pixels cost.
+    costs: Costs,
     /// Whether empty space is skipped.
     with_cells: Cell<bool>,
     /// Those that were uploaded last.
@@ -78,9 +81,20 @@ impl RegionRequest {
 impl BuiltRegions {
     /// Builds the tree of a frame.
     pub fn new(plan: &RegionPlan, inputs: &FrameInputs, request: RegionRequest) -> Self {
+        Self::new_while(plan, inputs, request, &|| true)
+    }
+
+    /// The same as long as somebody wants it. Of no use if it was given up.
+    pub fn new_while(
+        plan: &RegionPlan,
+        inputs: &FrameInputs,
+        request: RegionRequest,
+        is_wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Self {
         let start = Instant::now();
         let parts = if plan.whole_texels() < SMALL_TAPE { 1 } else { processors() };
-        let regions = plan.build_in_parts(inputs, &request.options, parts, build_side_by_side);
+        let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
+        let regions = plan.build_in_parts(inputs, &request.options, parts, run);
         Self { regions, time: start.elapsed(), request }
     }
 }
@@ -96,21 +110,21 @@ fn processors() -> usize {
 }
 
 /// Builds each part on a thread of its own, the first on this one, as those that no thread can be had for.
-fn build_side_by_side(parts: &mut [Part]) {
+fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync)) {
     let Some((first, others)) = parts.split_first_mut() else { return };
     std::thread::scope(|scope| {
         let mut left = Vec::new();
         for part in others {
             let part = Arc::new(Mutex::new(part));
             let its = part.clone();
-            let work = move || its.lock().unwrap_or_else(PoisonError::into_inner).build();
+            let work = move || its.lock().unwrap_or_else(PoisonError::into_inner).build_while(is_wanted);
             if std::thread::Builder::new().name("regions".into()).spawn_scoped(scope, work).is_err() {
                 left.push(part);
             }
         }
-        first.build();
+        first.build_while(is_wanted);
         for part in left {
-            part.lock().unwrap_or_else(PoisonError::into_inner).build();
+            part.lock().unwrap_or_else(PoisonError::into_inner).build_while(is_wanted);
         }
     });
 }
@@ -161,6 +175,7 @@ impl SceneResources {
             pictures,
             on_gpu,
             plan,
+            costs: Costs::default(),
             with_cells: Cell::new(true),
             uploaded: RefCell::new(None),
             texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
@@ -181,6 +196,11 @@ impl SceneResources {
     /// The world that was uploaded.
     pub fn world(&self) -> &Arc<World> {
         &self.world
+    }
+
+    /// What its pixels cost.
+    pub(super) fn costs(&self) -> &Costs {
+        &self.costs
     }
 
     /// Its programs.

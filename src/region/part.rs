@@ -88,6 +88,12 @@ impl<'a> Part<'a> {
 
     /// Builds the cells of this part.
     pub fn build(&mut self) {
+        self.build_while(&|| true);
+    }
+
+    /// The same as long as somebody wants it: what is asked between blocks, some milliseconds apart. Of no use if it was given
+    /// up.
+    pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
         for &group in &trunk.groups {
@@ -107,6 +113,9 @@ impl<'a> Part<'a> {
             );
             level.structure.look_at(&level.short);
             for cell in own {
+                if !is_wanted() {
+                    return;
+                }
                 let inner = trunk.block.child(place_in(cell));
                 let cells = self.cells(&level.short, &level.structure, inner, 1);
                 self.blocks.push((cell, cells));

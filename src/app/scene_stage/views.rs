@@ -2,7 +2,9 @@
 //! the picture when they are asked for. Until one is there the picture goes on.
 
 use std::rc::Rc;
+use std::sync::Arc;
 
+use super::kept::KeptPrograms;
 use super::{Cast, SceneStage, Task};
 use crate::frame::Frame;
 use crate::frame::hand::Hand;
@@ -10,7 +12,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, as_views, compiled_variant_of};
-use crate::view::legend::LegendPainter;
+use crate::view::legend::{LegendPainter, LegendPicture};
 use crate::view::setup::ViewSetup;
 use crate::view::{View, ViewChoice};
 
@@ -37,7 +39,7 @@ impl ViewsOf {
 #[derive(Default)]
 pub struct Views {
     choice: Option<ViewChoice>,
-    programs: Vec<(ViewsOf, Rc<Program>)>,
+    programs: KeptPrograms<ViewsOf>,
     legends: Option<LegendPainter>,
     /// The number of the view that was drawn last.
     number: Option<f32>,
@@ -51,37 +53,42 @@ impl Views {
 
     /// The chosen view of a scene with a program that draws it and its mode: the scene's or, until there is one, the
     /// other, so that a view stays when the mode changes.
-    pub fn program(&self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
+    pub fn program(&mut self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
         let choice = self.choice?;
         let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
         [mode, other].into_iter().find_map(|mode| {
             let wanted = cast.views(mode)?;
-            let known = self.programs.iter().rev().find(|(known, _)| known.covers(&wanted));
-            known.map(|(_, program)| (choice, mode, program.clone()))
+            self.programs.find(|known| known.covers(&wanted)).map(|program| (choice, mode, program))
         })
     }
 
     /// Forgets the programs of scenes that are gone.
     pub fn keep(&mut self, is_kept: impl Fn(u64) -> bool) {
-        self.programs.retain(|(of, _)| match of {
+        self.programs.retain(|of| match of {
             ViewsOf::Compiled(id) => is_kept(*id),
             ViewsOf::Interpreted(_) => true,
         });
     }
 
-    /// Draws a view of a frame.
-    pub fn draw(
+    /// The view that was chosen.
+    pub fn choice(&self) -> Option<ViewChoice> {
+        self.choice
+    }
+
+    /// Begins a view of a frame, and gives the legend that is to stand over it.
+    pub fn begin(
         &mut self,
         renderer: &mut Renderer,
         frame: &Frame,
         (cast, mode): (&Cast, Mode),
-        (choice, program): (ViewChoice, &Program),
-    ) -> Result<(), GpuError> {
+        choice: ViewChoice,
+    ) -> Result<Option<Arc<LegendPicture>>, GpuError> {
         let scene = &cast.resources;
         let setup = ViewSetup::of(choice, frame, scene.world(), scene.drawn(mode));
         self.number = setup.number;
         let legend = self.legends.get_or_insert_default().picture(setup.legend, frame.size);
-        renderer.draw_view(frame, scene, program, (&setup.block, legend.as_deref()))
+        renderer.begin_view(frame, scene, &setup.block)?;
+        Ok(legend)
     }
 }
 
@@ -142,12 +149,12 @@ impl SceneStage {
         }
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
         let Some(wanted) = cast.views(mode) else { return };
-        let mut known = self.views.programs.iter().map(|(known, _)| known);
         let mut asked = self.tasks.values().filter_map(|task| match task {
             Task::Views(asked) => Some(asked),
             _ => None,
         });
-        if known.any(|known| known.covers(&wanted)) || asked.any(|asked| asked.covers(&wanted)) {
+        if self.views.programs.has(|known| known.covers(&wanted)) || asked.any(|asked| asked.covers(&wanted))
+        {
             return;
         }
         let mut job = match wanted.clone() {
@@ -170,7 +177,7 @@ impl SceneStage {
         match program {
             Ok(program) => {
                 tracing::info!("views are ready");
-                self.views.programs.push((of, Rc::new(program)));
+                self.views.programs.add(of, program);
             }
             Err(error) => {
                 tracing::warn!("{error}");

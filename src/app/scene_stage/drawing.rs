@@ -1,0 +1,198 @@
+//! Draws the scene on the stage, a picture in as many goes as it takes, and takes a scene back that is too dear to be drawn.
+
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::Duration;
+
+use super::{Cast, FirstTree, SceneStage};
+use crate::app::governor::Level;
+use crate::app::scene_regions::Shown;
+use crate::audio::Moment;
+use crate::config::SdfChoice;
+use crate::dsp::Sound;
+use crate::gpu::error::GpuError;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Progress, Renderer};
+use crate::gpu::scene_program::Mode;
+use crate::gpu::scene_resources::BuiltRegions;
+use crate::limits::LIMITS;
+use crate::view::ViewChoice;
+use crate::view::legend::LegendPicture;
+
+/// How long one go draws before it is looked whether anything has happened.
+const GO: Duration = Duration::from_millis(100);
+
+/// A picture that was finished.
+#[derive(Debug, Clone, Copy)]
+pub struct Drawn {
+    /// What it shows.
+    pub shown: Shown,
+    /// How long it took.
+    pub spent: Duration,
+}
+
+/// A picture that was begun.
+pub(super) struct Making {
+    /// The scene, how it is drawn and in which view.
+    of: (u64, Mode, Option<ViewChoice>),
+    program: Rc<Program>,
+    legend: Option<Arc<LegendPicture>>,
+    shown: Shown,
+    /// How long it will take, in seconds, as far as is known.
+    seconds: Option<f64>,
+}
+
+impl SceneStage {
+    /// Draws the scene on the stage as it was at a moment for which its regions are built, or goes on with a picture that was
+    /// begun. None if no picture was finished. `moment` is what should be shown next: what it needs is asked for.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        (moment, sound): (Moment, Sound),
+        (size, aspect, level): ((u32, u32), f64, Level),
+    ) -> Result<Option<Drawn>, GpuError> {
+        let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
+        let now = (cast.id, mode, self.views.choice());
+        let is_of_use = |making: &Making| {
+            (making.shown.size, making.shown.edges) == (size, level.edges) && making.of == now
+        };
+        if !self.making.as_ref().is_some_and(is_of_use) {
+            self.making = None;
+            let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
+            let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
+            let wishes = (params.as_slice(), self.hand);
+            let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
+            let Some((frame, shown)) = drawable else { return Ok(None) };
+            let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
+            renderer.set_edge_samples(shown.edges);
+            self.own_pitch = frame.own_pitch();
+            let (program, legend) = match self.views.program(cast, mode) {
+                None => {
+                    renderer.begin(&frame, &cast.resources)?;
+                    (cast.program(mode).cloned(), None)
+                }
+                Some((view, mode, program)) => {
+                    let legend = self.views.begin(renderer, &frame, (cast, mode), view)?;
+                    (Some(program), legend)
+                }
+            };
+            let Some(program) = program else { return Ok(None) };
+            self.making = Some(Making { of: now, program, legend, shown, seconds: None });
+        }
+        let Some(making) = &mut self.making else { return Ok(None) };
+        let progress = match renderer.go_on(&cast.resources, &making.program, GO)? {
+            Progress::Finished { spent } => Ok(Drawn { shown: making.shown, spent }),
+            Progress::Going { seconds } => Err(seconds),
+        };
+        if let Err(seconds) = progress {
+            making.seconds = seconds;
+            return Ok(None);
+        }
+        if let Some(Making { legend, .. }) = self.making.take() {
+            renderer.put_legend(legend.as_deref())?;
+        }
+        self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
+        if self.before.take().is_some() {
+            self.forget_obsolete();
+        }
+        Ok(progress.ok())
+    }
+
+    /// Whether a picture was begun and is not finished.
+    pub fn is_drawing(&self) -> bool {
+        self.making.is_some()
+    }
+
+    /// How long the picture that was begun will take, in seconds, once that is known.
+    pub fn seconds_of_picture(&self) -> Option<f64> {
+        self.making.as_ref()?.seconds
+    }
+
+    /// Gives up the picture that was begun, as the next one is to be drawn in another way.
+    pub fn give_picture_up(&mut self) {
+        self.making = None;
+    }
+
+    /// Takes a scene from the stage whose first picture would take so many seconds, and brings the one before back, if there is
+    /// one. It is drawn in the other way, if that is in the making.
+    pub fn take_back(&mut self, seconds: f64) {
+        let Some((mode, before)) = self.mode().zip(self.before.take()) else { return };
+        let Some(mut dear) = self.on_stage.replace(before) else { return };
+        self.making = None;
+        self.revision += 1;
+        let other_way = mode == Mode::Interpreted
+            && dear.compilable
+            && (dear.compiled.is_some() || self.in_the_making(dear.id, Mode::Compiled));
+        if other_way && self.choice != SdfChoice::Interpreted {
+            (dear.interpreter, dear.interpreted) = (None, None);
+            self.coming = Some(dear);
+            return self.recast();
+        }
+        self.forget_obsolete();
+        self.recast();
+        self.tell_dear(&dear, &format!("a picture of this window would take about {seconds:.0} s"));
+    }
+
+    /// Takes the first tree of the scene that is coming, or that there is none.
+    pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
+        let is_first = self.on_stage.is_none();
+        let Some(cast) = self.coming.as_mut().filter(|cast| cast.id == id) else { return };
+        if let Some(tree) = tree {
+            cast.resources.take_regions(tree);
+            cast.tree = FirstTree::There;
+            return;
+        }
+        // The first scene is drawn however long it takes: there is nothing else to show.
+        cast.tree = FirstTree::TooLong;
+        if is_first {
+            return;
+        }
+        let needs_tree = cast.resources.world().steep || self.choice == SdfChoice::Interpreted;
+        let has_program = cast.compiled.is_some() || self.in_the_making(id, Mode::Compiled);
+        if needs_tree || !has_program {
+            if let Some(dear) = self.coming.take() {
+                self.forget_obsolete();
+                self.tell_dear(
+                    &dear,
+                    "what finds its surfaces in space would take longer than that for each picture",
+                );
+            }
+            return;
+        }
+        if let Some(cast) = &mut self.coming {
+            (cast.interpreter, cast.interpreted) = (None, None);
+        }
+        self.regions.do_without(id);
+    }
+
+    fn tell_dear(&mut self, dear: &Cast, why: &str) {
+        let heading =
+            format!("{} is too much for this machine; the last good scene stays", dear.source.title());
+        let text = format!(
+            "more than {:.0} s is not waited for, and {why}: {}; make it of fewer or simpler parts, or the window smaller",
+            LIMITS.picture_seconds_max,
+            what_is_dear(dear)
+        );
+        tracing::warn!("{heading}: {text}");
+        self.problem = Some((heading, text));
+    }
+}
+
+/// What a scene's pixels cost so much for.
+fn what_is_dear(cast: &Cast) -> String {
+    let world = cast.resources.world();
+    let mut what = vec![format!("its distance has {} clauses", cast.resources.buffers().cost.distance)];
+    if world.steep {
+        what.push("its formula is no distance, so that rays go in small steps".to_owned());
+    }
+    if world.scene.lights.len() > 1 {
+        what.push(format!("it has {} lights", world.scene.lights.len()));
+    }
+    if world.traits.mirrors {
+        what.push("it has mirrors".to_owned());
+    }
+    what.join(", ")
+}

@@ -1,0 +1,48 @@
+//! Programs that serve more than one scene, kept while they are of use.
+
+use std::rc::Rc;
+
+use crate::gpu::program::Program;
+use crate::limits::LIMITS;
+
+/// Programs by what they were made for; the one that was used longest ago goes first. Each holds some 20 MiB of a software
+/// renderer's memory.
+pub(super) struct KeptPrograms<K> {
+    /// The one that was used last stands last.
+    programs: Vec<(K, Rc<Program>)>,
+}
+
+impl<K> Default for KeptPrograms<K> {
+    fn default() -> Self {
+        Self { programs: Vec::new() }
+    }
+}
+
+impl<K> KeptPrograms<K> {
+    /// Whether there is one that `serves`.
+    pub(super) fn has(&self, serves: impl Fn(&K) -> bool) -> bool {
+        self.programs.iter().any(|(of, _)| serves(of))
+    }
+
+    /// The one that `serves`; of several the one that was used last.
+    pub(super) fn find(&mut self, serves: impl Fn(&K) -> bool) -> Option<Rc<Program>> {
+        let place = self.programs.iter().rposition(|(of, _)| serves(of))?;
+        let found = self.programs.remove(place);
+        let program = found.1.clone();
+        self.programs.push(found);
+        Some(program)
+    }
+
+    /// Keeps another one.
+    pub(super) fn add(&mut self, of: K, program: Program) {
+        self.programs.push((of, Rc::new(program)));
+        while self.programs.len() > LIMITS.programs_kept_max {
+            self.programs.remove(0);
+        }
+    }
+
+    /// Forgets those that are of no use any more.
+    pub(super) fn retain(&mut self, is_of_use: impl Fn(&K) -> bool) {
+        self.programs.retain(|(of, _)| is_of_use(of));
+    }
+}

@@ -1,0 +1,309 @@
+//! Draws in parts, so that no single one keeps a renderer for long: a window stays alive, and no driver's watchdog takes a
+//! long draw for a hang.
+//!
+//! What a pixel costs is measured: by probes all over the picture where nothing is known of a program, then by each part.
+
+use std::cell::Cell;
+use std::time::Duration;
+
+use super::program::Program;
+
+/// What a part is to take, in seconds: half of what is allowed (`limits.rs`), as pixels differ.
+const PART_SECONDS: f64 = 0.12;
+/// Time that says nothing about pixels: to ask a driver for something and to wait for it.
+const OVERHEAD: f64 = 0.001;
+/// Probes along each side of a picture, each a square of [`GRAIN`] pixels to a side.
+const PROBES: u32 = 6;
+/// Parts have sides of multiples of so many pixels: renderers draw neighbours together.
+const GRAIN: u32 = 8;
+/// Rows of this height, or multiples of it, are best for a software renderer, which sorts work into squares of it.
+const ROW: u32 = 64;
+/// Pictures with fewer pixels are not worth probing: parts begin with the smallest.
+const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
+/// Probes after which a picture's time can be foretold.
+const TELLING: u32 = 9;
+
+/// A part of a target, in pixels from its lower left corner.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Part {
+    /// From the left.
+    pub(super) x: u32,
+    /// From below.
+    pub(super) y: u32,
+    /// Pixels across.
+    pub(super) width: u32,
+    /// Pixels up.
+    pub(super) height: u32,
+}
+
+impl Part {
+    /// A whole target.
+    pub(super) fn whole((width, height): (u32, u32)) -> Self {
+        Self { x: 0, y: 0, width, height }
+    }
+
+    /// Its pixels.
+    pub(super) fn pixels(self) -> u64 {
+        u64::from(self.width) * u64::from(self.height)
+    }
+}
+
+/// What a pixel of a scene costs with one of its programs: the greatest of the last picture and of this one, as a cheap sky
+/// proves nothing of what lies above it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct PixelCost {
+    /// Seconds that hardly a pixel of the last picture exceeded; 0 if nothing is known.
+    last: f64,
+    /// The same of this one, so far.
+    this: f64,
+}
+
+impl PixelCost {
+    /// Whether anything is known.
+    fn is_known(self) -> bool {
+        self.last.max(self.this) > 0.0
+    }
+
+    /// How many pixels a part may have.
+    fn pixels(self) -> u64 {
+        if self.is_known() { (PART_SECONDS / self.last.max(self.this)) as u64 } else { 0 }
+    }
+
+    /// Takes note of a part.
+    pub(super) fn note(&mut self, pixels: u64, time: Duration) {
+        let seconds = time.as_secs_f64();
+        // What takes hardly longer than to ask may cost up to that.
+        let cost = if seconds > 2.0 * OVERHEAD { seconds - OVERHEAD } else { OVERHEAD };
+        self.this = self.this.max(cost / pixels.max(1) as f64);
+    }
+
+    /// A picture is finished.
+    pub(super) fn finish_picture(&mut self) {
+        if self.this > 0.0 {
+            (self.last, self.this) = (self.this, 0.0);
+        }
+    }
+}
+
+/// What the pixels of a scene cost with the program that drew it last.
+#[derive(Debug, Default)]
+pub(super) struct Costs(Cell<Option<(u32, PixelCost)>>);
+
+impl Costs {
+    /// What is known for a program.
+    pub(super) fn of(&self, program: &Program) -> PixelCost {
+        self.0
+            .get()
+            .filter(|(of, _)| *of == program.number())
+            .map_or_else(PixelCost::default, |(_, cost)| cost)
+    }
+
+    /// Remembers what has become known.
+    pub(super) fn keep(&self, program: &Program, cost: PixelCost) {
+        self.0.set(Some((program.number(), cost)));
+    }
+}
+
+/// The parts of a draw, one after the other.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Parts {
+    areas: Vec<Part>,
+    /// The row of the last area that is being cut, and what is left of it.
+    row: Option<Part>,
+    /// Probes to come.
+    probes: u32,
+    /// Whether the part that was given last is one.
+    probing: bool,
+    probed: Measured,
+    size: (u32, u32),
+}
+
+/// Pixels and the seconds that they took.
+#[derive(Debug, Clone, Copy, Default)]
+struct Measured {
+    count: u32,
+    pixels: u64,
+    seconds: f64,
+}
+
+impl Parts {
+    /// Those of some areas of a target of `size`, the last one first.
+    pub(super) fn of(areas: Vec<Part>, size: (u32, u32), cost: PixelCost) -> Self {
+        let pixels: u64 = areas.iter().map(|area| area.pixels()).sum();
+        let probes = if cost.is_known() || pixels < PROBED_MIN { 0 } else { PROBES * PROBES };
+        Self { areas, row: None, probes, probing: false, probed: Measured::default(), size }
+    }
+
+    /// Whether all that is left is drawn at once.
+    pub(super) fn are_one(&self, cost: PixelCost) -> bool {
+        self.probes == 0 && cost.is_known() && cost.pixels() >= self.pixels_left()
+    }
+
+    /// Whether the part that was given last was the only one.
+    pub(super) fn were_one(&self) -> bool {
+        !self.probing && self.probed.pixels == 0 && self.pixels_left() == 0
+    }
+
+    /// Pixels that are still to be drawn.
+    fn pixels_left(&self) -> u64 {
+        self.areas.iter().chain(&self.row).map(|area| area.pixels()).sum()
+    }
+
+    /// The next part; none when everything is drawn.
+    pub(super) fn next(&mut self, cost: PixelCost) -> Option<Part> {
+        self.probing = self.probes > 0;
+        if self.probing {
+            self.probes -= 1;
+            return Some(self.probe());
+        }
+        let pixels = cost.pixels().max(u64::from(GRAIN * GRAIN));
+        if self.row.is_none() {
+            self.row = Some(self.next_row(pixels)?);
+        }
+        let row = self.row.as_mut()?;
+        let across = u32::try_from(pixels / u64::from(row.height.max(1))).unwrap_or(u32::MAX);
+        let width = if across >= row.width { row.width } else { (across / GRAIN * GRAIN).max(GRAIN) };
+        let part = Part { width: width.min(row.width), ..*row };
+        row.x += part.width;
+        row.width -= part.width;
+        if row.width == 0 {
+            self.row = None;
+        }
+        Some(part)
+    }
+
+    /// The next row of parts of so many pixels.
+    fn next_row(&mut self, pixels: u64) -> Option<Part> {
+        let area = loop {
+            let area = self.areas.last_mut()?;
+            if area.pixels() > 0 {
+                break area;
+            }
+            self.areas.pop();
+        };
+        let rows = u32::try_from(pixels / u64::from(area.width.max(1))).unwrap_or(u32::MAX);
+        let height = if rows >= area.height {
+            area.height
+        } else if rows >= ROW {
+            rows / ROW * ROW
+        } else if pixels >= u64::from(ROW * ROW) {
+            ROW
+        } else {
+            ((pixels as f64).sqrt() as u32 / GRAIN * GRAIN).max(GRAIN)
+        };
+        let row = Part { height: height.min(area.height), ..*area };
+        area.y += row.height;
+        area.height -= row.height;
+        Some(row)
+    }
+
+    /// A square somewhere in the picture. They follow each other all over it: the first few tell of the whole.
+    fn probe(&self) -> Part {
+        // 7 and 36 have no common divisor.
+        let number = (self.probes * 7 + 3) % (PROBES * PROBES);
+        let place = |index: u32, side: u32| {
+            let middle = (2 * index + 1) * side / (2 * PROBES);
+            (middle / GRAIN * GRAIN).min(side.saturating_sub(GRAIN))
+        };
+        let (x, y) = (place(number % PROBES, self.size.0), place(number / PROBES, self.size.1));
+        Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
+    }
+
+    /// Takes note of how long the part took that was given last.
+    pub(super) fn note(&mut self, part: Part, time: Duration, cost: &mut PixelCost) {
+        cost.note(part.pixels(), time);
+        self.probed.count += u32::from(self.probing);
+        self.probed.pixels += part.pixels();
+        self.probed.seconds += (time.as_secs_f64() - OVERHEAD).max(0.0);
+    }
+
+    /// How long the rest will take, in seconds; none before enough is known.
+    pub(super) fn seconds_left(&self) -> Option<f64> {
+        let known = self.probed;
+        let tells = known.count >= TELLING || (self.probes == 0 && known.pixels > 0);
+        tells.then(|| known.seconds / known.pixels.max(1) as f64 * self.pixels_left() as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Draws all parts, each pixel at `cost` seconds, and counts how often each was drawn.
+    fn drawn(areas: Vec<Part>, size: (u32, u32), cost: impl Fn(u32, u32) -> f64) -> (Vec<u32>, f64) {
+        let mut seen = vec![0; (size.0 * size.1) as usize];
+        let (mut known, mut longest) = (PixelCost::default(), 0.0_f64);
+        let mut parts = Parts::of(areas, size, known);
+        while let Some(part) = parts.next(known) {
+            let mut seconds = OVERHEAD / 4.0;
+            for y in part.y..part.y + part.height {
+                for x in part.x..part.x + part.width {
+                    seconds += cost(x, y);
+                    if !parts.probing {
+                        seen[(y * size.0 + x) as usize] += 1;
+                    }
+                }
+            }
+            longest = longest.max(seconds);
+            parts.note(part, Duration::from_secs_f64(seconds), &mut known);
+        }
+        (seen, longest)
+    }
+
+    #[test]
+    fn every_pixel_is_drawn_once_whatever_it_costs() {
+        for size in [(1, 1), (7, 300), (161, 91), (640, 360)] {
+            for cost in [0.0, 1e-7, 2e-5, 3e-3] {
+                let (seen, _) = drawn(vec![Part::whole(size)], size, |_, _| cost);
+                assert!(seen.iter().all(|count| *count == 1), "{size:?} at {cost}");
+            }
+        }
+    }
+
+    #[test]
+    fn areas_are_drawn_and_nothing_beside_them() {
+        let areas =
+            vec![Part { x: 0, y: 0, width: 90, height: 10 }, Part { x: 0, y: 10, width: 30, height: 2 }];
+        let (seen, _) = drawn(areas, (100, 20), |_, _| 1e-4);
+        assert_eq!(seen.iter().sum::<u32>(), 960);
+        assert!(seen.iter().all(|count| *count <= 1) && seen[0] == 1 && seen[10 * 100 + 29] == 1);
+    }
+
+    #[test]
+    fn a_dear_scene_was_one_draw_of_minutes() {
+        // A foam, 2.8 ms for each of its pixels, with sky above it or below it.
+        for foam_is_below in [true, false] {
+            let cost = |_, y| if (y < 120) == foam_is_below { 2.8e-3 } else { 1e-6 };
+            let (_, longest) = drawn(vec![Part::whole((320, 180))], (320, 180), cost);
+            assert!(longest <= 0.25, "one draw takes {longest} s");
+        }
+        let (_, longest) = drawn(vec![Part::whole((1280, 720))], (1280, 720), |_, _| 4e-6);
+        assert!(longest <= 0.25, "one draw takes {longest} s");
+    }
+
+    #[test]
+    fn the_time_of_a_dear_picture_is_foretold_by_its_first_probes() {
+        let size = (320, 180);
+        let mut cost = PixelCost::default();
+        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        assert_eq!(parts.seconds_left(), None);
+        for _ in 0..TELLING {
+            let part = parts.next(cost).unwrap();
+            parts.note(part, Duration::from_secs_f64(part.pixels() as f64 * 2e-3), &mut cost);
+        }
+        let foretold = parts.seconds_left().unwrap();
+        assert!((100.0..120.0).contains(&foretold), "{foretold}");
+    }
+
+    #[test]
+    fn a_cheap_picture_is_one_draw_once_it_is_known() {
+        let (size, mut cost) = ((640, 360), PixelCost::default());
+        cost.note(64, Duration::from_micros(100));
+        cost.finish_picture();
+        cost.note(7_000, Duration::from_millis(1));
+        cost.finish_picture();
+        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        assert_eq!(parts.next(cost), Some(Part::whole(size)));
+        assert_eq!(parts.next(cost), None);
+    }
+}
