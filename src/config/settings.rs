@@ -13,12 +13,13 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, create_dir_all};
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 use serde::{Deserialize, Serialize};
 
+use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
 /// What is remembered.
@@ -153,13 +154,8 @@ fn write(path: &Path, settings: &Settings) -> Result<(), SettingsError> {
     let text = toml::to_string(settings).map_err(|error| failed(&error))?;
     let folder = path.parent().unwrap_or(Path::new("."));
     create_dir_all(folder).map_err(|error| failed(&error))?;
-    // Beside its place and renamed: never half a file.
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(|error| failed(&error))?;
-    file.write_all(text.as_bytes())
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|error| failed(&error))?;
-    file.persist(path).map_err(|error| failed(&error.error))?;
-    Ok(())
+    let written = AtomicFile::create(path).and_then(|file| file.write(text.as_bytes()));
+    written.map_err(|error| failed(&error.reason))
 }
 
 #[cfg(test)]
