@@ -58,7 +58,7 @@ impl Unfinished {
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
         for _ in 0..ATTEMPTS {
-            let file = builder.tempfile_in(folder)?;
+            let file = builder.tempfile_in(folder).map_err(without_path)?;
             let path = file.path().to_owned();
             let undo = undo_at_end(move || {
                 // One that is gone already is no loss.
@@ -81,7 +81,8 @@ impl Unfinished {
     /// # Errors
     /// What the system says.
     pub fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.file.write_all(bytes)
+        // Not the named one: its errors tell the name, which means nothing to the user.
+        self.file.as_file_mut().write_all(bytes)
     }
 
     /// Renames it to `place` once its content is on the disk.
@@ -94,6 +95,12 @@ impl Unfinished {
         let _ = File::open(folder_of(place)).and_then(|folder| folder.sync_all());
         Ok(())
     }
+}
+
+/// What went wrong with a temporary file, without its name.
+pub fn without_path(error: io::Error) -> io::Error {
+    let text = error.to_string();
+    io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default().to_owned())
 }
 
 /// A file system that knows of no syncing has done all that it can.
@@ -186,11 +193,7 @@ impl AtomicFile {
             suffix.push(".");
             suffix.push(extension);
         }
-        let unfinished = Unfinished::create(folder, &suffix).map_err(|error| {
-            // The name of the temporary file, which it tells too, means nothing to the user.
-            let text = error.to_string();
-            unwritable(path, text.split(" at path ").next().unwrap_or(&text))
-        })?;
+        let unfinished = Unfinished::create(folder, &suffix).map_err(|error| unwritable(path, error))?;
         Ok(Self { path: path.to_owned(), place, unfinished })
     }
 

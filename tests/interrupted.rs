@@ -16,8 +16,12 @@ use std::process::{Command, Stdio};
 use support::process::{Process, output_of, wait_until};
 use support::program::{Outcome, RUN_LIMIT, Workplace};
 
-/// A video that takes minutes, of the demo track.
-const LONG_VIDEO: [&str; 7] = ["video", "--size", "64x36", "--fps", "1000", "-o", "song.mp4"];
+/// A scene that is there at once.
+const SCENE: [&str; 2] = ["--scene", "length(p) - 1"];
+
+/// A video that takes minutes, of the demo track. A frame is more than a pipe holds.
+const LONG_VIDEO: [&str; 9] =
+    ["video", SCENE[0], SCENE[1], "--size", "256x144", "--fps", "1000", "-o", "song.mp4"];
 
 /// A workplace whose temporary files lie in its folder `tmp`, with a video from before.
 fn workplace() -> Workplace {
@@ -127,15 +131,13 @@ fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -
 fn a_video_whose_encoder_reads_nothing_could_not_be_interrupted_cleanly() {
     let place = workplace();
     let mut command = command(&place, &LONG_VIDEO);
-    // Nor does it hear of signals that ask.
-    let script = "#!/bin/sh\ntrap '' INT TERM HUP\nwhile :; do sleep 1; done\n";
+    // Nor does it hear of signals that ask. It takes one byte, which tells that the rest is being written.
+    let script =
+        "#!/bin/sh\ntrap '' INT TERM HUP\ndd bs=1 count=1 of=\"${0%/*}/begun\" 2>&-\nexec sleep 1000\n";
     let (process, encoder) = start_video(&place, with_encoder(&place, &mut command, script));
-    // A pipe holds 64 KiB, some seven frames: it waits for room in it.
-    let waits = || {
-        let stack = std::fs::read_to_string(format!("/proc/{}/wchan", process.id())).unwrap_or_default();
-        stack.contains("pipe_write")
-    };
-    wait_until("a full pipe", waits);
+    wait_until("the first frame", || {
+        std::fs::read(place.path("tools/begun")).is_ok_and(|byte| byte.len() == 1)
+    });
     assert_ends_cleanly(&place, process, "INT", 130);
     assert!(!lives(encoder), "it outlived the video");
 }
@@ -163,7 +165,7 @@ fn what_a_killed_video_left_was_never_removed() {
     assert_eq!(written.len(), 1, "{written:?}");
     assert_eq!(unfinished_in(&place.path("tmp")).len(), 1);
     place.write(".mariana-notes.txt", "the user's own");
-    place.run(&["still", "--size", "16x9", "-o", "still.png"]).done();
+    place.run(&["still", SCENE[0], SCENE[1], "--size", "16x9", "-o", "still.png"]).done();
     let unfinished = [&written[0], ".mariana-notes.txt"];
     assert_eq!(place.names().len(), ["song.mp4", "still.png", "tmp"].len() + unfinished.len());
     assert!(unfinished.iter().all(|name| place.path(name).exists()), "{:?}", place.names());
@@ -255,6 +257,18 @@ fn a_full_disk_ended_a_video_without_a_word() {
 }
 
 #[test]
+fn a_video_of_several_files_left_hidden_ones_that_its_list_names() {
+    let place = Workplace::new();
+    place.write_tone("song.wav", 440.0, 0.5, [0.5, 0.5]);
+    for output in ["list.m3u8", "LIST.M3U8", "list.mpd"] {
+        let video =
+            ["video", "song.wav", "--fps", "10", "--duration", "0.2", "--size", "16x16", "-o", output];
+        place.run(&video).refused(&[output, "several files", ".mp4"]);
+    }
+    assert_eq!(place.names(), ["song.wav"]);
+}
+
+#[test]
 fn names_that_mean_something_to_ffmpeg_are_names() {
     let place = Workplace::new();
     let names = [
@@ -285,7 +299,7 @@ fn names_that_mean_something_to_ffmpeg_are_names() {
             argument.push(output);
             let mut command =
                 place.command(&["video", "--fps", "10", "--duration", "0.2", "--size", "16x16"]);
-            command.arg(argument).arg("--").arg(song).current_dir(at);
+            command.args(SCENE).arg(argument).arg("--").arg(song).current_dir(at);
             Outcome::of(&mut command, RUN_LIMIT)
         };
         if name.to_string_lossy().contains(".mp4") {

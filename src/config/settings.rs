@@ -226,6 +226,37 @@ mod tests {
         assert_eq!(file.settings().microphone.as_deref(), Some("m"));
     }
 
+    /// A disk without room, in a process of its own: no file of it may grow. The test runs itself there.
+    #[cfg(unix)]
+    #[test]
+    fn settings_that_do_not_fit_on_the_disk_cost_those_that_were_there() {
+        const PLACE: &str = "MARIANA_TEST_SETTINGS";
+        let refused = "the settings are refused";
+        if let Some(path) = std::env::var_os(PLACE) {
+            let (mut file, error) = SettingsFile::open(Some(path.into()));
+            assert!(error.is_none());
+            let error = file.change(|settings| settings.system = Some("p:a.monitor".into())).unwrap_err();
+            println!("{refused}: {error}");
+            return;
+        }
+        let (_folder, path) = folder();
+        let (mut file, _) = SettingsFile::open(Some(path.clone()));
+        file.change(|settings| settings.microphone = Some("p:mic".into())).unwrap();
+        let before = std::fs::read(&path).unwrap();
+        let own = std::thread::current().name().unwrap().to_owned();
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$0\" --exact --nocapture \"$1\""]);
+        shell.arg(std::env::current_exe().unwrap()).arg(own).env(PLACE, &path);
+        let output = shell.output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{told} {}", String::from_utf8_lossy(&output.stderr));
+        let sentence = told.lines().find(|line| line.contains(refused)).unwrap_or_else(|| panic!("{told}"));
+        assert!(sentence.contains("settings.toml cannot be written"), "{sentence}");
+        assert!(!sentence.contains(".mariana-"), "{sentence}");
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+        assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "something lies beside it");
+    }
+
     proptest! {
         #[test]
         fn no_bytes_make_it_panic_or_leave_the_limits(text in "(microphone|system|\\[latency_ms\\]|\"a\"| |=|\n|\"b\"|1e9|nan|-5.5|\\PC){0,24}") {

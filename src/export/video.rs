@@ -12,7 +12,7 @@ use super::error::ExportError;
 use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use super::still::{refuse_the_song, write_png};
-use crate::atomic_file::{AtomicFile, Unfinished};
+use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::audio::song::Song;
 use crate::dsp::Gain;
 use crate::ending::{Undo, undo_at_end};
@@ -120,6 +120,9 @@ impl<'a> Sink<'a> {
 /// How much of the end of ffmpeg's complaints is looked at.
 const COMPLAINT_BYTES: u64 = 4096;
 
+/// Ends of names of which ffmpeg makes a list and other files beside it, named after the list's temporary name.
+const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
+
 /// How often it is looked whether ffmpeg has ended.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
 
@@ -144,8 +147,15 @@ impl Encoder {
         let folder = std::env::temp_dir();
         let no_room = |error: std::io::Error| ExportError::Temporary {
             folder: folder.clone(),
-            reason: without_path(&error.to_string()).to_owned(),
+            reason: without_path(error).to_string(),
         };
+        if SEVERAL_FILES
+            .iter()
+            .any(|end| request.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(end)))
+        {
+            let message = "that format is several files, which cannot take their places at once".to_owned();
+            return Err(ExportError::Encoder { path: request.output.clone(), message });
+        }
         let output = AtomicFile::create(&request.output)?;
         let (sound_path, sound) = match (&request.song, request.song.embedded_bytes()) {
             (Song::File(path), _) => (path.clone(), None),
@@ -232,11 +242,6 @@ fn end_child(child: &mut Child) {
     // An error means that it has ended.
     let _ = child.kill();
     let _ = child.wait();
-}
-
-/// What a refused temporary file is told by, without its name, which means nothing to the user.
-fn without_path(text: &str) -> &str {
-    text.split(" at path ").next().unwrap_or(text)
 }
 
 /// A path as ffmpeg wants it if a colon or a hyphen in it shall mean nothing.
