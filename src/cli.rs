@@ -6,7 +6,7 @@ mod scene;
 mod view;
 
 use choices::{GainChoice, Quality, RepeatChoice, Sdf, Switch, ToneMapChoice};
-use std::io::{BufWriter, IsTerminal};
+use std::io::{BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -22,10 +22,11 @@ use crate::audio::playlist::Playlist;
 use crate::audio::song::Song;
 use crate::audio::track::Repeat;
 use crate::config::{ListenChoice, PlaySettings};
+use crate::ending::{self, Signal};
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
 use crate::export::painter::SceneChoice;
-use crate::export::print::print_line;
+use crate::export::print::{print_line, tell};
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
@@ -285,6 +286,7 @@ struct BenchArguments {
 /// What the job could not do; usage errors end the program with code 2 before.
 pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
+    ending::outlive_file_limits();
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
@@ -353,8 +355,25 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
     app::run(tracks, settings, scene)
 }
 
+/// Lets Ctrl-C and its like end a job that writes files.
+fn end_by_signals() {
+    let answer = |signal: Signal| {
+        ending::end_now(signal, || {
+            if std::io::stderr().is_terminal() {
+                // After the number of the frame.
+                let _ = writeln!(std::io::stderr());
+            }
+            tell(&format!("{signal} ended the work: what was not finished is removed"));
+        })
+    };
+    if let Err(error) = ending::watch(answer) {
+        tracing::warn!("signals end the program and leave what is unfinished to the next run ({error})");
+    }
+}
+
 fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
+    end_by_signals();
     write_still(&StillRequest {
         song: Song::from_argument(arguments.file.as_deref()),
         at: arguments.at,
@@ -368,6 +387,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
 
 fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
+    end_by_signals();
     let request = VideoRequest {
         song: Song::from_argument(arguments.file.as_deref()),
         start: arguments.start,
@@ -382,15 +402,16 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
     let on_terminal = std::io::stderr().is_terminal();
     let mut progress = |done: u64, expected: Option<u64>| {
         if on_terminal {
-            match expected {
-                Some(expected) => eprint!("\rframe {done} of {expected}"),
-                None => eprint!("\rframe {done}"),
-            }
+            // A terminal that is gone is no reason to stop.
+            let _ = match expected {
+                Some(expected) => write!(std::io::stderr(), "\rframe {done} of {expected}"),
+                None => write!(std::io::stderr(), "\rframe {done}"),
+            };
         }
     };
     let written = write_video(&request, &mut progress);
     if on_terminal {
-        eprintln!();
+        let _ = writeln!(std::io::stderr());
     }
     Ok(print_line(&format!("{} frames in {}", written?, request.output.display()))?)
 }

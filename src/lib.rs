@@ -5,10 +5,12 @@
 //! ARCHITECTURE.md says what lives where and what must never be.
 
 pub mod app;
+pub mod atomic_file;
 pub mod audio;
 pub mod cli;
 pub mod config;
 pub mod dsp;
+pub mod ending;
 pub mod export;
 pub mod flash;
 pub mod frame;

@@ -1,13 +1,16 @@
 //! The program: arguments in, one printed error and the exit code out.
 
-use std::process::ExitCode;
+use mariana::ending::{Signal, asked_to_end, begin_to_leave};
 
-fn main() -> ExitCode {
-    match mariana::cli::run() {
-        Ok(()) => ExitCode::SUCCESS,
+fn main() {
+    let result = mariana::cli::run();
+    let leaving = begin_to_leave();
+    let code = match result {
+        Ok(()) => asked_to_end().map_or(0, Signal::exit_code),
         Err(error) => {
             mariana::export::print::tell(&format!("{error:#}"));
-            ExitCode::FAILURE
+            1
         }
-    }
+    };
+    leaving.leave(code)
 }

@@ -233,7 +233,11 @@ impl Sound {
             Source::Song => {
                 // Closing waits for the sound system, and the picture must not.
                 if let Some(live) = self.live.take() {
-                    std::thread::spawn(move || drop(live));
+                    let closing = std::thread::Builder::new().name("closing".into());
+                    // Where no thread is to be had it is closed here, which has its limit, too.
+                    if let Err(error) = closing.spawn(move || drop(live)) {
+                        tracing::warn!("the input was closed on the window's thread ({error})");
+                    }
                 }
                 self.unremembered = None;
                 if let Some(player) = &self.player {

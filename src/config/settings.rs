@@ -13,12 +13,13 @@
 
 use std::collections::BTreeMap;
 use std::fs::{File, create_dir_all};
-use std::io::{ErrorKind, Read, Write};
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
 use serde::{Deserialize, Serialize};
 
+use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
 /// What is remembered.
@@ -153,13 +154,8 @@ fn write(path: &Path, settings: &Settings) -> Result<(), SettingsError> {
     let text = toml::to_string(settings).map_err(|error| failed(&error))?;
     let folder = path.parent().unwrap_or(Path::new("."));
     create_dir_all(folder).map_err(|error| failed(&error))?;
-    // Beside its place and renamed: never half a file.
-    let mut file = tempfile::NamedTempFile::new_in(folder).map_err(|error| failed(&error))?;
-    file.write_all(text.as_bytes())
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|error| failed(&error))?;
-    file.persist(path).map_err(|error| failed(&error.error))?;
-    Ok(())
+    let written = AtomicFile::create(path).and_then(|file| file.write(text.as_bytes()));
+    written.map_err(|error| failed(&error.reason))
 }
 
 #[cfg(test)]
@@ -228,6 +224,37 @@ mod tests {
         assert!(error.is_none());
         file.change(|settings| settings.microphone = Some("m".into())).unwrap();
         assert_eq!(file.settings().microphone.as_deref(), Some("m"));
+    }
+
+    /// A disk without room, in a process of its own: no file of it may grow. The test runs itself there.
+    #[cfg(unix)]
+    #[test]
+    fn settings_that_do_not_fit_on_the_disk_cost_those_that_were_there() {
+        const PLACE: &str = "MARIANA_TEST_SETTINGS";
+        let refused = "the settings are refused";
+        if let Some(path) = std::env::var_os(PLACE) {
+            let (mut file, error) = SettingsFile::open(Some(path.into()));
+            assert!(error.is_none());
+            let error = file.change(|settings| settings.system = Some("p:a.monitor".into())).unwrap_err();
+            println!("{refused}: {error}");
+            return;
+        }
+        let (_folder, path) = folder();
+        let (mut file, _) = SettingsFile::open(Some(path.clone()));
+        file.change(|settings| settings.microphone = Some("p:mic".into())).unwrap();
+        let before = std::fs::read(&path).unwrap();
+        let own = std::thread::current().name().unwrap().to_owned();
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", "trap '' XFSZ; ulimit -f 0; exec \"$0\" --exact --nocapture \"$1\""]);
+        shell.arg(std::env::current_exe().unwrap()).arg(own).env(PLACE, &path);
+        let output = shell.output().unwrap();
+        let told = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{told} {}", String::from_utf8_lossy(&output.stderr));
+        let sentence = told.lines().find(|line| line.contains(refused)).unwrap_or_else(|| panic!("{told}"));
+        assert!(sentence.contains("settings.toml cannot be written"), "{sentence}");
+        assert!(!sentence.contains(".mariana-"), "{sentence}");
+        assert_eq!(std::fs::read(&path).unwrap(), before);
+        assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1, "something lies beside it");
     }
 
     proptest! {

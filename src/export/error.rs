@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::atomic_file::Unwritable;
 use crate::audio::decode::DecodeError;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
@@ -40,6 +41,14 @@ pub enum ExportError {
         /// What the system said.
         reason: String,
     },
+    /// What ffmpeg is to read, or its words, cannot be put aside.
+    #[error("files for ffmpeg cannot be written in {} ({reason}): set TMPDIR to a folder with room", .folder.display())]
+    Temporary {
+        /// The folder for temporary files.
+        folder: PathBuf,
+        /// What the system said.
+        reason: String,
+    },
     /// The output is the song itself.
     #[error("{} is the song itself: choose another place with -o", .path.display())]
     OverTheSong {
@@ -68,4 +77,10 @@ pub enum ExportError {
     /// Standard output is gone or full.
     #[error("the results cannot be printed ({0}): send them somewhere else")]
     Print(std::io::Error),
+}
+
+impl From<Unwritable> for ExportError {
+    fn from(Unwritable { path, reason }: Unwritable) -> Self {
+        Self::Unwritable { path, reason }
+    }
 }

@@ -1,7 +1,6 @@
 //! Pictures and numbers without a window: stills, videos, analysis, measurements.
 
 pub mod analyze;
-pub mod atomic_file;
 pub mod bench;
 pub mod error;
 pub mod painter;

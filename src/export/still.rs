@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use image::{ColorType, ImageFormat};
 
-use super::atomic_file::AtomicFile;
 use super::error::ExportError;
 use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
+use crate::atomic_file::AtomicFile;
 use crate::audio::song::Song;
 use crate::dsp::Gain;
 
@@ -40,7 +40,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
     let mut painter = Painter::open(&request.scene)?;
     painter.draw(request.at, sound, request.size)?;
-    file.write(&png(&painter.read(), request.size)?)
+    Ok(file.write(&png(&painter.read(), request.size)?)?)
 }
 
 /// An output that would replace the song it is made of is a slip.
@@ -73,5 +73,5 @@ pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
 /// # Errors
 /// The encoder or the output refuse.
 pub fn write_png(path: &Path, rgba: &[u8], size: (u32, u32)) -> Result<(), ExportError> {
-    AtomicFile::create(path)?.write(&png(rgba, size)?)
+    Ok(AtomicFile::create(path)?.write(&png(rgba, size)?)?)
 }

@@ -4,15 +4,18 @@ use std::ffi::OsString;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use super::atomic_file::{AtomicFile, Pending};
 use super::error::ExportError;
 use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use super::still::{refuse_the_song, write_png};
+use crate::atomic_file::{AtomicFile, Unfinished, without_path};
 use crate::audio::song::Song;
 use crate::dsp::Gain;
+use crate::ending::{Undo, undo_at_end};
 
 /// Which video to make.
 #[derive(Debug, Clone)]
@@ -117,30 +120,48 @@ impl<'a> Sink<'a> {
 /// How much of the end of ffmpeg's complaints is looked at.
 const COMPLAINT_BYTES: u64 = 4096;
 
+/// Ends of names of which ffmpeg makes a list and other files beside it, named after the list's temporary name.
+const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
+
+/// How often it is looked whether ffmpeg has ended.
+const LOOK_PERIOD: Duration = Duration::from_millis(5);
+
 /// ffmpeg, fed with raw frames.
 struct Encoder {
-    child: Child,
+    child: Arc<Mutex<Child>>,
+    /// None once it has all frames.
+    frames: Option<ChildStdin>,
     /// Taken when it is put in its place.
-    pending: Option<Pending>,
+    output: Option<AtomicFile>,
     path: PathBuf,
     /// What it complains of. A file, since a pipe that nobody reads would stop it.
     complaints: File,
-    /// Keeps the demo track's file alive while ffmpeg reads it.
-    _sound: Option<tempfile::NamedTempFile>,
+    /// Keeps the demo track's file while ffmpeg reads it.
+    _sound: Option<Unfinished>,
+    /// Ends ffmpeg with this process.
+    _end: Undo,
 }
 
 impl Encoder {
     fn start(request: &VideoRequest) -> Result<Self, ExportError> {
-        let unwritable = |error: std::io::Error| ExportError::Unwritable {
-            path: request.output.clone(),
-            reason: error.to_string(),
+        let folder = std::env::temp_dir();
+        let no_room = |error: std::io::Error| ExportError::Temporary {
+            folder: folder.clone(),
+            reason: without_path(error).to_string(),
         };
-        let pending = AtomicFile::create(&request.output)?.close();
+        if SEVERAL_FILES
+            .iter()
+            .any(|end| request.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(end)))
+        {
+            let message = "that format is several files, which cannot take their places at once".to_owned();
+            return Err(ExportError::Encoder { path: request.output.clone(), message });
+        }
+        let output = AtomicFile::create(&request.output)?;
         let (sound_path, sound) = match (&request.song, request.song.embedded_bytes()) {
             (Song::File(path), _) => (path.clone(), None),
             (Song::Demo, bytes) => {
-                let mut file = tempfile::Builder::new().suffix(".ogg").tempfile().map_err(unwritable)?;
-                file.write_all(bytes.unwrap_or_default()).map_err(unwritable)?;
+                let mut file = Unfinished::create(&folder, ".ogg".as_ref()).map_err(no_room)?;
+                file.write_all(bytes.unwrap_or_default()).map_err(no_room)?;
                 (file.path().to_owned(), Some(file))
             }
         };
@@ -149,50 +170,78 @@ impl Encoder {
         command.args(["-v", "error", "-nostdin", "-y"]);
         command.args(["-f", "rawvideo", "-pix_fmt", "rgba", "-s", &format!("{width}x{height}")]);
         command.args(["-r", &request.fps.to_string(), "-i", "pipe:0"]);
-        command.args(["-ss", &request.start.to_string(), "-i"]).arg(file_url(&sound_path));
+        // Whatever the song says: no other file of its kind is read, and no network.
+        command.args(["-protocol_whitelist", "file", "-ss", &request.start.to_string()]);
+        command.arg("-i").arg(file_url(&sound_path));
         command.args(["-map", "0:v", "-map", "1:a:0", "-shortest"]);
         // Most players take 4:2:0 only, which needs even sides.
         command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-crf", "18"]);
-        command.arg(file_url(pending.temporary()));
-        let complaints = tempfile::tempfile().map_err(unwritable)?;
-        let heard = complaints.try_clone().map_err(unwritable)?;
+        command.arg(file_url(output.temporary()));
+        let complaints = tempfile::tempfile().map_err(no_room)?;
+        let heard = complaints.try_clone().map_err(no_room)?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        let child = command.spawn().map_err(ExportError::NoEncoder)?;
-        Ok(Self { child, pending: Some(pending), path: request.output.clone(), complaints, _sound: sound })
+        // Ctrl-C is for this process, which ends it: otherwise it would be a race who ends first, and of what.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn().map_err(ExportError::NoEncoder)?;
+        let frames = child.stdin.take();
+        let child = Arc::new(Mutex::new(child));
+        let its = child.clone();
+        let end = undo_at_end(move || end_child(&mut lock(&its)));
+        let path = request.output.clone();
+        Ok(Self { child, frames, output: Some(output), path, complaints, _sound: sound, _end: end })
     }
 
     fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
-        let written = self.child.stdin.as_mut().map_or(Ok(()), |pipe| pipe.write_all(rgba));
+        let written = self.frames.as_mut().map_or(Ok(()), |pipe| pipe.write_all(rgba));
         written.map_err(|_| self.last_words())
     }
 
     fn finish(mut self) -> Result<(), ExportError> {
-        drop(self.child.stdin.take());
-        match self.child.wait() {
-            Ok(status) if status.success() => self.pending.take().map_or(Ok(()), Pending::commit),
+        match self.wait() {
+            Ok(status) if status.success() => Ok(self.output.take().map_or(Ok(()), AtomicFile::commit)?),
             _ => Err(self.last_words()),
+        }
+    }
+
+    /// Waits for its end, without holding it: a signal may end it.
+    fn wait(&mut self) -> std::io::Result<ExitStatus> {
+        self.frames = None;
+        loop {
+            if let Some(status) = lock(&self.child).try_wait()? {
+                return Ok(status);
+            }
+            std::thread::sleep(LOOK_PERIOD);
         }
     }
 
     /// What ffmpeg complained of.
     fn last_words(&mut self) -> ExportError {
-        drop(self.child.stdin.take());
-        let _ = self.child.wait();
+        let _ = self.wait();
         let mut tail = Vec::new();
         // Whatever can be read is the best that is known.
         let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
         let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
         let _ = self.complaints.read_to_end(&mut tail);
-        let tail = String::from_utf8_lossy(&tail);
-        let message = tail.lines().last().unwrap_or("it ended without a word");
-        // It complains of the file that it writes for now.
-        let temporary = self.pending.as_ref().map(|pending| file_url(pending.temporary()));
-        let message = match temporary.as_ref().and_then(|url| url.to_str()) {
-            Some(url) => message.replace(&format!("{url}: "), ""),
-            None => message.to_owned(),
-        };
+        let mut tail = String::from_utf8_lossy(&tail).into_owned();
+        if let Some(output) = &self.output {
+            // It complains of the file that it writes for now.
+            let url = file_url(output.temporary());
+            tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
+        }
+        let message = tail.lines().last().unwrap_or("it ended without a word").to_owned();
         ExportError::Encoder { path: self.path.clone(), message }
     }
+}
+
+fn lock(child: &Mutex<Child>) -> MutexGuard<'_, Child> {
+    child.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn end_child(child: &mut Child) {
+    // An error means that it has ended.
+    let _ = child.kill();
+    let _ = child.wait();
 }
 
 /// A path as ffmpeg wants it if a colon or a hyphen in it shall mean nothing.
@@ -204,8 +253,7 @@ fn file_url(path: &Path) -> OsString {
 
 impl Drop for Encoder {
     fn drop(&mut self) {
-        // After an error in between: an encoder without input ends by itself, and is reaped.
-        drop(self.child.stdin.take());
-        let _ = self.child.wait();
+        // After an error in between nobody wants what it writes.
+        end_child(&mut lock(&self.child));
     }
 }

@@ -23,6 +23,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("lib", EVERYTHING),
     ("cli", EVERYTHING),
     ("limits", &[]),
+    ("ending", &[]),
+    ("atomic_file", &["ending"]),
     ("lang", &["graph", "limits"]),
     ("graph", &["limits"]),
     ("tape", &["graph", "limits"]),
@@ -40,14 +42,28 @@ const ROOMS: &[(&str, &[&str])] = &[
         "app",
         &[
             "lang", "graph", "tape", "region", "world", "scenes", "dsp", "audio", "frame", "view", "gpu",
-            "export", "config", "flash", "limits",
+            "export", "config", "flash", "ending", "limits",
         ],
     ),
     (
         "export",
-        &["world", "region", "scenes", "frame", "view", "flash", "gpu", "audio", "dsp", "config", "limits"],
+        &[
+            "world",
+            "region",
+            "scenes",
+            "frame",
+            "view",
+            "flash",
+            "gpu",
+            "audio",
+            "dsp",
+            "config",
+            "atomic_file",
+            "ending",
+            "limits",
+        ],
     ),
-    ("config", &["dsp", "limits"]),
+    ("config", &["dsp", "atomic_file", "limits"]),
 ];
 
 /// Crates that only some rooms may use. `egui` stands for `egui_winit` and its like too.
@@ -64,6 +80,8 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("naga", &["world"]),
     // The desktop's controls are the window's.
     ("mpris_server", &["app"]),
+    // The process ends in one place.
+    ("signal_hook", &["ending"]),
     // Files are watched in one place.
     ("notify", &["scenes"]),
 ];

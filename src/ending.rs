@@ -1,0 +1,220 @@
+//! How the process ends: what a signal that asks for the end sets off, what is undone before it, and the last step out.
+//!
+//! A job that writes files ends wherever it is, be that in a draw that takes a minute or in a write to a program that
+//! does not read: the thread that waits for signals removes what is unfinished ([`undo_at_end`]) and ends the process.
+//! A show ends by itself: it asks [`asked_to_end`] when it is woken.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// A signal that asks the program to end, with its number, which is the same on every Unix.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Signal {
+    /// The terminal is gone.
+    HangUp = 1,
+    /// Ctrl-C.
+    Interrupt = 2,
+    /// A polite kill.
+    Terminate = 15,
+}
+
+impl Signal {
+    const ALL: [Self; 3] = [Self::HangUp, Self::Interrupt, Self::Terminate];
+
+    fn of(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|signal| *signal as u8 == number)
+    }
+
+    /// What shells tell of a program that a signal ended: 128 and the signal's number.
+    pub fn exit_code(self) -> u8 {
+        128 + self as u8
+    }
+}
+
+impl fmt::Display for Signal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::HangUp => "SIGHUP",
+            Self::Interrupt => "SIGINT",
+            Self::Terminate => "SIGTERM",
+        })
+    }
+}
+
+/// How long after the first signal others count as the same request: `timeout` and service managers send several.
+const ONE_REQUEST: Duration = Duration::from_secs(1);
+
+/// The number of the first signal that asked for the end; 0 if none did.
+static ASKED: AtomicU8 = AtomicU8::new(0);
+
+/// The signal that asked for the end, if one did. [`watch`] must have been called.
+pub fn asked_to_end() -> Option<Signal> {
+    Signal::of(ASKED.load(Ordering::Acquire))
+}
+
+/// From now on the first signal that asks for the end calls `answer`, on a thread of its own, in place of ending the
+/// process as signals do. One that comes a second later or more ends the process by [`end_now`]. A signal that whoever
+/// started the program has it ignore, as `nohup` does, stays ignored. To be called once.
+///
+/// # Errors
+/// What the system says about threads and signals; then they end the process as they do by themselves.
+#[cfg(unix)]
+pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
+    let ignored = ignored_signals();
+    let wanted = Signal::ALL.into_iter().filter(|signal| ignored >> (*signal as u8 - 1) & 1 == 0);
+    let mut signals = signal_hook::iterator::Signals::new(wanted.map(|signal| i32::from(signal as u8)))?;
+    std::thread::Builder::new().name("signals".into()).spawn(move || {
+        let mut first = None;
+        for number in signals.forever() {
+            let Some(signal) = u8::try_from(number).ok().and_then(Signal::of) else { continue };
+            let now = std::time::Instant::now();
+            match first {
+                None => {
+                    first = Some(now);
+                    ASKED.store(signal as u8, Ordering::Release);
+                    answer(signal);
+                }
+                Some(first) if now.duration_since(first) < ONE_REQUEST => {}
+                Some(_) => end_now(signal, || ()),
+            }
+        }
+    })?;
+    Ok(())
+}
+
+/// There are no such signals here.
+///
+/// # Errors
+/// None.
+#[cfg(not(unix))]
+pub fn watch(_answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
+    Ok(())
+}
+
+/// The signals that are ignored, as bits, where the system tells it without being asked by C.
+#[cfg(unix)]
+fn ignored_signals() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let bits = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    bits.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok()).unwrap_or(0)
+}
+
+/// Has a file that would grow beyond what the user may write be an error, as on a full disk, and not a sudden death.
+pub fn outlive_file_limits() {
+    #[cfg(unix)]
+    {
+        /// Looked at by nobody: a signal that is taken lets the write fail.
+        static TAKEN: AtomicBool = AtomicBool::new(false);
+        // Where that cannot be had, the system does as it always does.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);
+    }
+}
+
+type Step = Box<dyn FnOnce() + Send>;
+
+/// What has to be undone if the process ended now, by number. Whoever ends the process keeps the lock for ever, so that
+/// nothing is begun or finished after that.
+static UNDO: Mutex<BTreeMap<u64, Step>> = Mutex::new(BTreeMap::new());
+
+fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {
+    UNDO.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Something that is undone if the process is ended in the middle of it. Dropping it forgets it.
+#[must_use]
+#[derive(Debug)]
+pub struct Undo(u64);
+
+/// Has `step` run if the process is ended before what this gives is dropped or settled. It must not wait for long, nor
+/// begin or forget such steps itself.
+pub fn undo_at_end(step: impl FnOnce() + Send + 'static) -> Undo {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let number = NEXT.fetch_add(1, Ordering::Relaxed);
+    undo_list().insert(number, Box::new(step));
+    Undo(number)
+}
+
+impl Undo {
+    /// Runs `last`, after which nothing is to be undone. The process is ended before it or after it, never between.
+    pub fn settle<T>(self, last: impl FnOnce() -> T) -> T {
+        let mut list = undo_list();
+        let done = last();
+        list.remove(&self.0);
+        std::mem::forget(self);
+        done
+    }
+}
+
+impl Drop for Undo {
+    fn drop(&mut self) {
+        let step = undo_list().remove(&self.0);
+        // Behind the lock.
+        drop(step);
+    }
+}
+
+/// Undoes all that is unfinished, the latest first, lets `say` tell of it, and ends the process with the signal's code.
+pub fn end_now(signal: Signal, say: impl FnOnce()) -> ! {
+    let mut list = undo_list();
+    while let Some((_, step)) = list.pop_last() {
+        step();
+    }
+    say();
+    leave_at_once(signal.exit_code())
+}
+
+/// The end of `main`. No signal comes between from here on.
+pub struct Leaving {
+    _list: MutexGuard<'static, BTreeMap<u64, Step>>,
+}
+
+/// Begins to leave. Does not return if a signal is ending the process already.
+pub fn begin_to_leave() -> Leaving {
+    Leaving { _list: undo_list() }
+}
+
+impl Leaving {
+    /// Ends the process with `code`, without what drivers and libraries do at an `exit`: threads of theirs that are
+    /// still at work would be left without what that takes away. Mesa 22.3 compiles for AMD on such threads, and dies.
+    pub fn leave(self, code: u8) -> ! {
+        // Where nobody reads there is nobody to tell.
+        let _ = io::stdout().flush();
+        let _ = io::stderr().flush();
+        leave_at_once(code)
+    }
+}
+
+fn leave_at_once(code: u8) -> ! {
+    #[cfg(unix)]
+    signal_hook::low_level::exit(code.into());
+    #[cfg(not(unix))]
+    std::process::exit(code.into());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signals_have_the_codes_that_shells_give_them() {
+        assert_eq!(Signal::ALL.map(Signal::exit_code), [129, 130, 143]);
+        assert_eq!(Signal::ALL.map(|signal| Signal::of(signal as u8)), Signal::ALL.map(Some));
+        assert_eq!((Signal::of(0), Signal::of(9)), (None, None));
+    }
+
+    #[test]
+    fn only_what_is_neither_settled_nor_forgotten_is_to_be_undone() {
+        let listed = |undo: &Undo| undo_list().contains_key(&undo.0);
+        let (kept, settled, forgotten) = (undo_at_end(|| ()), undo_at_end(|| ()), undo_at_end(|| ()));
+        let numbers = [settled.0, forgotten.0];
+        assert_eq!(settled.settle(|| 7), 7);
+        drop(forgotten);
+        assert!(listed(&kept));
+        assert!(numbers.iter().all(|number| !undo_list().contains_key(number)));
+    }
+}
