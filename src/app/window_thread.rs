@@ -16,6 +16,7 @@ use winit::window::{Window, WindowId};
 use super::error::AppError;
 use super::keys::{self, Action};
 use super::window::{OpenWindow, WindowWishes};
+use crate::ending::{self, Signal};
 
 /// How long the end waits for a show that a driver keeps: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
@@ -48,9 +49,14 @@ pub(super) fn inbox() -> (Waker, Receiver<Message>) {
     (Waker(sender), inbox)
 }
 
-/// The show has ended.
+/// What the window's thread is told.
 #[derive(Debug)]
-pub(super) struct Ended;
+pub(super) enum Told {
+    /// The show has ended.
+    Ended,
+    /// A signal asks for the end.
+    End,
+}
 
 /// A show: everything that happens on its thread, from the window to the end.
 pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
@@ -61,11 +67,18 @@ pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send
 /// # Errors
 /// What the show ended with, no window, or no thread.
 pub(super) fn run(
-    event_loop: EventLoop<Ended>,
+    event_loop: EventLoop<Told>,
     wishes: WindowWishes,
     waker: &Waker,
     play: Play,
 ) -> Result<(), AppError> {
+    let on_signal = event_loop.create_proxy();
+    let watched = ending::watch(move |_| {
+        let _ = on_signal.send_event(Told::End);
+    });
+    if let Err(error) = watched {
+        tracing::info!("signals end the show as they end any program ({error})");
+    }
     let mut front = Front {
         proxy: event_loop.create_proxy(),
         messages: waker.0.clone(),
@@ -81,7 +94,7 @@ pub(super) fn run(
 }
 
 struct Front {
-    proxy: EventLoopProxy<Ended>,
+    proxy: EventLoopProxy<Told>,
     messages: Sender<Message>,
     /// Taken when the window opens.
     begins_with: Option<(WindowWishes, Play)>,
@@ -144,7 +157,7 @@ fn asks_for_the_end(event: &WindowEvent) -> bool {
     }
 }
 
-impl ApplicationHandler<Ended> for Front {
+impl ApplicationHandler<Told> for Front {
     fn resumed(&mut self, event_loop: &ActiveEventLoop) {
         if let Err(error) = self.open(event_loop) {
             self.result = Err(error);
@@ -161,8 +174,11 @@ impl ApplicationHandler<Ended> for Front {
         }
     }
 
-    fn user_event(&mut self, event_loop: &ActiveEventLoop, _ended: Ended) {
-        event_loop.exit();
+    fn user_event(&mut self, event_loop: &ActiveEventLoop, told: Told) {
+        match told {
+            Told::Ended => event_loop.exit(),
+            Told::End => self.end(event_loop),
+        }
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
@@ -176,7 +192,7 @@ impl ApplicationHandler<Ended> for Front {
         let Some(Running { show, window }) = self.running.take() else { return };
         if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
             // It draws into the window, by the connection that the event loop closes when this returns.
-            std::process::exit(0);
+            ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {
             let reason = "the show ended by a panic; please report what stands above".to_owned();
@@ -187,11 +203,11 @@ impl ApplicationHandler<Ended> for Front {
 }
 
 /// Tells the event loop when it is dropped that the show has ended.
-struct TellsEnd(EventLoopProxy<Ended>);
+struct TellsEnd(EventLoopProxy<Told>);
 
 impl Drop for TellsEnd {
     fn drop(&mut self) {
         // An event loop that has gone knows.
-        let _ = self.0.send_event(Ended);
+        let _ = self.0.send_event(Told::Ended);
     }
 }

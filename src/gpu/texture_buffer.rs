@@ -72,7 +72,9 @@ const TEXEL_BYTES: usize = 16;
 /// for buffers of such sizes, which tapes and regions have now and then by chance: in the middle of a show, for seconds.
 fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
     if bytes.len().is_power_of_two() {
-        Cow::Owned([bytes, &[0; TEXEL_BYTES]].concat())
+        // One texel and another one make two.
+        let more = if bytes.len() == TEXEL_BYTES { 2 } else { 1 };
+        Cow::Owned([bytes, &vec![0; more * TEXEL_BYTES]].concat())
     } else {
         Cow::Borrowed(bytes)
     }
