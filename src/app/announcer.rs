@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::overlay::Notice;
 use crate::audio::track::{Repeat, TrackInfo};
-use crate::audio::{PlayerStatus, Troubles};
+use crate::audio::{PlayerStatus, Troubles, Unheard};
 use crate::export::print::tell;
 
 /// Sentences that may wait; of more the oldest are not shown.
@@ -17,6 +17,7 @@ pub struct Announcer {
     waiting: VecDeque<String>,
     shown: Option<(String, Instant)>,
     troubles: u64,
+    unheard: u64,
     track: Option<(usize, String)>,
 }
 
@@ -34,9 +35,10 @@ impl Announcer {
         self.shown = Some((text, Instant::now()));
     }
 
-    /// Tells what is new: troubles, on the terminal too, and another track.
+    /// Tells what is new: troubles and what was not heard, on the terminal too, and another track.
     pub fn look(&mut self, status: &PlayerStatus) {
         self.look_at_troubles(&status.troubles);
+        self.look_at_unheard(status.unheard);
         let track = (status.track.entry, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
             // What plays at the start is in the title, and was asked for.
@@ -57,6 +59,15 @@ impl Announcer {
         };
         tell(&text);
         self.say(text);
+    }
+
+    fn look_at_unheard(&mut self, unheard: Unheard) {
+        if unheard.count != self.unheard {
+            self.unheard = unheard.count;
+            let text = format!("{unheard}: the sound device changed");
+            tell(&text);
+            self.say(text);
+        }
     }
 
     /// Makes room for what waits.
@@ -107,6 +118,17 @@ mod tests {
 
     fn text(announcer: &Announcer) -> Option<&str> {
         announcer.shown.as_ref().map(|(text, _)| text.as_str())
+    }
+
+    #[test]
+    fn what_was_not_heard_is_told_once() {
+        let mut announcer = Announcer::default();
+        let unheard = |count, seconds| Unheard { count, seconds };
+        announcer.look_at_unheard(unheard(0, 0.0));
+        assert_eq!(announcer.waiting, [""; 0]);
+        announcer.look_at_unheard(unheard(1, 0.42));
+        announcer.look_at_unheard(unheard(1, 0.42));
+        assert_eq!(announcer.waiting, ["0.42 s of the song were not heard: the sound device changed"]);
     }
 
     #[test]

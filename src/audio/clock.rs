@@ -8,9 +8,21 @@
 //! Timestamps of devices jitter by milliseconds. As the device plays at a steady rate, the writer follows them with a
 //! first-order loop (a delay-locked loop without its second integrator; F. Adriaensen, "Using a DLL to filter time",
 //! 2005) and jumps only where they are far off.
+//!
+//! **The song runs on, whatever devices do.** A [`Clock`] tells where it is:
+//! - While spans tell what is audible, that is it.
+//! - A device that falls silent in the middle of moving frames takes no time away: the song goes on at its pace until
+//!   another output sounds. That one is told when its first frame must be audible for the song to be where it would be
+//!   anyway ([`super::output::Segment::due_at`]); what comes too late is dropped.
+//! - What is told never steps. Where it differs from what is heard (a device that went on after a pause of its own,
+//!   another latency), it goes at [`SLOWEST`] to [`FASTEST`] of its pace until both agree.
+//! - Only a seek, a skip or another track is elsewhere at once; a pause and an underrun stand still.
+//! - Where nobody looked for [`AWAY_MAX`] and no device called, the process stood still, and so did the song.
+//!
+//! All times are those of the monotonic clock: the time of day does not matter.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering, fence};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, fence};
 use std::time::{Duration, Instant};
 
 /// How many spans stay readable: at least 5 s at 512 frames of 48 kHz per callback.
@@ -23,6 +35,26 @@ const FOLLOW: f64 = 0.1;
 const JUMP_NS: f64 = 30e6;
 
 const NS_PER_SECOND: f64 = 1e9;
+
+/// The least pace of a clock that is ahead of what is heard.
+const SLOWEST: f64 = 0.8;
+
+/// The greatest pace of a clock that is behind what is heard.
+const FASTEST: f64 = 1.2;
+
+/// If more time than this is between two looks at a clock, in seconds, the process may have been stopped: only what a
+/// device was handed meanwhile counts.
+const AWAY_MAX: f64 = 0.5;
+
+/// A clock that is further ahead of what is heard waits for it, in seconds: a device that stalls again and again must
+/// not take it away from the sound.
+const AHEAD_MAX: f64 = 1.5;
+
+/// Two segments that tell places further apart than this are not brought together bit by bit, in seconds.
+const APART_MAX: f64 = 3.0;
+
+/// No frame was handed out yet.
+const NEVER: u64 = u64::MAX;
 
 /// A stretch of sound that was handed to the device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,6 +80,17 @@ pub struct Audible {
     pub frame: f64,
 }
 
+/// Where a song is at a moment, if it goes on in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Course {
+    /// The place.
+    pub audible: Audible,
+    /// Whether it moves: it is not paused, starved or at its end.
+    pub moving: bool,
+    /// How many frames of it nobody was handed out.
+    beyond: f64,
+}
+
 #[derive(Default)]
 struct Slot {
     version: AtomicU64,
@@ -67,6 +110,12 @@ pub struct SpanHistory {
     slots: Box<[Slot]>,
     written: AtomicU64,
     calls: AtomicU64,
+    /// Segment and frame of its first span; the frame is written last.
+    first_segment: AtomicU64,
+    first_frame: AtomicU64,
+    /// Frames in spans that move.
+    moved: AtomicU64,
+    silent: AtomicBool,
 }
 
 impl SpanHistory {
@@ -79,6 +128,10 @@ impl SpanHistory {
             slots,
             written: AtomicU64::new(0),
             calls: AtomicU64::new(0),
+            first_segment: AtomicU64::new(0),
+            first_frame: AtomicU64::new(NEVER),
+            moved: AtomicU64::new(0),
+            silent: AtomicBool::new(false),
         });
         (SpanWriter { history: history.clone(), next_start_ns: None }, history)
     }
@@ -93,28 +146,89 @@ impl SpanHistory {
         self.calls.load(Ordering::Relaxed)
     }
 
+    /// Says that nobody hears what is handed out.
+    pub fn set_silent(&self) {
+        self.silent.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether nobody hears what is handed out.
+    pub fn is_silent(&self) -> bool {
+        self.silent.load(Ordering::Relaxed)
+    }
+
+    /// The first frame that was handed out.
+    pub fn first(&self) -> Option<Audible> {
+        let frame = self.first_frame.load(Ordering::Acquire);
+        let segment = self.first_segment.load(Ordering::Relaxed);
+        (frame != NEVER).then_some(Audible { segment, frame: frame as f64 })
+    }
+
+    /// The end of what was handed out.
+    pub fn end(&self) -> Option<Audible> {
+        // It is read again if the callback was just writing.
+        let newest = || self.read(self.written.load(Ordering::Acquire).checked_sub(1)?);
+        let span = (0..4).find_map(|_| newest())?;
+        let frame = span.frame + if span.moving { u64::from(span.frames) } else { 0 };
+        Some(Audible { segment: span.segment, frame: frame as f64 })
+    }
+
+    /// How long it has moved in all, in seconds.
+    pub fn moved(&self) -> f64 {
+        self.moved.load(Ordering::Relaxed) as f64 / f64::from(self.rate)
+    }
+
     /// What is audible at `moment`: never more than was handed out. None before the first callback.
     pub fn at(&self, moment: Instant) -> Option<Audible> {
-        let moment_ns = self.nanoseconds(moment);
-        // Each look fails only if the writer went round the whole history meanwhile.
-        (0..4).find_map(|_| self.look(moment_ns))
+        let found = self.find(moment)?;
+        let handed_out = found.passed.clamp(0.0, f64::from(found.span.frames));
+        let moved = if found.span.moving { handed_out } else { 0.0 };
+        Some(Audible { segment: found.span.segment, frame: found.span.frame as f64 + moved })
+    }
+
+    /// Where the song is at `moment` if it goes on in time also where the device does not. None before the first
+    /// frame is audible.
+    pub fn course(&self, moment: Instant) -> Option<Course> {
+        let Found { span, passed, first, newest } = self.find(moment)?;
+        if passed < 0.0 && first {
+            return None;
+        }
+        let handed_out = f64::from(span.frames);
+        let limit = if newest { f64::INFINITY } else { handed_out };
+        let moved = if span.moving { passed.clamp(0.0, limit) } else { 0.0 };
+        Some(Course {
+            audible: Audible { segment: span.segment, frame: span.frame as f64 + moved },
+            moving: span.moving,
+            beyond: (moved - handed_out).max(0.0),
+        })
     }
 
     fn nanoseconds(&self, moment: Instant) -> u64 {
         moment.saturating_duration_since(self.epoch).as_nanos() as u64
     }
 
-    fn look(&self, moment_ns: u64) -> Option<Audible> {
-        let newest = self.written.load(Ordering::Acquire);
+    fn duration_ns(&self, frames: usize) -> f64 {
+        frames as f64 * NS_PER_SECOND / f64::from(self.rate)
+    }
+
+    fn find(&self, moment: Instant) -> Option<Found> {
+        let moment_ns = self.nanoseconds(moment);
+        // Each look fails only if the writer went round the whole history meanwhile.
+        (0..4).find_map(|_| self.look(moment_ns))
+    }
+
+    /// The span of a moment, or the oldest one that is kept.
+    fn look(&self, moment_ns: u64) -> Option<Found> {
+        let written = self.written.load(Ordering::Acquire);
         let mut oldest_seen = None;
-        for index in (newest.saturating_sub(SPANS_KEPT as u64)..newest).rev() {
+        for index in (written.saturating_sub(SPANS_KEPT as u64)..written).rev() {
             let Some(span) = self.read(index) else { break };
-            if span.start_ns <= moment_ns {
-                let passed = (moment_ns - span.start_ns) as f64 / NS_PER_SECOND * f64::from(self.rate);
-                let moved = if span.moving { passed.min(f64::from(span.frames)) } else { 0.0 };
-                return Some(Audible { segment: span.segment, frame: span.frame as f64 + moved });
+            let passed_ns = moment_ns as f64 - span.start_ns as f64;
+            let passed = passed_ns / NS_PER_SECOND * f64::from(self.rate);
+            let found = Found { span, passed, first: index == 0, newest: index + 1 == written };
+            if passed_ns >= 0.0 {
+                return Some(found);
             }
-            oldest_seen = Some(Audible { segment: span.segment, frame: span.frame as f64 });
+            oldest_seen = Some(found);
         }
         oldest_seen
     }
@@ -136,6 +250,17 @@ impl SpanHistory {
         fence(Ordering::Acquire);
         (slot.version.load(Ordering::Relaxed) == wanted).then_some(span)
     }
+}
+
+/// A span, and what it is to a moment.
+struct Found {
+    span: Span,
+    /// Frames from its start to the moment; less than 0 if it is later.
+    passed: f64,
+    /// Nothing was handed out before it.
+    first: bool,
+    /// Nothing was handed out after it.
+    newest: bool,
 }
 
 /// The writing end of a [`SpanHistory`]. Wait-free; never allocates.
@@ -163,13 +288,25 @@ impl SpanWriter {
 
     /// How long `frames` last, in nanoseconds.
     pub fn duration_ns(&self, frames: usize) -> f64 {
-        frames as f64 * NS_PER_SECOND / f64::from(self.history.rate)
+        self.history.duration_ns(frames)
+    }
+
+    /// A moment in nanoseconds since the history's epoch.
+    pub fn nanoseconds(&self, moment: Instant) -> u64 {
+        self.history.nanoseconds(moment)
     }
 
     /// Makes a span readable.
     pub fn push(&mut self, span: Span) {
         let history = &*self.history;
         let index = history.written.load(Ordering::Relaxed);
+        if index == 0 {
+            history.first_segment.store(span.segment, Ordering::Relaxed);
+            history.first_frame.store(span.frame, Ordering::Release);
+        }
+        if span.moving {
+            history.moved.fetch_add(u64::from(span.frames), Ordering::Relaxed);
+        }
         let slot = &history.slots[(index % SPANS_KEPT as u64) as usize];
         slot.version.store(2 * index + 1, Ordering::Relaxed);
         fence(Ordering::Release);
@@ -182,151 +319,92 @@ impl SpanWriter {
     }
 }
 
-/// A reader that never steps back within a segment nor to an earlier segment, whatever the timestamps do.
+/// A reader whose song goes on through every change of device. See the module.
 #[derive(Default)]
 pub struct Clock {
-    last: Option<Audible>,
+    /// What it read last.
+    history: Option<Arc<SpanHistory>>,
+    /// What it told last, and for which moment.
+    last: Option<(Audible, Instant)>,
     delay: f64,
 }
 
 impl Clock {
-    /// What is audible at `moment` if the sound is heard `delay` seconds (0 or more) later than the device says.
-    /// While the history is empty: what was last audible.
-    pub fn at(&mut self, history: Option<&SpanHistory>, moment: Instant, delay: f64) -> Option<Audible> {
+    /// Where the song is at `moment` if the sound is heard `delay` seconds (0 or more) later than the device says.
+    ///
+    /// `newest` is the history of the output that is open; until its first frame is audible the one before counts.
+    /// `carry` says at which frame of a segment (less than 0: before its start) what was audible in an earlier one is;
+    /// none if they do not belong together. While there is nothing to read: what was last audible.
+    pub fn at(
+        &mut self,
+        newest: Option<&Arc<SpanHistory>>,
+        moment: Instant,
+        delay: f64,
+        carry: impl FnOnce(Audible, u64) -> Option<f64>,
+    ) -> Option<Audible> {
         if delay != self.delay {
             // Another delay is another clock: it may start earlier.
             self.last = None;
             self.delay = delay;
         }
         let earlier = moment.checked_sub(Duration::try_from_secs_f64(delay).unwrap_or_default());
-        let fresh = history.and_then(|history| history.at(earlier.unwrap_or(moment)));
-        self.last = match (self.last, fresh) {
-            (Some(last), Some(fresh)) => {
-                let steps_back = (fresh.segment, fresh.frame) < (last.segment, last.frame);
-                Some(if steps_back { last } else { fresh })
+        let earlier = earlier.unwrap_or(moment);
+        let course = match newest.and_then(|history| Some((history, history.course(earlier)?))) {
+            Some((history, course)) => {
+                self.history = Some(history.clone());
+                Some(course)
             }
-            (last, fresh) => fresh.or(last),
+            None => self.history.as_ref().and_then(|history| history.course(earlier)),
         };
-        self.last
+        let Some(course) = course else {
+            let first = newest.and_then(|history| history.at(earlier));
+            return self.last.map(|(last, _)| last).or(first);
+        };
+        let rate = self.history.as_ref().map_or(1.0, |history| f64::from(history.rate));
+        let told = match self.last {
+            Some((last, at)) => follow(course, last, moment.saturating_duration_since(at), rate, carry),
+            None => course.audible,
+        };
+        self.last = Some((told, moment));
+        Some(told)
     }
+
+    /// The output that is told of.
+    pub fn history(&self) -> Option<&Arc<SpanHistory>> {
+        self.history.as_ref()
+    }
+}
+
+/// What is told `passed` after `last`, where the song is at `course`.
+fn follow(
+    course: Course,
+    last: Audible,
+    passed: Duration,
+    rate: f64,
+    carry: impl FnOnce(Audible, u64) -> Option<f64>,
+) -> Audible {
+    let Course { audible: Audible { segment, mut frame }, moving, beyond } = course;
+    let from = match last.segment.cmp(&segment) {
+        // What came before a seek never comes again.
+        std::cmp::Ordering::Greater => return last,
+        std::cmp::Ordering::Equal => Some(last.frame),
+        std::cmp::Ordering::Less => {
+            carry(last, segment).filter(|from| (from - frame).abs() <= APART_MAX * rate)
+        }
+    };
+    let passed = passed.as_secs_f64();
+    let stood_still = passed > AWAY_MAX;
+    if stood_still {
+        frame -= beyond;
+    }
+    if let Some(from) = from {
+        let is_near = from - frame < AHEAD_MAX * rate;
+        let least = if moving && is_near && !stood_still { SLOWEST * passed } else { 0.0 };
+        frame = frame.max(from + least * rate).min(from + FASTEST * passed * rate);
+    }
+    Audible { segment, frame }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn span(start_ms: u64, segment: u64, frame: u64, frames: u32, moving: bool) -> Span {
-        Span { start_ns: start_ms * 1_000_000, segment, frame, frames, moving }
-    }
-
-    fn at_ms(history: &SpanHistory, ms: u64) -> Option<Audible> {
-        history.at(history.epoch + Duration::from_millis(ms))
-    }
-
-    #[test]
-    fn the_frame_moves_with_time_and_stops_at_what_was_handed_out() {
-        let (mut writer, history) = SpanHistory::new(1000);
-        assert_eq!(at_ms(&history, 5), None);
-        writer.push(span(10, 1, 0, 20, true));
-        writer.push(span(30, 1, 20, 10, false));
-        writer.push(span(40, 2, 0, 10, true));
-        for (ms, segment, frame) in [
-            (0, 1, 0.0),
-            (10, 1, 0.0),
-            (15, 1, 5.0),
-            (30, 1, 20.0),
-            (39, 1, 20.0),
-            (44, 2, 4.0),
-            (900, 2, 10.0),
-        ] {
-            assert_eq!(at_ms(&history, ms), Some(Audible { segment, frame }), "at {ms} ms");
-        }
-    }
-
-    #[test]
-    fn old_spans_are_forgotten_and_the_oldest_kept_answers_for_them() {
-        let (mut writer, history) = SpanHistory::new(1000);
-        let count = SPANS_KEPT as u64 + 100;
-        (0..count).for_each(|n| writer.push(span(10 * n, 1, 10 * n, 10, true)));
-        assert_eq!(
-            at_ms(&history, 10 * count - 5).map(|audible| audible.frame),
-            Some(10.0 * count as f64 - 5.0)
-        );
-        assert_eq!(at_ms(&history, 0).map(|audible| audible.frame), Some(1000.0));
-    }
-
-    #[test]
-    fn jitter_is_smoothed_and_a_real_change_of_latency_is_taken_at_once() {
-        let (mut writer, history) = SpanHistory::new(48_000);
-        let period = Duration::from_millis(10);
-        let latency = Duration::from_millis(20);
-        let mut previous: Option<f64> = None;
-        for n in 0..200_u32 {
-            let jitter = Duration::from_millis(u64::from(n * 7919 % 5));
-            let start = writer.place(history.epoch + period * n + jitter, latency, 480);
-            if let Some(previous) = previous.filter(|_| n > 50) {
-                let step = start as f64 - previous;
-                assert!((step - 10e6).abs() < 0.5e6, "a step of {step} ns at callback {n}");
-            }
-            previous = Some(start as f64);
-        }
-        let start = writer.place(history.epoch + period * 200, latency + Duration::from_millis(100), 480);
-        assert_eq!(start, (period * 200 + latency).as_nanos() as u64 + 100_000_000);
-    }
-
-    #[test]
-    fn readers_never_see_a_span_half_written() {
-        let (mut writer, history) = SpanHistory::new(1_000_000_000);
-        let done = AtomicU64::new(0);
-        std::thread::scope(|scope| {
-            let reader = scope.spawn(|| {
-                let mut seen = 0_u64;
-                while done.load(Ordering::Acquire) == 0 {
-                    // Every span holds n in all its fields.
-                    if let Some(audible) = history.look(u64::MAX) {
-                        assert_eq!(audible.frame, audible.segment as f64);
-                        seen += 1;
-                    }
-                }
-                seen
-            });
-            for n in 1..=400_000_u64 {
-                writer.push(Span { start_ns: n, segment: n, frame: n, frames: 0, moving: true });
-            }
-            done.store(1, Ordering::Release);
-            assert!(reader.join().expect("the reader saw a torn span") > 0);
-        });
-    }
-
-    proptest! {
-        #[test]
-        fn the_clock_never_steps_back(
-            callbacks in prop::collection::vec((0_u64..25, 0_u64..60, 1_usize..2000, 0_u8..10), 1..60),
-            looks in prop::collection::vec(0_u64..15, 1..8),
-        ) {
-            let (mut writer, history) = SpanHistory::new(48_000);
-            let mut clock = Clock::default();
-            let (mut now_ms, mut segment, mut frame) = (0, 1, 0);
-            let mut last: Option<Audible> = None;
-            for (gap, latency, frames, event) in callbacks {
-                now_ms += gap;
-                if event == 0 {
-                    segment += 1;
-                    frame = 0;
-                }
-                let moving = event != 1;
-                let start_ns = writer.place(history.epoch + Duration::from_millis(now_ms), Duration::from_millis(latency), frames);
-                writer.push(Span { start_ns, segment, frame, frames: frames as u32, moving });
-                frame += if moving { frames as u64 } else { 0 };
-                for look in &looks {
-                    let moment = history.epoch + Duration::from_millis(now_ms + look);
-                    let audible = clock.at(Some(&history), moment, 0.0).expect("a span was written");
-                    prop_assert!(last.is_none_or(|last| (last.segment, last.frame) <= (audible.segment, audible.frame)));
-                    prop_assert!(audible.segment < segment || audible.frame <= frame as f64, "more than was handed out");
-                    last = Some(audible);
-                }
-            }
-        }
-    }
-}
+#[path = "clock_tests.rs"]
+mod tests;

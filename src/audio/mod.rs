@@ -12,7 +12,7 @@
 //! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
 //! | [`player`] | the handle of the window, and the decoding and analysis threads | |
 //! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
-//! | [`clock`] | from the callback's timestamps to the frame that is audible now | written by the callback |
+//! | [`clock`] | from the callback's timestamps to the frame that is audible now, through changes of device, too | written by the callback |
 //! | [`output`] | the callback itself, devices, the silent clock, the supervisor | |
 //! | [`devices`] | the list of devices | caller |
 //!
@@ -43,4 +43,4 @@ mod worker;
 
 pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
-pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles};
+pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard};

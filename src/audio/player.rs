@@ -6,6 +6,7 @@ mod analysis;
 mod decoding;
 mod filling;
 mod listing;
+mod unheard;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -27,6 +28,8 @@ use crate::limits::LIMITS;
 use decoding::{Command, Decoding};
 pub use listing::Troubles;
 use listing::{Request, SharedTroubles};
+pub use unheard::Unheard;
+use unheard::UnheardWatch;
 
 /// How long the end of each thread is waited for.
 const END_LIMIT: Duration = Duration::from_secs(1);
@@ -102,6 +105,8 @@ pub struct PlayerStatus {
     pub usual_callback_load: f64,
     /// What went wrong with tracks.
     pub troubles: Troubles,
+    /// What of the song nobody heard, as devices went and came.
+    pub unheard: Unheard,
 }
 
 /// What is audible at a moment.
@@ -111,7 +116,7 @@ pub struct Moment {
     pub song_time: f64,
     /// Its features.
     pub features: Features,
-    /// Grows with each seek and each change of device.
+    /// Grows with each seek and each change of device; the song time goes on through the latter.
     pub segment: u64,
     /// How often a track began within the segment before.
     pub lap: u32,
@@ -137,6 +142,7 @@ pub struct Player {
     /// For the position, and for the picture, which may be shifted.
     position_clock: Clock,
     picture_clock: Clock,
+    unheard: UnheardWatch,
     position: f64,
     moment: Moment,
     /// What was audible then, and how far ahead of it that is, in seconds.
@@ -178,7 +184,7 @@ impl Player {
         let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
         let outputs = commands.clone();
         // If the decoding thread has ended, so has the playback.
-        let deliver = move |link| drop(outputs.send(Command::Output(link)));
+        let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
         let supervisor = Some(Supervisor::start(request, controls.clone(), counters.clone(), deliver)?);
         Ok(Self {
             controls,
@@ -195,6 +201,7 @@ impl Player {
             troubles,
             position_clock: Clock::default(),
             picture_clock: Clock::default(),
+            unheard: UnheardWatch::default(),
             position: 0.0,
             moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
             heard: None,
@@ -260,15 +267,21 @@ impl Player {
     /// How playback stands now.
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
-        let audible = self.position_clock.at(output.history.as_deref(), Instant::now(), 0.0);
+        let timeline = self.timeline.lock();
+        let now = Instant::now();
+        let carry = |from, to| timeline.carry(from, to);
+        let audible = self.position_clock.at(output.history.as_ref(), now, 0.0, carry);
         // The picture ends the song: with a shift it is later than the device.
-        let shown = self.picture_clock.at(output.history.as_deref(), Instant::now(), self.shift);
-        let ended = shown.is_some_and(|shown| self.timeline.lock().is_end(shown));
+        let shown = self.picture_clock.at(output.history.as_ref(), now, self.shift, carry);
+        let ended = shown.is_some_and(|shown| timeline.is_end(shown));
+        if let Some(history) = self.position_clock.history() {
+            self.unheard.look(history, carry);
+        }
         if let Some(audible) = audible {
-            let timeline = self.timeline.lock();
             self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
             self.track = timeline.track(audible).unwrap_or_else(|| self.track.clone());
         }
+        drop(timeline);
         PlayerStatus {
             track: self.track.clone(),
             position: self.position,
@@ -286,6 +299,7 @@ impl Player {
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
             usual_callback_load: self.counters.load_of(0.999),
             troubles: self.troubles.get(),
+            unheard: self.unheard.told(),
         }
     }
 
@@ -297,14 +311,17 @@ impl Player {
         let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
         self.shift = shift.max(0.0);
         let history = self.supervisor.as_ref().and_then(Supervisor::history);
-        if let Some(audible) = self.picture_clock.at(history.as_deref(), Instant::now(), self.shift)
-            && let Some(place) = self.timeline.lock().place(audible, (-shift).max(0.0))
+        let timeline = self.timeline.lock();
+        let carry = |from, to| timeline.carry(from, to);
+        if let Some(audible) = self.picture_clock.at(history.as_ref(), Instant::now(), self.shift, carry)
+            && let Some(place) = timeline.place(audible, (-shift).max(0.0))
         {
             let segment = audible.segment;
             self.moment =
                 Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
             self.heard = Some((audible, (-shift).max(0.0)));
         }
+        drop(timeline);
         self.moment
     }
 
@@ -331,6 +348,8 @@ impl Drop for Player {
     }
 }
 
+#[cfg(test)]
+mod device_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -43,6 +43,8 @@ struct Passage {
 
 struct SegmentNotes {
     id: u64,
+    /// Segments with the same number follow each other without a seek or a skip.
+    run: u64,
     /// Frames per second of the device that the segment was made for.
     rate: u32,
     /// Never empty; in order of time.
@@ -84,13 +86,20 @@ impl SharedTimeline {
 
 impl Timeline {
     /// Adds segment `id` for a device of `rate` frames per second. It begins with passage `passage`, which is `track`
-    /// from `start` seconds on.
-    pub fn begin(&mut self, id: u64, rate: u32, passage: u64, start: f64, track: Arc<TrackInfo>) {
+    /// from `start` seconds on. `run` is that of the segment before if only the device changed.
+    pub fn begin(&mut self, id: u64, run: u64, rate: u32, passage: u64, start: f64, track: Arc<TrackInfo>) {
         if self.segments.len() == SEGMENTS_KEPT {
             self.segments.pop_front();
         }
         let passages = VecDeque::from([Passage::new(passage, track, 0.0, start, 0)]);
-        self.segments.push_back(SegmentNotes { id, rate: rate.max(1), passages, laps: 0, end_frame: None });
+        self.segments.push_back(SegmentNotes {
+            id,
+            run,
+            rate: rate.max(1),
+            passages,
+            laps: 0,
+            end_frame: None,
+        });
     }
 
     /// Forgets a segment that was never handed out.
@@ -160,8 +169,8 @@ impl Timeline {
         }
     }
 
-    /// Where `audible` is in its track, `ahead` seconds later (never before the segment's start nor after its end).
-    /// None for a segment that is not remembered.
+    /// Where `audible` is in its track, `ahead` seconds later (never after the segment's end). None for a segment that is
+    /// not remembered.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         let index = passage.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
@@ -174,6 +183,19 @@ impl Timeline {
         })
     }
 
+    /// Which frame of segment `to` is at the same time of the same track as `from`, less than 0 before that segment's
+    /// start. None if there was a seek, a skip or another track between them.
+    pub fn carry(&self, from: Audible, to: u64) -> Option<f64> {
+        let (passage, _) = self.passage_at(from, 0.0)?;
+        let (before, after) = (self.find(from.segment)?, self.find(to)?);
+        let first = after.passages.front()?;
+        if before.run != after.run || !Arc::ptr_eq(&passage.track, &first.track) {
+            return None;
+        }
+        let (time, anchor) = (self.place(from, 0.0)?.song_time, first.anchors.front()?);
+        Some((time - anchor.song_time + anchor.segment_time) * f64::from(after.rate))
+    }
+
     /// The track that `audible` is in.
     pub fn track(&self, audible: Audible) -> Option<Arc<TrackInfo>> {
         Some(self.passage_at(audible, 0.0)?.0.track.clone())
@@ -184,7 +206,7 @@ impl Timeline {
         let segment = self.find(audible.segment)?;
         let rate = f64::from(segment.rate);
         let end = segment.end_frame.map_or(f64::INFINITY, |frame| frame as f64 / rate);
-        let time = (audible.frame / rate + ahead).min(end).max(0.0);
+        let time = (audible.frame / rate + ahead).min(end);
         let passages = &segment.passages;
         let index = passages.partition_point(|passage| passage.segment_time <= time).saturating_sub(1);
         Some((passages.get(index)?, time))
@@ -233,7 +255,7 @@ mod tests {
 
     /// Begins a segment with a track of its own, under the segment's number.
     fn begin(timeline: &mut Timeline, id: u64, rate: u32, start: f64) {
-        timeline.begin(id, rate, id, start, Track::silence(id as usize, 9).info);
+        timeline.begin(id, id, rate, id, start, Track::silence(id as usize, 9).info);
     }
 
     fn at(segment: u64, frame: f64) -> Audible {

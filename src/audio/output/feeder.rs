@@ -4,7 +4,8 @@
 //! volume and mute over 10 ms, pause, seeks and underruns over 5 ms.
 //!
 //! A seek hands over a new [`Segment`] through a small ring; the feeder fades the old one out, takes the new one
-//! and gives the old one back through another ring, to be freed elsewhere.
+//! and gives the old one back through another ring, to be freed elsewhere. A segment that takes over from another device
+//! is told when it is due: frames that come too late for that are dropped, so that the song is where it would be anyway.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -27,6 +28,9 @@ const FADE: f32 = 0.005;
 
 /// After an underrun the sound goes on when this much is there, in seconds (or a quarter of the ring if less).
 const REFILL: f64 = 0.020;
+
+/// What comes later than this after it was due is played nevertheless, in seconds: the process stood still.
+const LATE_MAX: f64 = 3.0;
 
 /// Longest latency of a device that is believed.
 const LATENCY_MAX: Duration = Duration::from_secs(5);
@@ -142,6 +146,8 @@ pub struct Segment {
     next: u64,
     /// Number of its frames once no more come, before that `u64::MAX`.
     end: Arc<AtomicU64>,
+    /// When its first frame is due; none if that does not matter, or no more.
+    due: Option<Instant>,
 }
 
 impl Segment {
@@ -149,13 +155,25 @@ impl Segment {
     pub fn new(id: u64, frames: usize) -> (Producer<StereoFrame>, Arc<AtomicU64>, Self) {
         let (producer, ring) = RingBuffer::new(frames);
         let end = Arc::new(AtomicU64::new(u64::MAX));
-        (producer, end.clone(), Self { id, ring, next: 0, end })
+        (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
+    }
+
+    /// The same, whose first frame is to be audible at `moment`: it begins with the frame that is due when it is first
+    /// played, or after silence if that is early.
+    pub fn due_at(self, moment: Instant) -> Self {
+        Self { due: Some(moment), ..self }
     }
 
     fn drained(&self) -> bool {
         // The end is read first: what is seen of it was pushed before.
         let end = self.end.load(Ordering::Acquire);
         self.next >= end
+    }
+
+    /// Whether there is enough for a device that takes all at once what it was said to take.
+    fn is_well_fed(&self) -> bool {
+        let ended = self.end.load(Ordering::Acquire) != u64::MAX;
+        ended || self.ring.slots() >= self.ring.buffer().capacity() / 4
     }
 
     fn can_go_on(&self, rate: u32) -> bool {
@@ -261,6 +279,19 @@ impl Feeder {
         (feeder, link)
     }
 
+    /// Whether a segment waits to be taken.
+    #[cfg(test)]
+    pub(crate) fn is_offered(&self) -> bool {
+        !self.incoming.is_empty()
+    }
+
+    /// Whether as much is there for the next call as usual, or about to be.
+    #[cfg(test)]
+    pub(crate) fn is_fed(&self) -> bool {
+        let is_half_full = |segment: &Segment| segment.ring.slots() >= segment.ring.buffer().capacity() / 2;
+        self.is_offered() || self.segment.as_ref().is_some_and(is_half_full)
+    }
+
     /// A device's callback: fills `data` (`channels` interleaved) and keeps the figures. `latency` is the time from
     /// now until the buffer's first frame is heard, if the device tells one that can be believed.
     pub fn serve<T: Sample + FromSample<f32>>(
@@ -269,14 +300,25 @@ impl Feeder {
         channels: usize,
         latency: Option<Duration>,
     ) {
-        let called_at = Instant::now();
+        self.serve_at(data, channels, Instant::now(), latency);
+    }
+
+    /// The same for a call that was due at `called_at`.
+    pub(super) fn serve_at<T: Sample + FromSample<f32>>(
+        &mut self,
+        data: &mut [T],
+        channels: usize,
+        called_at: Instant,
+        latency: Option<Duration>,
+    ) {
+        let begun = Instant::now();
         self.fill(data, channels, called_at, latency);
         let frames = data.len() / channels.max(1);
         let counters = &*self.counters;
         counters.callbacks.fetch_add(1, Ordering::Relaxed);
         counters.frames.fetch_add(frames as u64, Ordering::Relaxed);
         if frames > 0 {
-            let load = called_at.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
+            let load = begun.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
             counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
             // Never out of range; asked for in a way that cannot panic.
             if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
@@ -332,14 +374,15 @@ impl Feeder {
         {
             self.starved = false;
         }
+        if let Some(count) = self.await_due(wanted, start_ns, offset) {
+            return count;
+        }
         let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
         let halted = self.controls.paused() || self.retired.load(Ordering::Relaxed);
         let silent = halted || switching || self.starved || self.segment.is_none();
         let target = if silent { 0 } else { self.fade_frames };
         if silent && self.fade == 0 {
-            self.chunk[..wanted].fill([0.0; 2]);
-            self.last = [0.0; 2];
-            self.gain = self.controls.gain();
+            self.be_silent(wanted);
             self.note(start_ns, offset, 0, wanted);
             return wanted;
         }
@@ -367,6 +410,42 @@ impl Feeder {
         }
         self.note(start_ns, offset, taken, count);
         count
+    }
+
+    /// Brings a segment that is due at some moment to the frame that is due now, at `offset` of a buffer that is
+    /// audible from `start_ns` on. How many frames of silence take its place, if it cannot be played yet; nothing of
+    /// it is noted until then.
+    fn await_due(&mut self, wanted: usize, start_ns: u64, offset: usize) -> Option<usize> {
+        let halted = self.controls.paused();
+        let segment = self.segment.as_mut()?;
+        let due = segment.due?;
+        let early_ns =
+            self.spans.nanoseconds(due) as f64 - (start_ns as f64 + self.spans.duration_ns(offset));
+        let rate = f64::from(self.rate);
+        let late = (-early_ns * 1e-9 * rate).round() - segment.next as f64;
+        let mut begins = halted || late > LATE_MAX * rate;
+        if !begins && late >= 0.0 {
+            let count = segment.ring.slots().min(late as usize);
+            if let Ok(chunk) = segment.ring.read_chunk(count) {
+                chunk.commit_all();
+                segment.next += count as u64;
+            }
+            begins = segment.drained() || (count as f64 == late && segment.is_well_fed());
+        }
+        if begins {
+            segment.due = None;
+            return None;
+        }
+        let silence = if late < 0.0 { wanted.min(-late as usize) } else { wanted };
+        self.be_silent(silence);
+        Some(silence)
+    }
+
+    /// Makes `count` frames of silence in `chunk`.
+    fn be_silent(&mut self, count: usize) {
+        self.chunk[..count].fill([0.0; 2]);
+        self.last = [0.0; 2];
+        self.gain = self.controls.gain();
     }
 
     /// Takes up to `count` frames of the segment into `chunk`; notices where it runs dry or ends.
@@ -403,6 +482,10 @@ impl Feeder {
     fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
         let Some(segment) = &self.segment else { return };
         let moving = taken > 0;
+        // The song goes on elsewhere.
+        if !moving && self.retired.load(Ordering::Relaxed) {
+            return;
+        }
         let id = segment.id;
         let frame = segment.next - taken as u64;
         if let Some(open) = self.open_span.as_mut() {

@@ -1,4 +1,7 @@
 //! The silent clock: takes frames in real time as a device would, and throws them away.
+//!
+//! What it takes is stamped with the moment at which it was due, so that the song's pace does not depend on when its
+//! thread has its turn.
 
 use std::io;
 use std::sync::Arc;
@@ -11,8 +14,9 @@ use crate::audio::worker::Worker;
 /// Time between two takes.
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a longer gap (the machine slept) the clock starts anew instead of catching up.
-const GAP_MAX: Duration = Duration::from_secs(1);
+/// After a longer gap (the machine slept, the process was stopped) the clock starts anew instead of catching up: no more
+/// than this is surely in the ring.
+const GAP_MAX: Duration = Duration::from_millis(250);
 
 /// A running silent clock. Ends when dropped.
 pub(crate) struct NullOutput {
@@ -39,7 +43,8 @@ impl NullOutput {
                     continue;
                 }
                 buffer.resize(2 * frames as usize, 0.0_f32);
-                feeder.serve(&mut buffer, 2, Some(Duration::ZERO));
+                let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
+                feeder.serve_at(&mut buffer, 2, due_at, Some(Duration::ZERO));
                 taken = due;
                 let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
                 std::thread::sleep(next.saturating_sub(start.elapsed()));

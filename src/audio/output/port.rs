@@ -129,6 +129,7 @@ impl Port for OutputPort {
         let rate = self.silent_rate;
         let (feeder, link) = Feeder::new(rate, 0, self.controls.clone(), self.counters.clone());
         let clock = NullOutput::start(feeder, rate)?;
+        link.history.set_silent();
         let note = Self::note(&link);
         self.waiting = Some(link);
         Ok((Some(clock), note))

@@ -7,6 +7,11 @@
 //! A track that follows another stays in its segment: its frames go into the same ring, by the same resampler if it has
 //! the same rate. The list thread opens it while the one before plays. For the analysis it begins anew, so that its
 //! features are those of the track alone, whatever came before. A skip by hand makes a new segment.
+//!
+//! Another output makes a new segment, too, but the song does not wait for it: it runs on from where it was audible, and
+//! the segment is due from the moment on at which the output came. What passes until its first frame is heard is not heard.
+
+mod place;
 
 use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
@@ -16,7 +21,6 @@ use std::time::{Duration, Instant};
 use super::analysis::AnalysisInput;
 use super::filling::Filling;
 use super::listing::{Request, SharedTroubles};
-use crate::audio::clock::Audible;
 use crate::audio::output::FeederLink;
 use crate::audio::resample::Resampler;
 use crate::audio::source::SourceError;
@@ -24,6 +28,7 @@ use crate::audio::timeline::SharedTimeline;
 use crate::audio::track::{Found, Repeat, Track, Wanted};
 use crate::dsp::StereoFrame;
 use crate::limits::LIMITS;
+use place::Goal;
 
 /// Depth of the ring, in seconds, or [`RING_BUFFERS`] buffers of the device if that is more.
 const RING: f64 = 0.4;
@@ -44,6 +49,9 @@ const CHUNK: usize = 4096;
 /// Time between two looks whether the ring has room.
 const WAIT: Duration = Duration::from_millis(20);
 
+/// A wait of [`WAIT`] that took longer than this means that the process stood still.
+const WAIT_MAX: Duration = Duration::from_millis(500);
+
 /// Later than this in a track, in seconds, a step back leads to its own start.
 const STEP_BACK_WITHIN: f64 = 3.0;
 
@@ -52,8 +60,13 @@ const EMPTY_TRACKS_MAX: u32 = 64;
 
 /// What the window, the supervisor and the list thread ask for or bring.
 pub(crate) enum Command {
-    /// Play on this output from now on.
-    Output(FeederLink),
+    /// Play on this output from `at` on.
+    Output {
+        /// The output.
+        link: FeederLink,
+        /// When it came.
+        at: Instant,
+    },
     /// Go to a time of the track, in seconds.
     SeekTo(f64),
     /// Go forward or back by seconds.
@@ -115,6 +128,12 @@ pub(crate) struct Decoding {
     link: Option<FeederLink>,
     filling: Option<Filling>,
     last_id: u64,
+    /// Grows with each seek and each skip.
+    run: u64,
+    /// When the first frame of the segment is due, if it is.
+    due: Option<Instant>,
+    /// How often the output had called when the process stood still last.
+    stood_still: Option<u64>,
     /// Where to start once there is an output, in seconds.
     start: f64,
     scratch: Vec<StereoFrame>,
@@ -149,6 +168,9 @@ impl Decoding {
             link: None,
             filling: None,
             last_id: 0,
+            run: 0,
+            due: None,
+            stood_still: None,
             start: 0.0,
             scratch: Vec::new(),
         }
@@ -158,6 +180,7 @@ impl Decoding {
     pub(crate) fn run(mut self, inbox: &Receiver<Command>) {
         let mut next = Step::Wait;
         loop {
+            let waited = Instant::now();
             let first = match next {
                 Step::GoOn => match inbox.try_recv() {
                     Ok(command) => Some(command),
@@ -170,6 +193,9 @@ impl Decoding {
                     Err(RecvTimeoutError::Disconnected) => return,
                 },
             };
+            if waited.elapsed() > WAIT_MAX {
+                self.stood_still = self.link.as_ref().map(|link| link.history.calls());
+            }
             if first.is_some_and(|first| self.obey(first, inbox)) {
                 return;
             }
@@ -183,24 +209,30 @@ impl Decoding {
 
     /// Carries out `first` and what waits behind it, many seeks as one. True to end.
     fn obey(&mut self, first: Command, inbox: &Receiver<Command>) -> bool {
-        let mut target = None;
+        let mut goal: Option<Goal> = None;
         for command in std::iter::once(first).chain(inbox.try_iter()) {
             match command {
                 Command::Quit => return true,
-                Command::SeekTo(time) => target = Some(time),
+                Command::SeekTo(time) => goal = Some(Goal::seek(time)),
                 Command::SeekBy(seconds) => {
-                    target = Some((target.unwrap_or_else(|| self.place().1) + seconds).max(0.0));
+                    let from = goal.map_or_else(|| self.place().1, |goal| goal.time);
+                    goal = Some(Goal::seek((from + seconds).max(0.0)));
                 }
-                Command::Output(link) => {
-                    let place = target.unwrap_or_else(|| self.place().1);
-                    self.go_back_to_audible();
+                Command::Output { link, at } => {
+                    // A seek that waits is done on the new output, and another output takes nothing from the place.
+                    if goal.is_none() {
+                        let (passage, on_course) = self.course(at);
+                        self.go_back_to(passage);
+                        goal = Some(on_course);
+                    }
                     self.link = Some(link);
-                    target = Some(place);
+                    self.stood_still = None;
                 }
                 Command::Skip { forward: false }
-                    if self.skipping.is_none() && target.unwrap_or(self.place().1) > STEP_BACK_WITHIN =>
+                    if self.skipping.is_none()
+                        && goal.map_or_else(|| self.place().1, |goal| goal.time) > STEP_BACK_WITHIN =>
                 {
-                    target = Some(0.0);
+                    goal = Some(Goal::seek(0.0));
                 }
                 Command::Skip { forward } => self.steps += if forward { 1 } else { -1 },
                 Command::Files(files) => {
@@ -213,7 +245,7 @@ impl Decoding {
                 }
                 Command::Found { id, found } => {
                     if self.take(id, found) {
-                        target = Some(0.0);
+                        goal = Some(Goal::seek(0.0));
                     }
                 }
             }
@@ -223,9 +255,9 @@ impl Decoding {
             let from = self.audible_entry();
             self.skipping = self.request(Wanted::Skip { from, steps });
         }
-        if let Some(target) = target.filter(|target| target.is_finite()) {
+        if let Some(goal) = goal.filter(|goal| goal.time.is_finite()) {
             self.go_back_to_audible();
-            self.begin(target.max(0.0));
+            self.begin(goal);
         }
         false
     }
@@ -294,52 +326,13 @@ impl Decoding {
         self.list.send(Request::Find { id, wanted }).ok().map(|()| id)
     }
 
-    fn audible(&self) -> Option<Audible> {
-        let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
-        link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
-    }
-
-    /// The passage and the time of its track that are audible, or the target of a seek that is not heard yet. In
-    /// seconds.
-    fn place(&self) -> (u64, f64) {
-        let Some(filling) = &self.filling else { return (self.current.passage, self.start) };
-        let place = self.audible().and_then(|audible| self.timeline.lock().place(audible, 0.0));
-        let first = self.before.front().unwrap_or(&self.current).passage;
-        place.map_or((first, filling.target), |place| (place.passage, place.song_time))
-    }
-
-    /// Lets go of tracks that are not audible any more.
-    fn let_go(&mut self) {
-        if self.before.is_empty() {
-            return;
-        }
-        let (audible, _) = self.place();
-        while self.before.front().is_some_and(|playing| playing.passage < audible) {
-            self.before.pop_front();
-        }
-    }
-
-    /// The entry of the list that is audible.
-    fn audible_entry(&self) -> usize {
-        let (audible, _) = self.place();
-        let playing = self.before.iter().find(|playing| playing.passage == audible).unwrap_or(&self.current);
-        playing.track.info.entry
-    }
-
-    /// Makes the audible track the current one again, if the next was begun ahead. A new segment must follow.
-    fn go_back_to_audible(&mut self) {
-        self.let_go();
-        let (audible, _) = self.place();
-        while self.current.passage > audible {
-            let Some(earlier) = self.before.pop_back() else { return };
-            let mut later = std::mem::replace(&mut self.current, earlier).track;
-            self.next = if later.source.seek(0.0).is_ok() { Next::Track(later) } else { Next::Unasked };
-        }
-    }
-
-    /// Starts a segment at `target` seconds of the current track.
-    fn begin(&mut self, target: f64) {
+    /// Starts a segment in the current track.
+    fn begin(&mut self, goal: Goal) {
+        let Goal { time, same_run, due } = goal;
+        let target = time.max(0.0);
         self.start = target;
+        self.run += u64::from(!same_run);
+        self.due = due;
         let (_, place) = self.place();
         self.before.clear();
         let Some((rate, buffer_frames)) = self.link.as_ref().map(|link| (link.rate, link.buffer_frames))
@@ -372,11 +365,14 @@ impl Decoding {
         self.last_passage += 1;
         (self.current.passage, self.start) = (self.last_passage, target);
         let info = self.current.track.info.clone();
-        self.timeline.lock().begin(self.last_id, rate, self.last_passage, target, info);
+        self.timeline.lock().begin(self.last_id, self.run, rate, self.last_passage, target, info);
         self.analyse_current(frame_at(reached));
         let ring_frames = ((RING * f64::from(rate)) as usize).max(RING_BUFFERS * buffer_frames);
         let skip = frame_at(target).saturating_sub(frame_at(reached));
-        let filling = Filling::new(self.last_id, target, ring_frames, resampler, skip, reached == 0.0);
+        let mut filling = Filling::new(self.last_id, target, ring_frames, resampler, skip, reached == 0.0);
+        if let Some(due) = self.due {
+            filling.waiting = filling.waiting.take().map(|segment| segment.due_at(due));
+        }
         self.filling = Some(filling);
         if matches!(self.next, Next::Unasked) {
             self.ask(false);

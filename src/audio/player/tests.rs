@@ -175,8 +175,9 @@ impl Stepped {
         let controls = Arc::new(Controls::new(1.0, false));
         let (feeder, link) = Feeder::new(rate, 480, controls, Arc::default());
         let history = link.history.clone();
-        commands.send(Command::Output(link)).expect("the thread runs");
-        Self { feeder, history, commands, timeline, troubles, worker, now: Instant::now() }
+        let now = Instant::now();
+        commands.send(Command::Output { link, at: now }).expect("the thread runs");
+        Self { feeder, history, commands, timeline, troubles, worker, now }
     }
 
     pub(super) fn send(&self, command: Command) {
@@ -233,7 +234,13 @@ impl Stepped {
         let (feeder, link) = Feeder::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
         self.history = link.history.clone();
         self.feeder = feeder;
-        self.send(Command::Output(link));
+        self.send(Command::Output { link, at: self.now });
+        // Frames that come late are dropped: the test's time waits for the thread.
+        let start = Instant::now();
+        while !self.feeder.is_offered() {
+            assert!(start.elapsed() < Duration::from_secs(20), "nothing is decoded for the device");
+            std::thread::sleep(Duration::from_millis(1));
+        }
     }
 
     /// Plays until the first segment sounds.
