@@ -1,0 +1,48 @@
+//! Hostile input of every kind: the bodies of the fuzz targets over all seeds and many changed ones, the same in every run.
+//!
+//! `scripts/fuzz` lets libFuzzer look further; fuzz/README.md tells how.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+#[path = "../fuzz/src/lib.rs"]
+#[allow(dead_code, reason = "what libFuzzer alone needs")]
+mod fuzz;
+
+/// Runs a target over its seeds, changed ones, and what is hardly anything.
+fn survives(name: &str) {
+    let target = fuzz::target(name);
+    let seeds = (target.seeds)();
+    assert!(seeds.len() >= 6, "{name} has {} seeds", seeds.len());
+    for seed in &seeds {
+        (target.run)(&seed.bytes);
+    }
+    (0..target.changes).for_each(|number| (target.run)(&fuzz::changed(&seeds, number)));
+    for nothing in [&[][..], &[0], &[0xFF; 3], &[0; 64], &[0xFF; 200]] {
+        (target.run)(nothing);
+    }
+}
+
+macro_rules! targets {
+    ($($name:ident)+) => {
+        $(
+            #[test]
+            fn $name() {
+                survives(stringify!($name));
+            }
+        )+
+
+        #[test]
+        fn every_target_is_run_here_and_has_a_program() {
+            let run: Vec<&str> = vec![$(stringify!($name)),+];
+            let known: Vec<&str> = fuzz::TARGETS.iter().map(|target| target.name).collect();
+            assert_eq!(run, known);
+            let manifest = include_str!("../fuzz/Cargo.toml");
+            let programs: Vec<&str> =
+                manifest.lines().filter_map(|line| line.strip_prefix("path = \"src/bin/")).collect();
+            let wanted: Vec<String> = known.iter().map(|name| format!("{name}.rs\"")).collect();
+            assert_eq!(programs, wanted, "fuzz/Cargo.toml lists other programs");
+        }
+    };
+}
+
+targets! { syntax scene regions tape differential decode lists settings }
