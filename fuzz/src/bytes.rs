@@ -5,9 +5,38 @@ pub(crate) struct Bytes<'a>(pub(crate) &'a [u8]);
 
 /// Numbers at which arithmetic misbehaves, and ordinary ones.
 const NUMBERS: [f32; 32] = [
-    0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 2.0, -3.0, 0.25, 1.5, -7.25, 10.0, 31.5, 100.0, -1000.0, 0.499_999_97,
-    16_777_216.0, 8_388_609.0, -8_388_609.0, 1e-20, -1e-20, 1e20, -1e20, f32::MIN_POSITIVE, 1e-45, f32::MAX, f32::MIN,
-    f32::INFINITY, f32::NEG_INFINITY, f32::NAN, std::f32::consts::PI, 1e9,
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    -0.5,
+    2.0,
+    -3.0,
+    0.25,
+    1.5,
+    -7.25,
+    10.0,
+    31.5,
+    100.0,
+    -1000.0,
+    0.499_999_97,
+    16_777_216.0,
+    8_388_609.0,
+    -8_388_609.0,
+    1e-20,
+    -1e-20,
+    1e20,
+    -1e20,
+    f32::MIN_POSITIVE,
+    1e-45,
+    f32::MAX,
+    f32::MIN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::NAN,
+    std::f32::consts::PI,
+    1e9,
 ];
 
 impl Bytes<'_> {
@@ -41,5 +70,7 @@ impl Bytes<'_> {
 
 /// A number that stands for an input, to seed a generator with (FNV-1a).
 pub(crate) fn hash(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01B3))
+    bytes
+        .iter()
+        .fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01B3))
 }

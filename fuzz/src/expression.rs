@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use mariana::graph::{FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader};
+use mariana::graph::{
+    FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader,
+};
 use mariana::lang;
 use mariana::tape::{
     Batch, Clause, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeError, TapeOptions,
@@ -105,7 +107,8 @@ impl Head {
         frame.time = bytes.number();
         frame.bands[7] = bytes.number();
         frame.bass = bytes.number();
-        frame.history = TableData::scrolling(vec![bytes.finite(), 1.0, -1.0, 0.5], 2, bytes.number(), bytes.number());
+        frame.history =
+            TableData::scrolling(vec![bytes.finite(), 1.0, -1.0, 0.5], 2, bytes.number(), bytes.number());
         frame.textures = Some(Arc::new(Stripes));
         let three = |bytes: &mut Bytes| std::array::from_fn(|_| bytes.number());
         let points = std::array::from_fn(|_| Point { position: three(bytes), normal: three(bytes) });
@@ -176,7 +179,8 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
         }
         rows.push(wanted);
     }
-    let columns: Vec<Vec<f32>> = (0..6).map(|place| head.points.iter().map(|p| p.inputs()[place]).collect()).collect();
+    let columns: Vec<Vec<f32>> =
+        (0..6).map(|place| head.points.iter().map(|p| p.inputs()[place]).collect()).collect();
     let [x, y, z, nx, ny, nz] = std::array::from_fn(|place| &columns[place][..]);
     let many = Points { position: [x, y, z], normal: Some([nx, ny, nz]) };
     for (place, values) in Batch::new(tape, frame).run(many).iter().enumerate() {
@@ -210,7 +214,8 @@ pub(crate) fn differential(data: &[u8]) {
         let wanted = raw.evaluate(&plain, point, frame).unwrap();
         assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified");
         assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused");
-        let duals: Vec<f32> = GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
+        let duals: Vec<f32> =
+            GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
         assert_same(&duals, &wanted, "dual numbers");
         // A box that the point lies in, at its corner or in its middle.
         let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
@@ -220,7 +225,10 @@ pub(crate) fn differential(data: &[u8]) {
                 let mut intervals = IntervalEvaluator::new(tape, frame);
                 let bounds = intervals.over([x, y, z], [nx, ny, nz]);
                 for (bounds, wanted) in bounds.iter().zip(&wanted) {
-                    assert!(holds(*bounds, *wanted), "{wanted:?} is not within {bounds:?}, {by} around {point:?}");
+                    assert!(
+                        holds(*bounds, *wanted),
+                        "{wanted:?} is not within {bounds:?}, {by} around {point:?}"
+                    );
                 }
             }
         }

@@ -25,7 +25,11 @@ pub(crate) const SOUND_ENDS: [&str; 12] =
 /// The same of lists.
 pub(crate) const LIST_ENDS: [&str; 4] = ["m3u", "m3u8", "pls", "cue"];
 
-static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| tempfile::tempdir().unwrap());
+/// In memory where the system has a place for that: a disk would be most of the time.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let memory = Path::new("/dev/shm");
+    tempfile::tempdir_in(memory).or_else(|_| tempfile::tempdir()).unwrap()
+});
 
 /// A file with these bytes. Tests run side by side, so each kind of input has a folder.
 fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
@@ -51,7 +55,10 @@ pub(crate) fn decode(data: &[u8]) {
     let info = decoder.info().clone();
     assert!((LIMITS.sample_rate_min..=LIMITS.sample_rate_max).contains(&info.sample_rate), "{info:?}");
     assert!(info.source_channels <= usize::from(LIMITS.channels_max), "{info:?}");
-    assert!(info.duration.is_none_or(|seconds| (0.0..=LIMITS.claimed_duration_max).contains(&seconds)), "{info:?}");
+    assert!(
+        info.duration.is_none_or(|seconds| (0.0..=LIMITS.claimed_duration_max).contains(&seconds)),
+        "{info:?}"
+    );
     assert!(info.scene_gain.is_finite() && info.scene_gain >= 0.0, "{info:?}");
     play(&mut decoder, FRAMES_MAX);
     let mut random = Random(hash(data));
@@ -131,7 +138,9 @@ pub(crate) fn lists(data: &[u8]) {
             play(&mut *track.source, FRAMES_AFTER_SEEK);
         }
         let wanted = Wanted::Following { after: track.info.entry, anew: true };
-        let Found::Track(next) = opened.list.find(&wanted, &mut |told| assert!(!told.is_empty())) else { return };
+        let Found::Track(next) = opened.list.find(&wanted, &mut |told| assert!(!told.is_empty())) else {
+            return;
+        };
         track = next;
     }
 }

@@ -6,6 +6,7 @@
 mod bytes;
 mod expression;
 mod files;
+#[allow(dead_code, reason = "tests/agreement.rs uses the rest")]
 #[path = "../../tests/support/expression.rs"]
 mod random;
 mod regions;
@@ -31,34 +32,48 @@ pub struct Target {
     pub changes: usize,
 }
 
-/// All of them.
-pub const TARGETS: &[Target] = &[
-    Target { name: "syntax", run: text::syntax, seeds: seeds::scenes, speaks: true, changes: 400 },
-    Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 },
-    Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 },
-    Target { name: "tape", run: expression::tape, seeds: seeds::steps, speaks: false, changes: 1_000 },
-    Target { name: "differential", run: expression::differential, seeds: seeds::steps, speaks: false, changes: 300 },
-    Target { name: "decode", run: files::decode, seeds: seeds::sounds, speaks: false, changes: 600 },
-    Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 },
-    Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 },
-];
+/// Lexer and parser.
+pub const SYNTAX: Target =
+    Target { name: "syntax", run: text::syntax, seeds: seeds::scenes, speaks: true, changes: 400 };
+/// From a text to tapes and GLSL.
+pub const SCENE: Target =
+    Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 };
+/// Regions of the scene that a text is.
+pub const REGIONS: Target =
+    Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 };
+/// Tapes of expressions, and their words.
+pub const TAPE: Target =
+    Target { name: "tape", run: expression::tape, seeds: seeds::steps, speaks: false, changes: 1_000 };
+/// All evaluators of an expression.
+pub const DIFFERENTIAL: Target = Target {
+    name: "differential",
+    run: expression::differential,
+    seeds: seeds::steps,
+    speaks: false,
+    changes: 300,
+};
+/// A sound in any container.
+pub const DECODE: Target =
+    Target { name: "decode", run: files::decode, seeds: seeds::sounds, speaks: false, changes: 600 };
+/// A playlist or cue sheet.
+pub const LISTS: Target =
+    Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 };
+/// The file of settings.
+pub const SETTINGS: Target =
+    Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
 
-/// The target of that name.
-///
-/// # Panics
-/// There is none.
-pub fn target(name: &str) -> &'static Target {
-    TARGETS.iter().find(|target| target.name == name).unwrap_or_else(|| panic!("there is no target {name}"))
-}
+/// All of them.
+pub const TARGETS: [&Target; 8] =
+    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS];
 
 /// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
 /// there and the program ends.
 ///
 /// # Panics
-/// There is no such target, or they cannot be written.
-pub fn prepare(name: &str) {
+/// They cannot be written.
+pub fn prepare(target: &Target) {
     let Some(folder) = std::env::var_os("MARIANA_FUZZ_SEEDS") else { return };
-    let (folder, target) = (Path::new(&folder), target(name));
+    let folder = Path::new(&folder);
     let seeds = folder.join("seeds");
     std::fs::create_dir_all(&seeds).unwrap();
     for seed in (target.seeds)() {

@@ -44,7 +44,8 @@ pub(crate) fn check(world: &World, inputs: &FrameInputs, random: &mut Random) {
     let room = if random.below(4) == 0 { 17_000 } else { 1 << 16 };
     let tree = plan.build(inputs, &RegionOptions { texels_max: room, ..RegionOptions::default() });
     assert!(tree.texels.len() <= room.max(plan.whole_texels()), "{:?}", tree.stats);
-    let (mut whole, mut whole_object) = (PointEvaluator::new(&distance, inputs), PointEvaluator::new(&object, inputs));
+    let (mut whole, mut whole_object) =
+        (PointEvaluator::new(&distance, inputs), PointEvaluator::new(&object, inputs));
     for number in 0..POINTS {
         let position = point(&tree, random);
         let penumbra = if number % 3 == 0 { 0.0 } else { 0.05 * number as f32 };

@@ -65,7 +65,11 @@ pub(crate) fn scenes() -> Vec<Seed> {
     let mut files: Vec<PathBuf> =
         std::fs::read_dir(root().join("assets/scenes")).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
-    seeds.extend(files.iter().map(|file| seed(file.file_name().unwrap().to_string_lossy(), std::fs::read(file).unwrap())));
+    seeds.extend(
+        files
+            .iter()
+            .map(|file| seed(file.file_name().unwrap().to_string_lossy(), std::fs::read(file).unwrap())),
+    );
     seeds
 }
 
@@ -73,7 +77,9 @@ pub(crate) fn scenes() -> Vec<Seed> {
 pub(crate) fn steps() -> Vec<Seed> {
     let mut random = Random(5);
     let lengths = [0, 1, 30, 60, 100, 150, 200, 300, 400, 700, 1_000, 2_000];
-    let of = |length: usize| seed(format!("steps-{length}"), (0..length).map(|_| random.word() as u8).collect::<Vec<_>>());
+    let of = |length: usize| {
+        seed(format!("steps-{length}"), (0..length).map(|_| random.word() as u8).collect::<Vec<_>>())
+    };
     lengths.map(of).into()
 }
 
@@ -114,9 +120,18 @@ pub(crate) fn sounds() -> Vec<Seed> {
         let path = folder.path().join(name);
         let mut ffmpeg = Command::new("ffmpeg");
         ffmpeg.args(["-v", "error", "-nostdin", "-y", "-i"]).arg(&source).args(["-c:a", codec]);
-        ffmpeg.args(["-metadata", "title=Ebb", "-metadata", "artist=The Tide", "-metadata", "replaygain_track_gain=-3 dB"]);
+        ffmpeg.args([
+            "-metadata",
+            "title=Ebb",
+            "-metadata",
+            "artist=The Tide",
+            "-metadata",
+            "replaygain_track_gain=-3 dB",
+        ]);
         match name {
-            "fragmented.mp4" => drop(ffmpeg.args(["-movflags", "+frag_keyframe+delay_moov", "-frag_duration", "50000"])),
+            "fragmented.mp4" => {
+                drop(ffmpeg.args(["-movflags", "+frag_keyframe+delay_moov", "-frag_duration", "50000"]))
+            }
             "b.mp3" => drop(ffmpeg.args(["-f", "mp2"])),
             _ => {}
         }
@@ -178,8 +193,14 @@ pub(crate) fn lists() -> Vec<Seed> {
 /// Settings, good and broken.
 pub(crate) fn settings() -> Vec<Seed> {
     vec![
-        seed("good", "microphone = \"p:mic\"\nsystem = \"p:a.monitor\"\n\n[latency_ms]\n\"p:head\" = 180.0\nb = -5e1\n"),
-        seed("odd", "latency_ms = { a = nan, b = inf, c = 1e400, d = 5001, \"\\u0000\" = 1 }\nsystem = '''\nx'''\n"),
+        seed(
+            "good",
+            "microphone = \"p:mic\"\nsystem = \"p:a.monitor\"\n\n[latency_ms]\n\"p:head\" = 180.0\nb = -5e1\n",
+        ),
+        seed(
+            "odd",
+            "latency_ms = { a = nan, b = inf, c = 1e400, d = 5001, \"\\u0000\" = 1 }\nsystem = '''\nx'''\n",
+        ),
         seed("broken", "microphone = 3"),
         seed("cut", "[latency_ms"),
         seed("deep", "a = [[[[[[[[{b.c.d.e.f = 1979-05-27T07:32:00Z}]]]]]]]]"),
@@ -190,13 +211,71 @@ pub(crate) fn settings() -> Vec<Seed> {
 /// Words of the scene language in libFuzzer's form.
 pub fn dictionary() -> String {
     const SIGNS: &[&str] = &[
-        "(", ")", "{", "}", ",", "..", "=", "==", "<=", ">=", "!=", "^", "%", "-", "\\\"", "#", "##", "for i in 0..9: ",
-        "let a = ", "fn f(p) = ", "if ", " then ", " else ", " and ", " or ", "not ", "true", "false", ".xyz", ".xx",
-        "1e39", "1e-40", "9999", "0.5", "param a = 0.5 in 0 .. 1", "material m {", "object o {", "light l {", "camera {",
-        "sky {", "picture {", "include \\\"a.scene\\\"", "include \\\"self.scene\\\"", "texture(\\\"a.png\\\", ",
-        "shape = ", "bound = ", "color = ", "roughness = ", "metalness = ", "emission = ", "reflect = ", "blur = ",
-        "coat = ", "haze = ", "position = ", "target = ", "fov = ", "radius = ", "direction = ", "exposure = ",
-        "bloom = ", "tone_map = ", "vec2(", "vec3(", "vec4(",
+        "(",
+        ")",
+        "{",
+        "}",
+        ",",
+        "..",
+        "=",
+        "==",
+        "<=",
+        ">=",
+        "!=",
+        "^",
+        "%",
+        "-",
+        "\\\"",
+        "#",
+        "##",
+        "for i in 0..9: ",
+        "let a = ",
+        "fn f(p) = ",
+        "if ",
+        " then ",
+        " else ",
+        " and ",
+        " or ",
+        "not ",
+        "true",
+        "false",
+        ".xyz",
+        ".xx",
+        "1e39",
+        "1e-40",
+        "9999",
+        "0.5",
+        "param a = 0.5 in 0 .. 1",
+        "material m {",
+        "object o {",
+        "light l {",
+        "camera {",
+        "sky {",
+        "picture {",
+        "include \\\"a.scene\\\"",
+        "include \\\"self.scene\\\"",
+        "texture(\\\"a.png\\\", ",
+        "shape = ",
+        "bound = ",
+        "color = ",
+        "roughness = ",
+        "metalness = ",
+        "emission = ",
+        "reflect = ",
+        "blur = ",
+        "coat = ",
+        "haze = ",
+        "position = ",
+        "target = ",
+        "fov = ",
+        "radius = ",
+        "direction = ",
+        "exposure = ",
+        "bloom = ",
+        "tone_map = ",
+        "vec2(",
+        "vec3(",
+        "vec4(",
     ];
     let functions = lang::entries();
     let words = SIGNS.iter().map(|sign| (*sign).to_owned());
@@ -229,7 +308,11 @@ pub fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
             _ => {
                 for byte in &mut bytes[at..end] {
                     if random.below(8) == 0 {
-                        *byte = if random.below(2) == 0 { random.word() as u8 } else { *byte ^ 1 << random.below(8) };
+                        *byte = if random.below(2) == 0 {
+                            random.word() as u8
+                        } else {
+                            *byte ^ 1 << random.below(8)
+                        };
                     }
                 }
             }

@@ -7,7 +7,12 @@ use mariana::tape::{Clause, Instruction, Operand, opcode};
 ///
 /// # Panics
 /// The texels end before the tape does, or hold a word without a meaning.
-pub(crate) fn run(texels: &[[u32; 4]], start: usize, point: &Point, frame: &FrameInputs) -> ([f32; 256], [usize; 2]) {
+pub(crate) fn run(
+    texels: &[[u32; 4]],
+    start: usize,
+    point: &Point,
+    frame: &FrameInputs,
+) -> ([f32; 256], [usize; 2]) {
     let mut slots = [0.0f32; 256];
     let mut memory = vec![0.0f32; 1 << 16];
     let inputs = point.inputs();

@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("decode"), |data: &[u8]| (mariana_fuzz::target("decode").run)(data));
+use mariana_fuzz::{DECODE, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&DECODE), |data: &[u8]| (DECODE.run)(data));

@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("differential"), |data: &[u8]| (mariana_fuzz::target("differential").run)(data));
+use mariana_fuzz::{DIFFERENTIAL, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&DIFFERENTIAL), |data: &[u8]| (DIFFERENTIAL.run)(data));

@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("lists"), |data: &[u8]| (mariana_fuzz::target("lists").run)(data));
+use mariana_fuzz::{LISTS, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&LISTS), |data: &[u8]| (LISTS.run)(data));

@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("regions"), |data: &[u8]| (mariana_fuzz::target("regions").run)(data));
+use mariana_fuzz::{REGIONS, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&REGIONS), |data: &[u8]| (REGIONS.run)(data));

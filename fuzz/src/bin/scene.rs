@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("scene"), |data: &[u8]| (mariana_fuzz::target("scene").run)(data));
+use mariana_fuzz::{SCENE, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&SCENE), |data: &[u8]| (SCENE.run)(data));

@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("settings"), |data: &[u8]| (mariana_fuzz::target("settings").run)(data));
+use mariana_fuzz::{SETTINGS, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&SETTINGS), |data: &[u8]| (SETTINGS.run)(data));

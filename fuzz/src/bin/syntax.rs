@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("syntax"), |data: &[u8]| (mariana_fuzz::target("syntax").run)(data));
+use mariana_fuzz::{SYNTAX, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&SYNTAX), |data: &[u8]| (SYNTAX.run)(data));

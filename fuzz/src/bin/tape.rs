@@ -1,3 +1,5 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: mariana_fuzz::prepare("tape"), |data: &[u8]| (mariana_fuzz::target("tape").run)(data));
+use mariana_fuzz::{TAPE, prepare};
+
+libfuzzer_sys::fuzz_target!(init: prepare(&TAPE), |data: &[u8]| (TAPE.run)(data));
