@@ -48,10 +48,11 @@ const SCENES: &[(&str, &str)] = &[
     ),
     ("steep", "object s { shape = x^4 + y^4 + z^4 - 5 * (x^2 + y^2 + z^2) + 11.8 }"),
     ("land", "object land { shape = (p.y - 0.6 * sin(p.x) * cos(p.z)) * 0.5 }"),
-    ("noise", "object n { shape = length(p) - 1 + 0.1 * hash(floor(p.x), floor(p.y)) + 0.2 * (t % 2) }"),
-    ("include", "include \"a.scene\"\ninclude \"self.scene\"\nobject o { shape = a(p) }"),
+    ("noise", "object n { shape = length(p) - 1 + 0.1 * hash(floor(p)) + 0.2 * (t % 2) }"),
+    ("include", "include \"a.scene\"\nobject o { shape = a(p) }"),
+    ("mistake-circle", "include \"self.scene\"\nobject o { shape = x }"),
     ("mistake", "object { shape = (1 + } \"\n fn f(x = y for if then else 9..2 ^ # \u{e9}"),
-    ("choice", "object o { shape = if x > 0 and y < 1 then length(p) - 1 else min(abs(z), 2) }"),
+    ("choice", "object o { shape = if x > 0 then if y < 1 then 2 else length(p) - 1 else min(abs(z), 2) }"),
 ];
 
 /// The short texts.
@@ -234,9 +235,6 @@ pub fn dictionary() -> String {
         "if ",
         " then ",
         " else ",
-        " and ",
-        " or ",
-        "not ",
         "true",
         "false",
         ".xyz",
