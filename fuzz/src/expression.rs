@@ -37,10 +37,29 @@ const INPUTS: [Input; 12] = [
     Input::NZ,
 ];
 
+/// What shapes are mostly made of, and what `Graph::fused` looks for.
+const COMMON: [Op; 8] = [Op::Add, Op::Sub, Op::Abs, Op::Max, Op::Square, Op::Sqrt, Op::Mul, Op::Min];
+
+/// Operators that `Graph::fused` makes, and nothing else: never of a constant first operand, whose square naga would
+/// compute. No GLSL is made of what was fused.
+const FUSED: [Op; 7] = [
+    Op::SquareDifference,
+    Op::OutsideAdd,
+    Op::AbsDifference,
+    Op::Length,
+    Op::SquareAdd,
+    Op::AbsSub,
+    Op::SqrtSub,
+];
+
 /// An operator's operands: so many steps back.
 fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
     // Mostly near ones, so that what is built is used; a few far away, which must be kept.
-    let distance = if byte < 224 { usize::from(byte % 12) } else { usize::from(byte - 223) * 9 };
+    let distance = match byte {
+        0..112 => usize::from(byte % 2),
+        112..224 => usize::from(byte % 12),
+        _ => usize::from(byte - 223) * 9,
+    };
     built.len().checked_sub(1 + distance).and_then(|index| built.get(index)).copied()
 }
 
@@ -66,7 +85,9 @@ fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec
                 Node::Texture { texture: u16::from(which / 4), channel: which % 4, u, v }
             }
             choice => {
-                let op = Op::ALL[usize::from(choice) % Op::ALL.len()];
+                let ops = if choice < 168 { &COMMON[..] } else { Op::ALL };
+                let op = ops[usize::from(choice) % ops.len()];
+                let op = if kind == Kind::Distance && FUSED.contains(&op) { Op::Sub } else { op };
                 let Some(a) = back(&built, bytes.next()) else { continue };
                 if op.arity() == 1 {
                     Node::Unary(op, a)

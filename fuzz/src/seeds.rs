@@ -131,9 +131,11 @@ pub(crate) fn sounds() -> Vec<Seed> {
         ]);
         match name {
             "fragmented.mp4" => {
-                drop(ffmpeg.args(["-movflags", "+frag_keyframe+delay_moov", "-frag_duration", "50000"]))
+                ffmpeg.args(["-movflags", "+frag_keyframe+delay_moov", "-frag_duration", "50000"]);
             }
-            "b.mp3" => drop(ffmpeg.args(["-f", "mp2"])),
+            "b.mp3" => {
+                ffmpeg.args(["-f", "mp2"]);
+            }
             _ => {}
         }
         let run = ffmpeg.arg(&path).output().expect("ffmpeg is needed to make the seeds: install it");
@@ -193,15 +195,12 @@ pub(crate) fn lists() -> Vec<Seed> {
 
 /// Settings, good and broken.
 pub(crate) fn settings() -> Vec<Seed> {
+    let good =
+        "microphone = \"p:mic\"\nsystem = \"p:a.monitor\"\n\n[latency_ms]\n\"p:head\" = 180.0\nb = -5e1\n";
     vec![
-        seed(
-            "good",
-            "microphone = \"p:mic\"\nsystem = \"p:a.monitor\"\n\n[latency_ms]\n\"p:head\" = 180.0\nb = -5e1\n",
-        ),
-        seed(
-            "odd",
-            "latency_ms = { a = nan, b = inf, c = 1e400, d = 5001, \"\\u0000\" = 1 }\nsystem = '''\nx'''\n",
-        ),
+        seed("good", good),
+        seed("out-of-range", "[latency_ms]\na = nan\nb = -inf\nc = 5000.1\nd = -1e300\ne = 5000\n"),
+        seed("odd", "latency_ms = { a = 1e400, \"\\u0000\" = 1 }\nsystem = '''\nx'''\n"),
         seed("broken", "microphone = 3"),
         seed("cut", "[latency_ms"),
         seed("deep", "a = [[[[[[[[{b.c.d.e.f = 1979-05-27T07:32:00Z}]]]]]]]]"),
@@ -291,7 +290,9 @@ pub fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
         let end = (at + 1 + random.below(32)).min(bytes.len());
         match random.below(8) {
             0 => bytes.truncate(at),
-            1 => drop(bytes.drain(at..end)),
+            1 => {
+                bytes.drain(at..end);
+            }
             2 => {
                 let again = bytes[at..end].to_vec();
                 bytes.splice(at..at, again);
@@ -302,7 +303,7 @@ pub fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
                 let part = other[from..(from + random.below(64)).min(other.len())].to_vec();
                 bytes.splice(at..at, part);
             }
-            4 => bytes.splice(at..at, [0, 1, 0x7F, 0x80, 0xFF][random.below(5)..].to_vec()).for_each(drop),
+            4 => bytes.insert(at, [0, 1, 0x7F, 0x80, 0xFF][random.below(5)]),
             _ => {
                 for byte in &mut bytes[at..end] {
                     if random.below(8) == 0 {
