@@ -247,7 +247,7 @@ pub(crate) fn differential(data: &[u8]) {
                 let bounds = intervals.over([x, y, z], [nx, ny, nz]);
                 for (bounds, wanted) in bounds.iter().zip(&wanted) {
                     assert!(
-                        holds(*bounds, *wanted),
+                        bounds.contains(*wanted),
                         "{wanted:?} is not within {bounds:?}, {by} around {point:?}"
                     );
                 }
@@ -255,11 +255,6 @@ pub(crate) fn differential(data: &[u8]) {
         }
     }
     shape(rest, hash(data));
-}
-
-/// Whether the value is one that the interval bounds.
-fn holds(bounds: Interval, value: f32) -> bool {
-    bounds.contains(value)
 }
 
 /// The expression as the shape of a scene.
