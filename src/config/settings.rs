@@ -82,7 +82,8 @@ impl SettingsFile {
         Self::open(path)
     }
 
-    fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
+    /// The same of another file; without one what is remembered lasts as long as the program.
+    pub fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
         let read = path.as_deref().map_or_else(|| Ok(Settings::default()), read);
         let (settings, error) = match read {
             Ok(settings) => (settings, None),

@@ -105,3 +105,13 @@ pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, l
     let scene = if diagnostics.is_empty() { scene } else { None };
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
+
+/// The mistakes in a text's words and grammar alone, and the texts that their spans point into. What is included is not
+/// asked for, and what names mean is not looked at.
+pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
+    let mut sources = Sources::default();
+    let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
+    let names = library::library().names.clone();
+    load::load(name, text, &mut |_| Ok(String::new()), names, &LIMITS, &mut sources, &mut diagnostics);
+    (diagnostics.finish(), sources)
+}

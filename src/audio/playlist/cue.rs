@@ -88,7 +88,8 @@ fn disc_time(text: &[u8]) -> Option<u64> {
     let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
     let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
     let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
-    sound.then_some((minutes * 60 + seconds) * DISC_FRAMES + frames)
+    // Not before it is known to be sound: anything can stand there.
+    sound.then(|| (minutes * 60 + seconds) * DISC_FRAMES + frames)
 }
 
 #[cfg(test)]
@@ -119,5 +120,13 @@ mod tests {
         );
         assert_eq!(items[2].reference, resolve(Path::new("/m"), b"b.wav"));
         assert_eq!(items[0].reference, resolve(Path::new("/m"), b"disc 1.flac"));
+    }
+
+    #[test]
+    fn a_time_of_more_minutes_than_any_number_holds_is_none() {
+        assert_eq!(disc_time(b"9999555555555555555:50:0"), None);
+        assert_eq!(disc_time(format!("{}:59:74", u64::MAX).as_bytes()), None);
+        assert_eq!(disc_time(b"100001:0:0"), None);
+        assert_eq!(disc_time(b"100000:0:1"), Some(100_000 * 60 * 75 + 1));
     }
 }

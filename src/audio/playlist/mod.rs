@@ -24,7 +24,9 @@ use std::sync::Arc;
 pub use error::PlaylistError;
 use excerpt::Excerpt;
 use gather::{Entry, gather, is_many};
+pub use lists::{Cut, Item, Kind};
 use order::Order;
+pub use text::Reference;
 
 use super::song::{Song, one_line, track_name};
 use super::source::SourceError;

@@ -1,0 +1,274 @@
+//! Expressions that bytes spell: what each evaluator gives for them, bit for bit.
+//!
+//! There is no processor that runs the generated GLSL here. It is held to naga (`World::compiled_glsl`); that a driver
+//! computes the same with it is `tests/agreement.rs`.
+
+use std::sync::Arc;
+
+use mariana::graph::{
+    FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader,
+};
+use mariana::lang;
+use mariana::tape::{
+    Batch, Clause, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeError, TapeOptions,
+};
+use mariana::world::{World, WorldError};
+
+use super::bytes::{Bytes, hash};
+use super::random::Random;
+use super::regions::{self, same};
+use super::{text, words};
+
+/// Most steps of an expression.
+const STEPS_MAX: usize = 600;
+
+const INPUTS: [Input; 12] = [
+    Input::X,
+    Input::Y,
+    Input::Z,
+    Input::T,
+    Input::VolumeLeft,
+    Input::Band(7),
+    Input::Bass,
+    Input::Beat,
+    Input::Phase,
+    Input::NX,
+    Input::NY,
+    Input::NZ,
+];
+
+/// What shapes are mostly made of, and what `Graph::fused` looks for.
+const COMMON: [Op; 8] = [Op::Add, Op::Sub, Op::Abs, Op::Max, Op::Square, Op::Sqrt, Op::Mul, Op::Min];
+
+/// Operators that `Graph::fused` makes, and nothing else: never of a constant first operand, whose square naga would
+/// compute. No GLSL is made of what was fused.
+const FUSED: [Op; 7] = [
+    Op::SquareDifference,
+    Op::OutsideAdd,
+    Op::AbsDifference,
+    Op::Length,
+    Op::SquareAdd,
+    Op::AbsSub,
+    Op::SqrtSub,
+];
+
+/// An operator's operands: so many steps back.
+fn back(built: &[NodeId], byte: u8) -> Option<NodeId> {
+    // Mostly near ones, so that what is built is used; a few far away, which must be kept.
+    let distance = match byte {
+        0..112 => usize::from(byte % 2),
+        112..224 => usize::from(byte % 12),
+        _ => usize::from(byte - 223) * 9,
+    };
+    built.len().checked_sub(1 + distance).and_then(|index| built.get(index)).copied()
+}
+
+/// Which nodes an expression may have.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Any,
+    /// A distance reads neither normals nor textures.
+    Distance,
+}
+
+/// The nodes of the steps that the bytes spell, simplified or as they stand. The same bytes give the same steps.
+fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec<NodeId> {
+    let inputs = if kind == Kind::Any { &INPUTS[..] } else { &INPUTS[..9] };
+    let mut built = Vec::new();
+    while !bytes.0.is_empty() && built.len() < STEPS_MAX {
+        let node = match bytes.next() {
+            0..24 => Node::Constant(bytes.number()),
+            choice @ 24..64 => Node::Input(inputs[usize::from(choice) % inputs.len()]),
+            64..72 if kind == Kind::Any => {
+                let (which, u, v) = (bytes.next(), back(&built, bytes.next()), back(&built, bytes.next()));
+                let (Some(u), Some(v)) = (u, v) else { continue };
+                Node::Texture { texture: u16::from(which / 4), channel: which % 4, u, v }
+            }
+            choice => {
+                let ops = if choice < 168 { &COMMON[..] } else { Op::ALL };
+                let op = ops[usize::from(choice) % ops.len()];
+                let op = if kind == Kind::Distance && FUSED.contains(&op) { Op::Sub } else { op };
+                let Some(a) = back(&built, bytes.next()) else { continue };
+                if op.arity() == 1 {
+                    Node::Unary(op, a)
+                } else {
+                    let Some(b) = back(&built, bytes.next()) else { continue };
+                    Node::Binary(op, a, b)
+                }
+            }
+        };
+        built.push(match node {
+            Node::Constant(value) if simplify => graph.constant(value),
+            Node::Unary(op, a) if simplify => graph.unary(op, a),
+            Node::Binary(op, a, b) if simplify => graph.binary(op, a, b),
+            node => graph.raw(node),
+        });
+    }
+    if built.is_empty() {
+        built.push(graph.input(Input::X));
+    }
+    built
+}
+
+/// What an input begins with.
+#[derive(Clone)]
+struct Head {
+    slots: usize,
+    roots: usize,
+    points: [Point; 3],
+    frame: FrameInputs,
+}
+
+impl Head {
+    fn read(bytes: &mut Bytes) -> Self {
+        let (slots, roots) = (bytes.next(), 1 + bytes.below(13));
+        // Mostly few slots, which spill.
+        let slots = if slots < 128 { 2 + usize::from(slots % 14) } else { usize::from(slots - 127) * 2 };
+        let mut frame = super::random::frame();
+        frame.time = bytes.number();
+        frame.bands[7] = bytes.number();
+        frame.bass = bytes.number();
+        frame.history =
+            TableData::scrolling(vec![bytes.finite(), 1.0, -1.0, 0.5], 2, bytes.number(), bytes.number());
+        frame.textures = Some(Arc::new(Stripes));
+        let three = |bytes: &mut Bytes| std::array::from_fn(|_| bytes.number());
+        let points = std::array::from_fn(|_| Point { position: three(bytes), normal: three(bytes) });
+        Self { slots, roots, points, frame }
+    }
+}
+
+#[derive(Debug)]
+struct Stripes;
+
+impl TextureReader for Stripes {
+    fn read(&self, texture: u16, channel: u8, u: f32, v: f32) -> f32 {
+        (u * 3.0 + v * 5.0 + f32::from(texture) + f32::from(channel)).sin().abs()
+    }
+}
+
+#[track_caller]
+fn assert_same(found: &[f32], wanted: &[f32], what: &str) {
+    assert_eq!(found.len(), wanted.len());
+    for (place, (found, wanted)) in found.iter().zip(wanted).enumerate() {
+        assert!(same(*found, *wanted), "{what}: output {place} is {found:?}, not {wanted:?}");
+    }
+}
+
+/// Encoding, with few slots and many, and evaluation of what was encoded: clauses and the interpreter's words.
+pub(crate) fn tape(data: &[u8]) {
+    for word in data.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])) {
+        // Whatever a word means, its meaning has one word.
+        if let Some(instruction) = Clause::from_word(word).decode() {
+            assert_eq!(instruction.encode().decode(), Some(instruction), "{word:#x}");
+        }
+    }
+    let mut bytes = Bytes(data);
+    let head = Head::read(&mut bytes);
+    let mut graph = Graph::new();
+    let built = build(bytes, &mut graph, Kind::Any, false);
+    let roots: Vec<NodeId> = built.iter().rev().take(head.roots).copied().collect();
+    let options = TapeOptions { slots: head.slots, ..TapeOptions::default() };
+    match Tape::build(&graph, &roots, &options) {
+        Ok(tape) => check_tape(&graph, &roots, &tape, &head),
+        Err(TapeError::TooManyOutputs { count, max }) => assert!(count > max),
+        Err(error) => panic!("{error}: {} slots, {} outputs", head.slots, roots.len()),
+    }
+}
+
+fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
+    assert!(tape.slots() <= head.slots.max(1), "{} slots of {}", tape.slots(), head.slots);
+    assert!(tape.outputs().iter().all(|slot| usize::from(*slot) < tape.slots().max(1)));
+    for clause in tape.clauses() {
+        let instruction = clause.decode().expect("a clause without a meaning");
+        assert_eq!(instruction.encode(), *clause);
+    }
+    let frame = &head.frame;
+    let (mut numbers, mut texels) = (Vec::new(), vec![[7; 4]; 3]);
+    tape.table_values(frame, &mut numbers);
+    tape.append_texels(&numbers, &mut texels);
+    assert!(texels.len() <= 3 + tape.texels_max());
+    let mut points = PointEvaluator::new(tape, frame);
+    let mut rows: Vec<Vec<f32>> = Vec::new();
+    for point in &head.points {
+        let wanted = graph.evaluate(roots, point, frame).unwrap();
+        assert_same(points.at(point), &wanted, "the tape");
+        let (slots, ends) = words::run(&texels, 3, point, frame);
+        let found: Vec<f32> = tape.outputs().iter().map(|slot| slots[usize::from(*slot)] + 0.0).collect();
+        assert_same(&found, &wanted, "the interpreter's words");
+        for (end, slot) in ends.iter().zip(tape.outputs()) {
+            assert_eq!(*end, usize::from(*slot), "END names another slot");
+        }
+        rows.push(wanted);
+    }
+    let columns: Vec<Vec<f32>> =
+        (0..6).map(|place| head.points.iter().map(|p| p.inputs()[place]).collect()).collect();
+    let [x, y, z, nx, ny, nz] = std::array::from_fn(|place| &columns[place][..]);
+    let many = Points { position: [x, y, z], normal: Some([nx, ny, nz]) };
+    for (place, values) in Batch::new(tape, frame).run(many).iter().enumerate() {
+        let wanted: Vec<f32> = rows.iter().map(|row| row[place]).collect();
+        assert_same(values, &wanted, "a batch");
+    }
+}
+
+/// All that computes an expression: the graph as it was built, simplified and fused; tapes, words, batches, dual numbers
+/// and intervals; and, as the shape of a scene, regions and naga.
+pub(crate) fn differential(data: &[u8]) {
+    let mut bytes = Bytes(data);
+    let head = Head::read(&mut bytes);
+    let rest = bytes.0;
+    let (mut raw, mut graph) = (Graph::new(), Graph::new());
+    let plain = build(Bytes(rest), &mut raw, Kind::Any, false);
+    let simple = build(Bytes(rest), &mut graph, Kind::Any, true);
+    let last = |built: &[NodeId]| built.iter().rev().take(head.roots.min(4)).copied().collect::<Vec<_>>();
+    let (plain, simple) = (last(&plain), last(&simple));
+    let mut short = simple.clone();
+    let fused = graph.fused(&mut short).unwrap();
+    let options = TapeOptions { slots: head.slots.max(4), ..TapeOptions::default() };
+    let frame = &head.frame;
+    let tapes = [(&graph, &simple), (&fused, &short)].map(|(graph, roots)| {
+        let tape = Tape::build(graph, roots, &options).unwrap();
+        check_tape(graph, roots, &tape, &Head { slots: options.slots, ..head.clone() });
+        tape
+    });
+    let [tape, _] = &tapes;
+    for point in &head.points {
+        let wanted = raw.evaluate(&plain, point, frame).unwrap();
+        assert_same(&graph.evaluate(&simple, point, frame).unwrap(), &wanted, "simplified");
+        assert_same(&fused.evaluate(&short, point, frame).unwrap(), &wanted, "fused");
+        let duals: Vec<f32> =
+            GradientEvaluator::new(tape, frame).at(point).iter().map(|dual| dual.value).collect();
+        assert_same(&duals, &wanted, "dual numbers");
+        // A box that the point lies in, at its corner or in its middle.
+        let wide = |value: f32, by: f32| Interval::new(value - by, value + by);
+        for by in [0.0, 0.25, 1e10] {
+            let [x, y, z, nx, ny, nz] = point.inputs().map(|value| wide(value, by));
+            for tape in &tapes {
+                let mut intervals = IntervalEvaluator::new(tape, frame);
+                let bounds = intervals.over([x, y, z], [nx, ny, nz]);
+                for (bounds, wanted) in bounds.iter().zip(&wanted) {
+                    assert!(
+                        bounds.contains(*wanted),
+                        "{wanted:?} is not within {bounds:?}, {by} around {point:?}"
+                    );
+                }
+            }
+        }
+    }
+    shape(rest, hash(data));
+}
+
+/// The expression as the shape of a scene.
+fn shape(steps: &[u8], seed: u64) {
+    let mut scene = lang::compile("fuzz", "x", &mut lang::no_includes).scene.unwrap();
+    let built = build(Bytes(steps), &mut scene.graph, Kind::Distance, true);
+    let root = built[built.len() - 1];
+    scene.distance = root;
+    scene.objects[0].shape = root;
+    let world = World::new("fuzz", scene, Vec::new()).unwrap();
+    if let Err(error @ WorldError::Refused { .. }) = world.compiled_glsl() {
+        panic!("{error}");
+    }
+    let mut random = Random(seed);
+    let inputs = text::frame_of(&world, &mut random);
+    regions::check(&world, &inputs, &mut random);
+}

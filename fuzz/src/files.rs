@@ -1,0 +1,168 @@
+//! Files: sounds, lists of them, settings. Each input is written to a file in a folder that is this process's own.
+
+use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Once};
+
+use mariana::audio::decode::{Decoder, quiet_contained_panics};
+use mariana::audio::playlist::{Kind, Playlist, Reference};
+use mariana::audio::source::FrameSource;
+use mariana::audio::track::{Found, Repeat, TrackList, Wanted};
+use mariana::config::SettingsFile;
+use mariana::limits::LIMITS;
+
+use super::bytes::{Bytes, hash};
+use super::random::Random;
+use super::seeds;
+
+/// Frames after which a song is long enough: some seconds of work for a hostile file.
+const FRAMES_MAX: usize = 1 << 21;
+/// Frames that are fetched after each seek.
+const FRAMES_AFTER_SEEK: usize = 1 << 15;
+
+/// Ends of names, by which an input's first byte chooses: containers are told by what they hold, but names count.
+pub(crate) const SOUND_ENDS: [&str; 12] =
+    ["wav", "flac", "mp3", "ogg", "opus", "m4a", "aac", "aiff", "caf", "mkv", "webm", "mp4"];
+/// The same of lists.
+pub(crate) const LIST_ENDS: [&str; 4] = ["m3u", "m3u8", "pls", "cue"];
+
+/// In memory where the system has a place for that: a disk would be most of the time.
+static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
+    let memory = Path::new("/dev/shm");
+    tempfile::tempdir_in(memory).or_else(|_| tempfile::tempdir()).unwrap()
+});
+
+/// A file with these bytes. Tests run side by side, so each kind of input has a folder.
+fn file(folder: &str, name: &str, bytes: &[u8]) -> PathBuf {
+    let folder = FOLDER.path().join(folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+/// Panics of codecs become errors, which libFuzzer's own hook would not wait for.
+fn contain_panics() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(quiet_contained_panics);
+}
+
+/// A sound: opened, decoded, sought in.
+pub(crate) fn decode(data: &[u8]) {
+    contain_panics();
+    let mut bytes = Bytes(data);
+    let path = file("sounds", &format!("a.{}", SOUND_ENDS[bytes.below(SOUND_ENDS.len())]), bytes.0);
+    let Ok(mut decoder) = Decoder::open(&path) else { return };
+    let info = decoder.info().clone();
+    assert!((LIMITS.sample_rate_min..=LIMITS.sample_rate_max).contains(&info.sample_rate), "{info:?}");
+    assert!(info.source_channels <= usize::from(LIMITS.channels_max), "{info:?}");
+    assert!(
+        info.duration.is_none_or(|seconds| (0.0..=LIMITS.claimed_duration_max).contains(&seconds)),
+        "{info:?}"
+    );
+    assert!(info.scene_gain.is_finite() && info.scene_gain >= 0.0, "{info:?}");
+    play(&mut decoder, FRAMES_MAX);
+    let mut random = Random(hash(data));
+    for _ in 0..3 {
+        let seconds = match random.below(4) {
+            0 => info.duration.unwrap_or(1.0) * f64::from(random.between(0.0, 1.1)),
+            1 => f64::from(f32::from_bits(random.word() as u32)),
+            _ => f64::from(random.between(0.0, 2.0)),
+        };
+        let Ok(reached) = decoder.seek(seconds) else { return };
+        assert!(reached.is_finite() && reached >= 0.0, "{seconds} s led to {reached} s");
+        play(&mut decoder, FRAMES_AFTER_SEEK);
+    }
+}
+
+/// Fetches frames until there are enough, or no more.
+fn play(source: &mut dyn FrameSource, enough: usize) {
+    let (mut block, mut played) = (Vec::new(), 0);
+    while played < enough {
+        block.clear();
+        match source.next_block(&mut block) {
+            Ok(frames) => {
+                assert_eq!(frames, block.len());
+                if frames == 0 {
+                    return;
+                }
+                played += frames;
+            }
+            Err(error) => {
+                assert!(!error.to_string().is_empty());
+                return;
+            }
+        }
+    }
+}
+
+/// A list in a folder with two songs: read, gathered, and gone through.
+pub(crate) fn lists(data: &[u8]) {
+    contain_panics();
+    let mut bytes = Bytes(data);
+    let end = LIST_ENDS[bytes.below(LIST_ENDS.len())];
+    let path = file("lists", &format!("list.{end}"), bytes.0);
+    for song in ["a.wav", "b.wav"] {
+        if !path.with_file_name(song).exists() {
+            file("lists", song, &seeds::wave(8_000, 4_000));
+        }
+    }
+    let Some(kind) = Kind::of(&path) else { panic!("{end} is no list") };
+    let items = match kind.read(&path, bytes.0) {
+        Ok(items) => items,
+        Err(error) => return assert!(error.to_string().contains("list."), "{error}"),
+    };
+    assert!(!items.is_empty() && items.len() <= LIMITS.playlist_looks_max);
+    for cut in items.iter().filter_map(|item| item.cut) {
+        assert!(cut.end.is_none_or(|end| end >= cut.start), "{cut:?}");
+    }
+    // What lies elsewhere on this machine is no matter of the input's.
+    let within = |reference: &Reference| match reference {
+        Reference::Path(path) => stays_within(path),
+        Reference::Address(_) => true,
+    };
+    if items.len() > 200 || !items.iter().all(|item| within(&item.reference)) {
+        return;
+    }
+    let Ok(mut opened) = Playlist::open(&[path], Repeat::Off, false) else { return };
+    assert!(opened.first.info.count <= LIMITS.playlist_tracks_max);
+    if !opened.playable {
+        return;
+    }
+    let mut track = opened.first;
+    for _ in 0..8 {
+        assert!(track.info.entry < track.info.count);
+        assert!(track.info.duration.is_none_or(|seconds| seconds >= 0.0));
+        play(&mut *track.source, FRAMES_AFTER_SEEK);
+        if let Ok(reached) = track.source.seek(0.3) {
+            assert!(reached.is_finite() && reached >= 0.0);
+            play(&mut *track.source, FRAMES_AFTER_SEEK);
+        }
+        let wanted = Wanted::Following { after: track.info.entry, anew: true };
+        let Found::Track(next) = opened.list.find(&wanted, &mut |told| assert!(!told.is_empty())) else {
+            return;
+        };
+        track = next;
+    }
+}
+
+/// Whether a path names something in the list's own folder, without a way out of it.
+fn stays_within(path: &Path) -> bool {
+    let folder = FOLDER.path().join("lists");
+    path.strip_prefix(folder).is_ok_and(|rest| !rest.components().any(|part| part.as_os_str() == ".."))
+}
+
+/// A file of settings: read, changed, read again.
+pub(crate) fn settings(data: &[u8]) {
+    let path = file("settings", "settings.toml", data);
+    let (mut file, told) = SettingsFile::open(Some(path.clone()));
+    let in_range = |file: &SettingsFile| {
+        file.settings().latency_ms.values().all(|shift| shift.abs() <= LIMITS.latency_ms_max)
+    };
+    assert!(in_range(&file));
+    assert!(told.is_none_or(|error| error.to_string().contains("settings.toml")));
+    file.change(|settings| settings.microphone = Some("fuzz".into())).unwrap();
+    let (again, told) = SettingsFile::open(Some(path));
+    assert!(told.is_none(), "what was written cannot be read: {told:?}");
+    assert_eq!(again.settings(), file.settings());
+    assert!(in_range(&again));
+}

@@ -1,0 +1,321 @@
+//! What to begin with, the words of the scene language, and changes that are the same in every run.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use mariana::lang;
+
+use super::files::{LIST_ENDS, SOUND_ENDS};
+use super::random::Random;
+
+/// An input to begin with.
+pub struct Seed {
+    /// What to call its file.
+    pub name: String,
+    /// The input.
+    pub bytes: Vec<u8>,
+}
+
+fn seed(name: impl Into<String>, bytes: impl Into<Vec<u8>>) -> Seed {
+    Seed { name: name.into(), bytes: bytes.into() }
+}
+
+/// The repository, of which this is in `fuzz/` or in `tests/`.
+fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    if here.join("assets").is_dir() { here.to_owned() } else { here.join("..") }
+}
+
+/// Short texts that hold every kind of section and many shapes.
+const SCENES: &[(&str, &str)] = &[
+    ("formula", "length(p) - 1"),
+    (
+        "every-section",
+        "param size = 0.6 in 0.2 .. 1\nlet q = p * 2\nfn bump(p, h) = sphere(p, h) + 0.1 * sin(9 * p.x)\n\
+         material glow { color = vec3(0.9, 0.3, 0.1) emission = vec3(1.2, 0.3, 0.05) * band(4) roughness = 0.3 }\n\
+         material mirror { color = 0.05 reflect = 0.4 metalness = 1 coat = 0.5 haze = 0.1 blur = 0.2 }\n\
+         object ball { shape = bump(p - vec3(0, 1, 0), size + volume.x) material = glow }\n\
+         object floor { shape = y material = mirror }\n\
+         light lamp { position = vec3(2, 4, -3) color = vec3(30) radius = 0.2 }\n\
+         camera { position = vec3(0, 2, -6) target = vec3(0, 1, 0) fov = 45 }\n\
+         sky { color = mix(vec3(0.1), vec3(0.2, 0.3, 0.5), direction.y) }\n",
+    ),
+    (
+        "many",
+        "fn place(i) = vec3(5 * sin(12.9898 * i), 3 + 3 * sin(78.233 * i), 5 * sin(37.719 * i))\n\
+         object boxes { shape = union(for i in 0..20: box(p - place(i), vec3(0.2 + 0.1 * sin(i), 0.3, 0.25))) }\n\
+         object balls { shape = smooth_union(for i in 0..9: sphere(p - place(i), 0.4 + 0.2 * band(0)), 0.3) }\n",
+    ),
+    ("steep", "object s { shape = x^4 + y^4 + z^4 - 5 * (x^2 + y^2 + z^2) + 11.8 }"),
+    ("land", "object land { shape = (p.y - 0.6 * sin(p.x) * cos(p.z)) * 0.5 }"),
+    ("noise", "object n { shape = length(p) - 1 + 0.1 * hash(floor(p)) + 0.2 * (t % 2) }"),
+    ("include", "include \"a.scene\"\nobject o { shape = a(p) }"),
+    ("mistake-circle", "include \"self.scene\"\nobject o { shape = x }"),
+    ("mistake", "object { shape = (1 + } \"\n fn f(x = y for if then else 9..2 ^ # \u{e9}"),
+    ("choice", "object o { shape = if x > 0 then if y < 1 then 2 else length(p) - 1 else min(abs(z), 2) }"),
+];
+
+/// The short texts.
+pub(crate) fn small_scenes() -> Vec<Seed> {
+    SCENES.iter().map(|(name, text)| seed(*name, *text)).collect()
+}
+
+/// The short texts, and the shipped scenes.
+pub(crate) fn scenes() -> Vec<Seed> {
+    let mut seeds = small_scenes();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(root().join("assets/scenes")).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    seeds.extend(
+        files
+            .iter()
+            .map(|file| seed(file.file_name().unwrap().to_string_lossy(), std::fs::read(file).unwrap())),
+    );
+    seeds
+}
+
+/// Expressions of all lengths.
+pub(crate) fn steps() -> Vec<Seed> {
+    let mut random = Random(5);
+    let lengths = [0, 1, 30, 60, 100, 150, 200, 300, 400, 700, 1_000, 2_000];
+    let of = |length: usize| {
+        seed(format!("steps-{length}"), (0..length).map(|_| random.word() as u8).collect::<Vec<_>>())
+    };
+    lengths.map(of).into()
+}
+
+/// A quarter of a second or less in every container and codec, made by ffmpeg. The first byte chooses the name's end.
+pub(crate) fn sounds() -> Vec<Seed> {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("source.wav");
+    std::fs::write(&source, wave(44_100, 4_410)).unwrap();
+    let mut seeds = Vec::new();
+    for (name, codec) in [
+        ("s16.wav", "pcm_s16le"),
+        ("s24.wav", "pcm_s24le"),
+        ("f32.wav", "pcm_f32le"),
+        ("u8.wav", "pcm_u8"),
+        ("adpcm.wav", "adpcm_ms"),
+        ("ima.wav", "adpcm_ima_wav"),
+        ("law.wav", "pcm_alaw"),
+        ("s16.aiff", "pcm_s16be"),
+        ("s16.caf", "pcm_s16le"),
+        ("alac.caf", "alac"),
+        ("a.flac", "flac"),
+        ("flac.ogg", "flac"),
+        ("alac.m4a", "alac"),
+        ("a.mp3", "libmp3lame"),
+        ("b.mp3", "mp2"),
+        ("vorbis.ogg", "libvorbis"),
+        ("a.opus", "libopus"),
+        ("aac.m4a", "aac"),
+        ("a.aac", "aac"),
+        ("fragmented.mp4", "aac"),
+        ("pcm.mkv", "pcm_s16le"),
+        ("flac.mkv", "flac"),
+        ("aac.mkv", "aac"),
+        ("mp3.mkv", "libmp3lame"),
+        ("vorbis.webm", "libvorbis"),
+        ("opus.webm", "libopus"),
+    ] {
+        let path = folder.path().join(name);
+        let mut ffmpeg = Command::new("ffmpeg");
+        ffmpeg.args(["-v", "error", "-nostdin", "-y", "-i"]).arg(&source).args(["-c:a", codec]);
+        ffmpeg.args([
+            "-metadata",
+            "title=Ebb",
+            "-metadata",
+            "artist=The Tide",
+            "-metadata",
+            "replaygain_track_gain=-3 dB",
+        ]);
+        match name {
+            "fragmented.mp4" => {
+                ffmpeg.args(["-movflags", "+frag_keyframe+delay_moov", "-frag_duration", "50000"]);
+            }
+            "b.mp3" => {
+                ffmpeg.args(["-f", "mp2"]);
+            }
+            _ => {}
+        }
+        let run = ffmpeg.arg(&path).output().expect("ffmpeg is needed to make the seeds: install it");
+        assert!(run.status.success(), "{name}: {}", String::from_utf8_lossy(&run.stderr));
+        let end = SOUND_ENDS.iter().position(|end| name.ends_with(end)).unwrap_or(0);
+        let mut bytes = vec![end as u8];
+        bytes.extend(std::fs::read(&path).unwrap());
+        seeds.push(seed(name, bytes));
+    }
+    seeds
+}
+
+/// A WAVE file of 16-bit stereo: a tone and noise.
+pub(crate) fn wave(rate: u32, frames: u32) -> Vec<u8> {
+    let mut random = Random(3);
+    let mut bytes = b"RIFF".to_vec();
+    bytes.extend((frames * 4 + 36).to_le_bytes());
+    bytes.extend(b"WAVEfmt \x10\x00\x00\x00\x01\x00\x02\x00");
+    bytes.extend(rate.to_le_bytes());
+    bytes.extend((rate * 4).to_le_bytes());
+    bytes.extend(b"\x04\x00\x10\x00data");
+    bytes.extend((frames * 4).to_le_bytes());
+    for frame in 0..frames {
+        let tone = (frame as f32 * 0.06).sin() * 9_000.0;
+        for _ in 0..2 {
+            bytes.extend(((tone + random.between(-2_000.0, 2_000.0)) as i16).to_le_bytes());
+        }
+    }
+    bytes
+}
+
+/// Lists of all kinds. The first byte chooses the kind.
+pub(crate) fn lists() -> Vec<Seed> {
+    let texts: [(&str, &str, &[u8]); 9] = [
+        ("m3u", "plain", b"#EXTM3U\r\n#EXTINF:123,Some One - A Song\r\na.wav\r\n\r\nb.wav\nhttp://x/y\nmissing.mp3\n"),
+        ("m3u8", "encoded", b"\xef\xbb\xbf#EXTM3U\nfile:///a%20b%C3%A9%zz\nlist.m3u8\n.\nb.wav\na\\b.wav"),
+        ("m3u", "utf16", b"\xff\xfea\0.\0w\0a\0v\0\n\0b\0.\0w\0a\0v\0"),
+        ("m3u", "latin", b"gr\xfcn.mp3\na.wav\nAC://DC\n"),
+        ("m3u8", "stream", b"#EXTM3U\n#EXT-X-TARGETDURATION:10\nsegment1.ts\n"),
+        ("pls", "plain", b"[playlist]\nFile1=a.wav\nTitle1=A\nFile2=b.wav\nLength2=7\nNumberOfEntries=2\nVersion=2\n"),
+        ("pls", "odd", b"[Playlist]\nfile99999999999999999999=b.wav\nFileX=a.wav\nFile-1=a.wav\nFile3=\n"),
+        (
+            "cue",
+            "disc",
+            b"REM x\nPERFORMER \"The Band\"\nFILE \"a.wav\" WAVE\nTRACK 01 AUDIO\nTITLE \"One\"\nINDEX 01 00:00:00\n\
+              TRACK 02 AUDIO\nPERFORMER \"Guest\"\nINDEX 00 00:00:10\nINDEX 01 00:00:20\n\
+              FILE b.wav WAVE\nTRACK 03 AUDIO\nINDEX 01 00:00:05\n",
+        ),
+        ("cue", "odd", b"FILE \"a.wav\nTRACK 01 AUDIO\nINDEX 01 99999:59:74\nINDEX 01 0:0:1\nTRACK 2 MODE1\nINDEX 1 0:0:0"),
+    ];
+    let of = |(end, name, text): &(&str, &str, &[u8])| {
+        let choice = LIST_ENDS.iter().position(|known| known == end).unwrap_or(0);
+        seed(format!("{name}.{end}"), [&[choice as u8], *text].concat())
+    };
+    texts.iter().map(of).collect()
+}
+
+/// Settings, good and broken.
+pub(crate) fn settings() -> Vec<Seed> {
+    let good =
+        "microphone = \"p:mic\"\nsystem = \"p:a.monitor\"\n\n[latency_ms]\n\"p:head\" = 180.0\nb = -5e1\n";
+    vec![
+        seed("good", good),
+        seed("out-of-range", "[latency_ms]\na = nan\nb = -inf\nc = 5000.1\nd = -1e300\ne = 5000\n"),
+        seed("odd", "latency_ms = { a = 1e400, \"\\u0000\" = 1 }\nsystem = '''\nx'''\n"),
+        seed("broken", "microphone = 3"),
+        seed("cut", "[latency_ms"),
+        seed("deep", "a = [[[[[[[[{b.c.d.e.f = 1979-05-27T07:32:00Z}]]]]]]]]"),
+        seed("no-text", b"\xff\xfe\0".to_vec()),
+    ]
+}
+
+/// Words of the scene language in libFuzzer's form.
+pub fn dictionary() -> String {
+    const SIGNS: &[&str] = &[
+        "(",
+        ")",
+        "{",
+        "}",
+        ",",
+        "..",
+        "=",
+        "==",
+        "<=",
+        ">=",
+        "!=",
+        "^",
+        "%",
+        "-",
+        "\\\"",
+        "#",
+        "##",
+        "for i in 0..9: ",
+        "let a = ",
+        "fn f(p) = ",
+        "if ",
+        " then ",
+        " else ",
+        "true",
+        "false",
+        ".xyz",
+        ".xx",
+        "1e39",
+        "1e-40",
+        "9999",
+        "0.5",
+        "param a = 0.5 in 0 .. 1",
+        "material m {",
+        "object o {",
+        "light l {",
+        "camera {",
+        "sky {",
+        "picture {",
+        "include \\\"a.scene\\\"",
+        "include \\\"self.scene\\\"",
+        "texture(\\\"a.png\\\", ",
+        "shape = ",
+        "bound = ",
+        "color = ",
+        "roughness = ",
+        "metalness = ",
+        "emission = ",
+        "reflect = ",
+        "blur = ",
+        "coat = ",
+        "haze = ",
+        "position = ",
+        "target = ",
+        "fov = ",
+        "radius = ",
+        "direction = ",
+        "exposure = ",
+        "bloom = ",
+        "tone_map = ",
+        "vec2(",
+        "vec3(",
+        "vec4(",
+    ];
+    let functions = lang::entries();
+    let words = SIGNS.iter().map(|sign| (*sign).to_owned());
+    let words = words.chain(lang::inputs().map(|(name, _)| name.to_owned()));
+    let words = words.chain(functions.iter().map(|entry| format!("{}(", entry.name)));
+    words.map(|word| format!("\"{word}\"\n")).collect()
+}
+
+/// A seed with some changes: bytes flipped, replaced, taken out, doubled, moved, or put in from another seed.
+pub fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
+    let mut random = Random(0x5EED ^ number as u64);
+    let mut bytes = seeds[number % seeds.len()].bytes.clone();
+    for _ in 0..1 + random.below(6) {
+        let at = random.below(bytes.len() + 1);
+        let end = (at + 1 + random.below(32)).min(bytes.len());
+        match random.below(8) {
+            0 => bytes.truncate(at),
+            1 => {
+                bytes.drain(at..end);
+            }
+            2 => {
+                let again = bytes[at..end].to_vec();
+                bytes.splice(at..at, again);
+            }
+            3 => {
+                let other = &seeds[random.below(seeds.len())].bytes;
+                let from = random.below(other.len() + 1);
+                let part = other[from..(from + random.below(64)).min(other.len())].to_vec();
+                bytes.splice(at..at, part);
+            }
+            4 => bytes.insert(at, [0, 1, 0x7F, 0x80, 0xFF][random.below(5)]),
+            _ => {
+                for byte in &mut bytes[at..end] {
+                    if random.below(8) == 0 {
+                        *byte = if random.below(2) == 0 {
+                            random.word() as u8
+                        } else {
+                            *byte ^ 1 << random.below(8)
+                        };
+                    }
+                }
+            }
+        }
+    }
+    bytes
+}

@@ -1,0 +1,107 @@
+//! Texts in the scene language.
+
+use mariana::graph::FrameInputs;
+use mariana::lang::{self, Diagnostic, Sources};
+use mariana::limits::LIMITS;
+use mariana::world::{World, WorldError};
+
+use super::bytes::hash;
+use super::random::Random;
+use super::words;
+
+/// Scenes of more clauses are not compiled to GLSL unless somebody asks.
+const GLSL_CLAUSES_MAX: usize = 6_000;
+
+/// Lexer and parser.
+pub(crate) fn syntax(data: &[u8]) {
+    let text = String::from_utf8_lossy(data);
+    let (diagnostics, sources) = lang::check_syntax("fuzz", &text);
+    for diagnostic in &diagnostics {
+        let span = diagnostic.span;
+        assert!(span.start <= span.end && span.end as usize <= text.len(), "{diagnostic:?}");
+    }
+    // To show mistakes takes longer than to find them, and `scene` shows all of its own.
+    if hash(data).is_multiple_of(8) {
+        check(&diagnostics, &sources);
+    }
+}
+
+/// A mistake stands somewhere in the text, and it can be shown.
+fn check(diagnostics: &[Diagnostic], sources: &Sources) {
+    assert!(diagnostics.len() <= LIMITS.scene_diagnostics_max + 1);
+    for diagnostic in diagnostics {
+        assert!(sources.place(diagnostic.span.start).is_some(), "{diagnostic:?}");
+        assert!(diagnostic.span.start <= diagnostic.span.end, "{diagnostic:?}");
+    }
+    let told = lang::render_all(diagnostics, sources, true);
+    assert_eq!(told.is_empty(), diagnostics.is_empty());
+}
+
+/// The world of a text, if it is a scene. What it includes is a function, itself, or not there.
+pub(crate) fn world(data: &[u8]) -> Option<World> {
+    let text = String::from_utf8_lossy(data);
+    let compiled = lang::compile("fuzz", &text, &mut |path| match path {
+        "a.scene" => Ok("fn a(p) = length(p) - 1".to_owned()),
+        "self.scene" => Ok(text.clone().into_owned()),
+        _ => Err("there is no such file".to_owned()),
+    });
+    assert_eq!(compiled.scene.is_some(), compiled.diagnostics.is_empty());
+    check(&compiled.diagnostics, &compiled.sources);
+    match World::new("fuzz", compiled.scene?, Vec::new()) {
+        Ok(world) => Some(world),
+        Err(error @ WorldError::Refused { .. }) => panic!("{error}"),
+        // Over a limit.
+        Err(WorldError::Graph { .. } | WorldError::Tape { .. }) => None,
+    }
+}
+
+/// From a text to all that is drawn of it.
+pub(crate) fn scene(data: &[u8]) {
+    let Some(world) = world(data) else { return };
+    let Ok(buffers) = world.tape_buffers() else { return };
+    let mut random = Random(hash(data));
+    for _ in 0..2 {
+        let inputs = frame_of(&world, &mut random);
+        world.frame_tape.values(&inputs);
+        let texels = buffers.texels(&inputs);
+        assert!(texels.len() <= buffers.texels_max());
+        words::check_directory(&texels, world.scene.objects.len());
+    }
+    if buffers.cost.total <= GLSL_CLAUSES_MAX
+        && let Err(error @ WorldError::Refused { .. }) = world.compiled_glsl()
+    {
+        panic!("{error}");
+    }
+}
+
+/// Some moment of some sound, as `frame` could give it to a world.
+pub(crate) fn frame_of(world: &World, random: &mut Random) -> FrameInputs {
+    let mut inputs = some_sound(random);
+    inputs.params = world.scene.params.iter().map(|param| random.between(param.min, param.max)).collect();
+    inputs.hoisted = world.hoisted.values(&inputs);
+    inputs
+}
+
+/// Features within their ranges.
+pub(crate) fn some_sound(random: &mut Random) -> FrameInputs {
+    let loud = random.below(3) as f32 / 2.0;
+    let mut unit = || loud * random.between(0.0, 1.0);
+    let mut inputs = FrameInputs {
+        volume: [unit(), unit()],
+        bands: std::array::from_fn(|_| unit()),
+        bass: unit(),
+        mid: unit(),
+        treble: unit(),
+        beat: unit(),
+        phase: unit(),
+        volume_mid: unit(),
+        volume_side: unit(),
+        pitch: unit(),
+        bass_drive: 4.0 * unit(),
+        tempo: 180.0 * unit(),
+        ..super::random::frame()
+    };
+    inputs.time = random.between(0.0, 600.0);
+    inputs.params = Vec::new();
+    inputs
+}

@@ -1,0 +1,78 @@
+//! What the interpreter shader does with its texels, on the processor; `mariana::tape::interpreter` tells the form.
+
+use mariana::graph::{FrameInputs, Point};
+use mariana::tape::{Clause, Instruction, Operand, opcode};
+
+/// Runs the tape that begins at a texel; all its slots at the end, and the two that END names.
+///
+/// # Panics
+/// The texels end before the tape does, or hold a word without a meaning.
+pub(crate) fn run(
+    texels: &[[u32; 4]],
+    start: usize,
+    point: &Point,
+    frame: &FrameInputs,
+) -> ([f32; 256], [usize; 2]) {
+    let mut slots = [0.0f32; 256];
+    let mut memory = vec![0.0f32; 1 << 16];
+    let inputs = point.inputs();
+    slots[..6].copy_from_slice(&inputs);
+    for texel in &texels[start..] {
+        for (place, [word, immediate]) in texel.as_chunks::<2>().0.iter().enumerate() {
+            let number = f32::from_bits(*immediate);
+            let value = |slots: &[f32; 256], operand| match operand {
+                Operand::Slot(slot) => slots[usize::from(slot)],
+                Operand::Immediate(_) => number,
+            };
+            let instruction = Clause::from_word(*word).decode().expect("a word without a meaning");
+            let (output, value) = match instruction {
+                Instruction::End if place == 1 => {
+                    let [_, _, first, second] = word.to_le_bytes();
+                    return (slots, [usize::from(first), usize::from(second)]);
+                }
+                // A first clause that is 0 does nothing.
+                Instruction::End => continue,
+                Instruction::Load { output, .. } => (output, number),
+                Instruction::Store { slot, memory: to } => {
+                    memory[usize::from(to)] = slots[usize::from(slot)];
+                    continue;
+                }
+                Instruction::Reload { output, memory: from } => (output, memory[usize::from(from)]),
+                Instruction::Texture { output, u, v } => {
+                    let (texture, channel) = (immediate / 4, immediate % 4);
+                    let (u, v) = (slots[usize::from(u)], slots[usize::from(v)]);
+                    (output, frame.texture(texture as u16, channel as u8, u, v))
+                }
+                Instruction::Input { output, place } => (output, inputs[usize::from(place)]),
+                Instruction::Unary { op, output, a } => (output, op.value(slots[usize::from(a)], 0.0, frame)),
+                Instruction::Binary { op, output, a, b } => {
+                    (output, op.value(value(&slots, a), value(&slots, b), frame))
+                }
+                Instruction::Page(_) | Instruction::SelectTexture { .. } => {
+                    panic!("the interpreter knows no {instruction:?}")
+                }
+            };
+            slots[usize::from(output)] = value;
+        }
+    }
+    panic!("the texels end before the tape does");
+}
+
+/// Every program that the directory of a world's texels names, and every tape of its textures' coordinates, ends.
+pub(crate) fn check_directory(texels: &[[u32; 4]], objects: usize) {
+    let ends = |start: u32| {
+        let tape = texels.get(start as usize..).unwrap_or(&[]);
+        let end = tape.iter().position(|texel| texel[2] & 255 == u32::from(opcode::END));
+        assert!(end.is_some(), "the tape at texel {start} does not end");
+    };
+    let words = texels.as_flattened();
+    let heads = words[..3].iter().chain(&words[4..4 + objects]);
+    for &program in heads {
+        let head = texels[program as usize];
+        let textures = head[3];
+        for texture in 0..textures {
+            ends(texels[(program + 1 + texture) as usize][1]);
+        }
+        ends(program + 1 + textures);
+    }
+}

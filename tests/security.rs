@@ -1,0 +1,100 @@
+//! SECURITY.md lists every place where Rust's checks are lifted, and nothing else.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const HEAD: &str = "| file | places | why |\n|---|---|---|\n";
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// A row for each file that holds `unsafe`: how many places there are, and the reason that the file gives.
+fn rows() -> String {
+    let mut files = Vec::new();
+    sources(&root().join("src"), &mut files);
+    files.sort();
+    let mut rows = String::new();
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        let name = file.strip_prefix(root()).unwrap().to_str().unwrap().replace('\\', "/");
+        let (places, unexplained) = places(&text);
+        assert!(unexplained.is_empty(), "{name}: give line {unexplained:?} a comment `// SAFETY: ...`");
+        let reason = text
+            .split_once("#![expect(unsafe_code, reason = \"")
+            .and_then(|(_, rest)| rest.split_once("\")]"));
+        assert_eq!(
+            reason.is_some(),
+            places > 0,
+            "{name} gives a reason for unsafe code exactly if it holds some"
+        );
+        if let Some((reason, _)) = reason {
+            rows += &format!("| `{name}` | {places} | {reason} |\n");
+        }
+    }
+    rows
+}
+
+/// How often the word `unsafe` stands outside of comments and lints, and the lines without an explanation above or beside
+/// them.
+fn places(text: &str) -> (usize, Vec<usize>) {
+    let lines: Vec<&str> = text.lines().collect();
+    let (mut count, mut unexplained) = (0, Vec::new());
+    for (number, line) in lines.iter().enumerate() {
+        let code = line.split("//").next().unwrap_or("");
+        let here =
+            code.split(|c: char| !c.is_alphanumeric() && c != '_').filter(|word| *word == "unsafe").count();
+        if here == 0 || code.trim_start().starts_with("#![") {
+            continue;
+        }
+        count += here;
+        let explained = line.contains("SAFETY:")
+            || lines[..number]
+                .iter()
+                .rev()
+                .take_while(|above| {
+                    above.trim_start().starts_with("//") || above.trim_start().starts_with("#[")
+                })
+                .any(|above| above.contains("SAFETY:"));
+        if !explained {
+            unexplained.push(number + 1);
+        }
+    }
+    (count, unexplained)
+}
+
+#[test]
+fn security_md_lists_every_unsafe_place_with_its_reason() {
+    let path = root().join("SECURITY.md");
+    let text = fs::read_to_string(&path).unwrap();
+    let (before, after) = text.split_once(HEAD).expect("SECURITY.md has the table of unsafe places");
+    let end = after.find("\n\n").map_or(after.len(), |end| end + 1);
+    let end = if after.starts_with('\n') { 0 } else { end };
+    let rows = rows();
+    if std::env::var_os("MARIANA_BLESS").is_some() {
+        fs::write(&path, format!("{before}{HEAD}{rows}{}", &after[end..])).unwrap();
+        return;
+    }
+    assert_eq!(&after[..end], rows, "MARIANA_BLESS=1 cargo test --test security writes the table anew");
+}
+
+#[test]
+fn unsafe_places_are_found_however_they_are_written() {
+    let text = "#![expect(unsafe_code, reason = \"x\")]\n// unsafe in words\n// SAFETY: so.\nunsafe { f() }\n\
+                let a = g(unsafe { h() });\nfn not_unsafe() {}\n/// # Safety\n// SAFETY: because\n// of that.\n#[inline]\n\
+                unsafe impl Send for X {}\n";
+    assert_eq!(places(text), (3, vec![5]));
+}
