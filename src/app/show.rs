@@ -172,7 +172,7 @@ impl Show {
             if new.is_some() {
                 stage.finish_picture(begun)?;
             } else {
-                stage.weigh_picture(begun);
+                stage.weigh_picture(level, begun);
             }
         }
         let corner = stage.corner_line();

@@ -158,9 +158,10 @@ impl Stage {
     }
 
     /// Looks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, where that would
-    /// not do either, not at all.
-    pub(super) fn weigh_picture(&mut self, now: Instant) {
-        let Some(seconds) = self.scene.seconds_of_picture() else { return };
+    /// not do either, not at all. For one that stands still there is time.
+    pub(super) fn weigh_picture(&mut self, level: Level, now: Instant) {
+        let moves = level == self.governor.level();
+        let Some(seconds) = self.scene.seconds_of_picture().filter(|_| moves) else { return };
         if self.governor.expects(now, seconds) {
             self.scene.give_picture_up();
         } else if seconds > LIMITS.picture_seconds_max {
