@@ -73,11 +73,12 @@ fn keys_pressed_at_random_killed_the_program() {
         let (status, told) = app.wait_for_end(Duration::from_secs(20));
         assert!(status.success(), "run {run}: it ended by {status} after {pressed:?}: {told}");
         println!(
-            "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?}; gone after {:?}",
+            "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?} at {:.1?}; gone after {:?}",
             answers.count,
             answers.median,
             answers.permille,
             answers.worst,
+            answers.worst_at,
             begun.elapsed()
         );
         if answers.worst > worst.worst {

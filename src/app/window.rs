@@ -8,8 +8,7 @@ use std::sync::Arc;
 
 use glutin::config::{ConfigTemplateBuilder, GlConfig};
 use glutin::context::{
-    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentContext, NotCurrentGlContext,
-    PossiblyCurrentContext, Version,
+    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext, Version,
 };
 use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
@@ -35,11 +34,9 @@ pub struct WindowWishes {
     pub log_debug: bool,
 }
 
-/// A window whose context is current on no thread yet. It is opened on the thread of the window's events and bound on the
-/// one that draws.
+/// A window without a context yet. It is opened on the thread of the window's events and bound on the one that draws, as
+/// drivers take their time.
 pub struct OpenWindow {
-    context: NotCurrentContext,
-    surface: Surface<WindowSurface>,
     config: glutin::config::Config,
     window: Arc<Window>,
     size: (u32, u32),
@@ -83,6 +80,25 @@ impl OpenWindow {
             })
             .map_err(|error| no_context(&error))?;
         let window = window.ok_or_else(|| AppError::NoContext("no window came with it".into()))?;
+        let size = window.inner_size().into();
+        let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
+        let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
+        let window = Arc::new(window);
+        Ok(Self { config, window, size, refresh_rate, log_debug: wishes.log_debug })
+    }
+
+    /// The window.
+    pub fn window(&self) -> Arc<Window> {
+        self.window.clone()
+    }
+
+    /// Makes a context for it and makes that current on this thread.
+    ///
+    /// # Errors
+    /// The driver refuses, or has no OpenGL 3.3.
+    pub fn bind(self) -> Result<GlWindowContext, AppError> {
+        let Self { config, window, size, refresh_rate, log_debug } = self;
+        let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
         let handle = window.window_handle().map_err(|error| no_context(&error))?.as_raw();
         let display = config.display();
         let wanted = ContextAttributesBuilder::new()
@@ -106,30 +122,11 @@ impl OpenWindow {
                 display.create_window_surface(&config, &attributes).map_err(|error| no_context(&error))?;
             (context, surface)
         };
-        let size = window.inner_size().into();
-        let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
-        let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
-        let window = Arc::new(window);
-        Ok(Self { context, surface, config, window, size, refresh_rate, log_debug: wishes.log_debug })
-    }
-
-    /// The window.
-    pub fn window(&self) -> Arc<Window> {
-        self.window.clone()
-    }
-
-    /// Makes its context current on this thread.
-    ///
-    /// # Errors
-    /// The driver refuses, or has no OpenGL 3.3.
-    pub fn bind(self) -> Result<GlWindowContext, AppError> {
-        let Self { context, surface, config, window, size, refresh_rate, log_debug } = self;
-        let context =
-            context.make_current(&surface).map_err(|error| AppError::NoContext(error.to_string()))?;
+        let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
         if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
             tracing::info!("no vertical sync ({error}); the frame cap holds alone");
         }
-        let gl = Gl::load(|name| config.display().get_proc_address(name), log_debug)?;
+        let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
         tracing::info!("window context by {}", config_kind(&config));
         let size = Cell::new(size);
         Ok(GlWindowContext { gl, context, surface, config, window, size, refresh_rate })

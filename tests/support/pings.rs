@@ -22,8 +22,11 @@ const PATIENCE: Duration = Duration::from_secs(120);
 pub struct Pings {
     thread: Option<JoinHandle<()>>,
     over: Arc<AtomicBool>,
-    answers: Arc<Mutex<Vec<Duration>>>,
+    answers: Arc<Mutex<Vec<Answer>>>,
 }
+
+/// How long an answer took, and when it was asked for.
+type Answer = (Duration, Instant);
 
 /// How long answers took.
 #[derive(Debug, Clone, Copy, Default)]
@@ -36,13 +39,15 @@ pub struct Answers {
     pub permille: Duration,
     /// The slowest one.
     pub worst: Duration,
+    /// When that was asked for, counted from the first.
+    pub worst_at: Duration,
 }
 
 impl Pings {
     /// Asks the window with this number on this display.
     pub fn start(display: &str, window: Window) -> Self {
         let over = Arc::new(AtomicBool::new(false));
-        let answers = Arc::<Mutex<Vec<Duration>>>::default();
+        let answers = Arc::<Mutex<Vec<Answer>>>::default();
         let (display, stop, noted) = (display.to_owned(), over.clone(), answers.clone());
         let thread = std::thread::spawn(move || ask(&display, window, &stop, &noted));
         Self { thread: Some(thread), over, answers }
@@ -53,16 +58,20 @@ impl Pings {
         self.over.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap();
         let mut times = self.answers.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let Some((_, first)) = times.first().copied() else { return Answers::default() };
         times.sort();
-        let at = |share: f64| {
-            let place = (times.len() as f64 * share) as usize;
-            times.get(place.min(times.len().saturating_sub(1))).copied().unwrap_or_default()
-        };
-        Answers { count: times.len(), median: at(0.5), permille: at(0.999), worst: at(1.0) }
+        let at = |share: f64| times[((times.len() as f64 * share) as usize).min(times.len() - 1)];
+        Answers {
+            count: times.len(),
+            median: at(0.5).0,
+            permille: at(0.999).0,
+            worst: at(1.0).0,
+            worst_at: at(1.0).1 - first,
+        }
     }
 }
 
-fn ask(display: &str, window: Window, over: &AtomicBool, answers: &Mutex<Vec<Duration>>) {
+fn ask(display: &str, window: Window, over: &AtomicBool, answers: &Mutex<Vec<Answer>>) {
     let (connection, screen) = RustConnection::connect(Some(display)).unwrap();
     let root = connection.setup().roots[screen].root;
     // Answers go to the root window.
@@ -96,7 +105,7 @@ fn ask(display: &str, window: Window, over: &AtomicBool, answers: &Mutex<Vec<Dur
                 break;
             }
         }
-        answers.lock().unwrap_or_else(PoisonError::into_inner).push(asked.elapsed());
+        answers.lock().unwrap_or_else(PoisonError::into_inner).push((asked.elapsed(), asked));
         std::thread::sleep(PERIOD.saturating_sub(asked.elapsed()));
     }
 }
