@@ -12,6 +12,7 @@ pub mod config;
 pub mod dsp;
 pub mod ending;
 pub mod export;
+pub mod faults;
 pub mod flash;
 pub mod frame;
 pub mod gpu;

@@ -6,11 +6,12 @@
 mod support;
 
 use std::path::PathBuf;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use image::RgbaImage;
 use support::compare::{LOOSE, difference};
 use support::desktop::{App, Desktop, PROGRAM, command_in};
+use support::pings::Pings;
 use support::process::{output_of, wait_until};
 use support::wave::write_wav;
 
@@ -59,9 +60,14 @@ impl Place {
     }
 
     fn open(&self, size: &str, options: &[&str]) -> App<'_> {
+        self.open_with(&[], size, options)
+    }
+
+    /// The same with more variables in the program's environment.
+    fn open_with(&self, variables: &[(&str, &str)], size: &str, options: &[&str]) -> App<'_> {
         let scene = self.scene.to_str().unwrap();
         let all = [&["-v", "--silent", "--size", size, "--scene", scene], options].concat();
-        let mut app = self.desktop.open(&self.song, &all);
+        let mut app = self.desktop.open_with(variables, &self.song, &all);
         app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
         app
     }
@@ -101,4 +107,72 @@ fn fewer_pixels_show_the_same_picture() {
 fn alike(seen: &RgbaImage, wanted: &RgbaImage) -> bool {
     let found = difference(seen, wanted, LOOSE.visible);
     found.mean <= LOOSE.mean_max && found.share <= LOOSE.share_max
+}
+
+/// Spheres that flow together, so many that no tree of them is built in any time worth waiting for.
+fn foam(count: usize) -> String {
+    format!(
+        "object foam {{ shape = smooth_union(for i in 0..{count}: sphere(p - vec3(3 * sin(i * 12.9898), \
+         2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.25 + 0.1 * sin(t + i)), 0.2) }}"
+    )
+}
+
+#[test]
+fn a_scene_that_took_minutes_for_a_picture_kept_the_window_and_the_last_good_scene() {
+    let place = Place::new("object ball { shape = sphere(p - vec3(0, 1, 0), 0.7 + 0.1 * sin(3 * t)) }", 200);
+    std::fs::write(place.desktop.folder().join("p_foam.scene"), foam(1_500)).unwrap();
+    let mut app = place.open("160x90", &[]);
+    let pings = Pings::start(place.desktop.display(), app.window().parse().unwrap());
+    app.press(&["n"]);
+    let begun = Instant::now();
+    while !app.told().contains("p_foam is too much for this machine; the last good scene stays") {
+        assert!(begun.elapsed() < Duration::from_secs(150), "it was not refused: {}", app.told());
+        assert!(app.runs(), "{}", app.told());
+        // All the while what was shown moves.
+        let picture = app.picture();
+        wait_until("another picture", || app.picture() != picture);
+    }
+    let told = app.told();
+    assert!(told.contains("clauses") && told.contains("make it of fewer or simpler parts"), "{told}");
+    app.press(&["space"]);
+    app.wait_for_title("the scene before, paused", |title| title.contains("own") && title.contains("paused"));
+    let answers = pings.stop();
+    assert!(answers.count > 0 && answers.worst < Duration::from_secs(10), "{answers:?}");
+}
+
+#[test]
+fn a_context_that_was_lost_ended_the_show() {
+    let place = Place::new(SMOOTH, 200);
+    let mut app = place.open_with(&[("MARIANA_FAULT", "context-lost@2")], "160x90", &["--sdf", "compiled"]);
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let before = app.picture();
+    app.wait_until_told("the driver has lost its context");
+    app.wait_for_title("the same scene, still paused", |title| title.contains("own, compiled, paused"));
+    // Its notice fades.
+    wait_until("the same picture", || {
+        difference(&app.picture(), &before, LOOSE.visible).share <= LOOSE.share_max
+    });
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(Duration::from_secs(20));
+    assert!(status.success(), "{status}: {told}");
+}
+
+#[test]
+fn a_driver_without_room_for_a_picture_ended_the_show() {
+    let place = Place::new(SMOOTH, 200);
+    let mut app = place.open_with(&[("MARIANA_FAULT", "no-target@2")], "160x90", &["--sdf", "compiled"]);
+    let answered = Instant::now();
+    // Targets are made when the size changes.
+    while !app.told().contains("could not make a render target") {
+        for size in [["170", "100"], ["160", "90"]] {
+            app.xdotool(&[&["windowsize", app.window()], &size[..]].concat());
+            std::thread::sleep(Duration::from_millis(200));
+        }
+        assert!(app.runs() && answered.elapsed() < Duration::from_secs(30), "{}", app.told());
+    }
+    wait_until("a picture", || app.picture().pixels().any(|pixel| pixel.0[..3] != [0; 3]));
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(Duration::from_secs(20));
+    assert!(status.success(), "{status}: {told}");
 }

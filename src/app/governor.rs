@@ -111,6 +111,8 @@ pub struct Governor {
     /// When the last frames at this level were, and what they cost in seconds.
     frames: VecDeque<(Instant, f64)>,
     settling: usize,
+    /// Whether the driver had no room for a picture once.
+    lacks_room: bool,
     last: Option<Instant>,
     patience: Duration,
     /// When a better level was tried last.
@@ -136,6 +138,7 @@ impl Governor {
             level,
             frames: VecDeque::new(),
             settling: SETTLING,
+            lacks_room: false,
             last: None,
             patience: PATIENCE.0,
             tried: None,
@@ -153,7 +156,7 @@ impl Governor {
     /// How a picture that stands still is drawn: there is time for it.
     pub fn still_level(&self) -> Level {
         match self.choice {
-            QualityChoice::Auto | QualityChoice::Best => STILL,
+            QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => STILL,
             _ => self.level(),
         }
     }
@@ -197,6 +200,16 @@ impl Governor {
             self.give_way(now, seconds);
         }
         self.level != before
+    }
+
+    /// Draws fewer pixels from now on, whatever they cost. False if there are no fewer.
+    pub fn make_smaller(&mut self) -> bool {
+        let has_smaller = self.level + 1 < LEVELS.len();
+        if has_smaller {
+            self.lacks_room = true;
+            self.change(self.level + 1);
+        }
+        has_smaller
     }
 
     /// Seconds for a frame at a level.

@@ -13,7 +13,7 @@ use super::pointer::Pointer;
 use super::scene_stage::{SceneLoader, SceneStage};
 use super::sound::{Sound, Start};
 use super::stage::Stage;
-use super::window::OpenWindow;
+use super::window::{GlWindowContext, OpenWindow};
 use super::window_thread::Waker;
 use crate::audio::playlist::Opened;
 use crate::audio::{OutputChoice, Player, PlayerOptions};
@@ -21,6 +21,7 @@ use crate::config::PlaySettings;
 use crate::dsp::TapTempo;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
+use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::{ReadyScene, SceneSource};
 
@@ -53,18 +54,12 @@ impl Opening<'_> {
             window.set_fullscreen(true);
         }
         let title = String::new();
-        let library = &scene.shaders;
-        let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
-        renderer.prepare_for_window(library)?;
-        if settings.limit_flashes {
-            renderer.add_flash_limiter(library)?;
-        }
-        renderer.set_tone_map(scene.tone_map);
+        let renderer = renderer(&window, settings, scene)?;
         let of_scenes = waker.clone();
         let scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
-            library,
+            &scene.shaders,
             (scene.sdf, scene.regions, scene.view),
             loader,
             first,
@@ -128,4 +123,81 @@ impl Opening<'_> {
             window,
         })
     }
+}
+
+/// A renderer for a window.
+fn renderer(
+    window: &GlWindowContext,
+    settings: &PlaySettings,
+    scene: &SceneChoice,
+) -> Result<Renderer, AppError> {
+    let library = &scene.shaders;
+    let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
+    renderer.prepare_for_window(library)?;
+    if settings.limit_flashes {
+        renderer.add_flash_limiter(library)?;
+    }
+    renderer.set_tone_map(scene.tone_map);
+    Ok(renderer)
+}
+
+/// Makes everything anew that was of a context which is lost. The song goes on meanwhile, and so does all that was chosen.
+///
+/// # Errors
+/// The driver gives no other context.
+pub(super) fn renewed(
+    stage: Stage,
+    settings: &PlaySettings,
+    scene: &SceneChoice,
+    waker: &Waker,
+) -> Result<Stage, AppError> {
+    let Stage { overlay, renderer: old_renderer, scene: old_scene, window, .. } = stage;
+    // What was made in the context goes while it is current: its names mean something else in the next one.
+    drop(overlay);
+    drop(old_renderer);
+    let kept = old_scene.let_go();
+    let Some(shown) = kept.shown else {
+        return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
+    };
+    let window = window.let_go().bind()?;
+    let of_scenes = waker.clone();
+    let mut scenes = SceneStage::new(
+        window.gl(),
+        window.worker_contexts(COMPILERS),
+        &scene.shaders,
+        kept.ways,
+        kept.loader,
+        shown,
+        move || of_scenes.wake(),
+    )?;
+    scenes.take_over(kept.moved, kept.wanted);
+    let mut announcer = stage.announcer;
+    announcer.answer("the driver had lost the picture: it is drawn anew".to_owned());
+    Ok(Stage {
+        renderer: renderer(&window, settings, scene)?,
+        scene: scenes,
+        overlay: Overlay::new(window.gl(), window.window()),
+        shown: None,
+        pictured: None,
+        announcer,
+        window,
+        sound: stage.sound,
+        taps: stage.taps,
+        paused: stage.paused,
+        pacing: stage.pacing,
+        frame_times: stage.frame_times,
+        governor: stage.governor,
+        window_size: stage.window_size,
+        moved: Instant::now(),
+        status_due: stage.status_due,
+        told_silent: stage.told_silent,
+        controls: stage.controls,
+        title: stage.title,
+        pointer: stage.pointer,
+        shift: stage.shift,
+        occluded: stage.occluded,
+        help: stage.help,
+        sliders: stage.sliders,
+        corner: stage.corner,
+    })
 }

@@ -119,6 +119,11 @@ impl SceneRegions {
         Some((frame, shown))
     }
 
+    /// Whether cells are used where they can be.
+    pub fn are_wanted(&self) -> bool {
+        self.wanted
+    }
+
     /// Asks for the first tree of a scene that is to come on the stage, in place of any other one's.
     pub fn try_tree(&self, id: u64, scene: &SceneResources) {
         scene.set_cells(self.wanted || scene.world().steep);

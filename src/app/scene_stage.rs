@@ -85,6 +85,20 @@ enum Task {
     Views(ViewsOf),
 }
 
+/// What outlives the context that scenes are drawn in.
+pub struct KeptScenes {
+    /// What loads scenes.
+    pub loader: SceneLoader,
+    /// The scene that was shown.
+    pub shown: Option<(SceneSource, ReadyScene)>,
+    /// The scene that was asked for last.
+    pub wanted: SceneSource,
+    /// Parameters that were moved.
+    pub moved: HashMap<String, f32>,
+    /// How scenes are drawn: in which mode, whether with regions, as which view.
+    pub ways: (SdfChoice, bool, Option<ViewChoice>),
+}
+
 /// The scene on the stage, and the one behind it.
 pub struct SceneStage {
     gl: Gl,
@@ -166,6 +180,31 @@ impl SceneStage {
         };
         stage.prepare(source, first)?;
         Ok(stage)
+    }
+
+    /// Ends with all that is of its context, and gives what another stage goes on with.
+    pub fn let_go(self) -> KeptScenes {
+        let shown = self.on_stage.or(self.coming).map(|cast| {
+            let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
+            (cast.source, ReadyScene { world, buffers, plan: cast.resources.plan().clone() })
+        });
+        KeptScenes {
+            loader: self.loader,
+            shown,
+            wanted: self.source,
+            moved: self.moved,
+            ways: (self.choice, self.regions.are_wanted(), self.views.choice()),
+        }
+    }
+
+    /// Goes on where another stage ended: with the parameters that were moved, and the scene that was asked for.
+    pub fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
+        self.moved = moved;
+        if wanted != self.source {
+            self.list = SceneList::around(&wanted);
+            self.source = wanted.clone();
+            self.loader.request(wanted);
+        }
     }
 
     /// Takes in what the loader and the compilers have finished.

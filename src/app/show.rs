@@ -11,7 +11,7 @@ use super::announcer::next_repeat;
 use super::error::AppError;
 use super::keys::{self, Action};
 use super::media_controls::Asked;
-use super::opening::Opening;
+use super::opening::{Opening, renewed};
 use super::pointer::Gesture;
 use super::scene_regions::Shown;
 use super::scene_stage::{Drawn, SceneLoader};
@@ -25,9 +25,12 @@ use crate::config::PlaySettings;
 use crate::dsp::{self, TapTempo};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
+use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
 
+/// A context that is lost again so soon after it was made anew is not made again.
+const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 /// How often status (title, messages) is looked at.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 
@@ -68,9 +71,23 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         let opening = Opening { tracks, settings: &settings, scene: &scene, scene_at_start: (loader, first) };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { dropped: Vec::new(), settings, started, stage, over: false };
-        let ended = show.go_on(&inbox);
-        tracing::info!("{}", show.stage.frame_times);
-        ended
+        let mut renewed_at: Option<Instant> = None;
+        loop {
+            match show.go_on(&inbox) {
+                Err(AppError::Gpu(GpuError::ContextLost { doing }))
+                    if renewed_at.is_none_or(|at| at.elapsed() > RENEWED_AGAIN) =>
+                {
+                    tracing::warn!("the driver has lost its context while {doing}");
+                    renewed_at = Some(Instant::now());
+                    let stage = renewed(show.stage, &show.settings, &scene, &of_show)?;
+                    show.stage = stage;
+                }
+                ended => {
+                    tracing::info!("{}", show.stage.frame_times);
+                    return ended;
+                }
+            }
+        }
     };
     Ok(window_thread::run(event_loop, wishes, &waker, Box::new(play))?)
 }
@@ -168,7 +185,8 @@ impl Show {
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
             let sound = dsp::Sound { features: moment.features, tables: curves };
             let aspect = f64::from(size.0) / f64::from(size.1.max(1));
-            new = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level))?;
+            let drawn = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level));
+            new = stage.without_room_smaller(drawn)?;
             if new.is_some() {
                 stage.finish_picture(begun)?;
             } else {

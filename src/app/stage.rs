@@ -11,7 +11,7 @@ use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
 use super::pointer::Pointer;
 use super::scene_regions::Shown;
-use super::scene_stage::SceneStage;
+use super::scene_stage::{Drawn, SceneStage};
 use super::sound::Sound;
 use super::window::GlWindowContext;
 use crate::audio::track::Repeat;
@@ -166,6 +166,26 @@ impl Stage {
             self.scene.give_picture_up();
         } else if seconds > LIMITS.picture_seconds_max {
             self.scene.take_back(seconds);
+        }
+    }
+
+    /// What was drawn. Where the driver has no room for a picture, the next one is drawn smaller and this one is left out.
+    pub(super) fn without_room_smaller(
+        &mut self,
+        drawn: Result<Option<Drawn>, GpuError>,
+    ) -> Result<Option<Drawn>, GpuError> {
+        match drawn {
+            Err(GpuError::Object { what, reason })
+                if self.shown.is_some() && self.governor.make_smaller() =>
+            {
+                tracing::warn!("the driver could not make {what}: {reason}");
+                self.announcer.answer(
+                    "the driver has no room for a picture of this size: a smaller one is drawn".to_owned(),
+                );
+                self.scene.give_picture_up();
+                Ok(None)
+            }
+            drawn => drawn,
         }
     }
 

@@ -8,9 +8,11 @@ use std::sync::Arc;
 
 use glutin::config::{ConfigTemplateBuilder, GlConfig};
 use glutin::context::{
-    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext, Version,
+    ContextApi, ContextAttributesBuilder, GlProfile, NotCurrentGlContext, PossiblyCurrentContext,
+    PossiblyCurrentGlContext, Version,
 };
 use glutin::display::{GetGlDisplay, GlDisplay};
+use glutin::error::ErrorKind;
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
 use glutin_winit::{ApiPreference, DisplayBuilder, GlWindow};
 use winit::dpi::PhysicalSize;
@@ -20,6 +22,7 @@ use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use super::error::AppError;
 use crate::gpu::background::WorkerContext;
+use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 
 /// Which window to open.
@@ -146,6 +149,18 @@ impl GlWindowContext {
         if is_egl { made.flatten().collect() } else { Vec::new() }
     }
 
+    /// Gives up the context, and the surface with it; what was made in it must be gone. [`OpenWindow::bind`] makes another.
+    pub fn let_go(self) -> OpenWindow {
+        let Self { gl, context, surface, config, window, size, refresh_rate } = self;
+        drop(gl);
+        // A surface that is in use lives on, and a window has no second one.
+        if let Err(error) = context.make_not_current() {
+            tracing::warn!("the old context stays in use: {error}");
+        }
+        drop(surface);
+        OpenWindow { config, window, size: size.get(), refresh_rate, log_debug: false }
+    }
+
     /// The functions of the context.
     pub fn gl(&self) -> &Gl {
         &self.gl
@@ -178,9 +193,10 @@ impl GlWindowContext {
     /// A lost surface.
     pub fn swap(&self) -> Result<(), AppError> {
         self.window.pre_present_notify();
-        self.surface
-            .swap_buffers(&self.context)
-            .map_err(|error| AppError::Window { doing: "to show a frame", reason: error.to_string() })
+        self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
+            ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
+            _ => AppError::Window { doing: "to show a frame", reason: error.to_string() },
+        })
     }
 
     /// Frames per second of the window's monitor, where it tells.

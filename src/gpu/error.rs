@@ -70,7 +70,15 @@ pub enum GpuError {
         /// The driver's largest side.
         limit: u32,
     },
-    /// The driver reported an error or lost the context.
+    /// The driver was reset, or has lost the context for another reason.
+    #[error(
+        "the driver has lost its context while {doing}: start Mariana again if the picture does not come back"
+    )]
+    ContextLost {
+        /// What was being done.
+        doing: &'static str,
+    },
+    /// The driver reported an error.
     #[error("OpenGL reports {what} while {doing}")]
     Driver {
         /// The GL error.

@@ -10,6 +10,7 @@ use glow::HasContext;
 use serde::Serialize;
 
 use super::error::GpuError;
+use crate::faults::{self, Fault};
 
 /// The functions of the context that is current on this thread. Clones share it.
 ///
@@ -107,6 +108,7 @@ impl Gl {
     pub fn check(&self, doing: &'static str) -> Result<(), GpuError> {
         // SAFETY: the context is current on this thread (Gl is neither Send nor Sync).
         let code = unsafe { self.functions.get_error() };
+        let code = if faults::strikes(Fault::ContextLost) { glow::CONTEXT_LOST } else { code };
         let what = match code {
             glow::NO_ERROR => return Ok(()),
             glow::INVALID_ENUM => "an invalid enumerant".to_owned(),
@@ -114,7 +116,7 @@ impl Gl {
             glow::INVALID_OPERATION => "an invalid operation".to_owned(),
             glow::INVALID_FRAMEBUFFER_OPERATION => "an incomplete framebuffer".to_owned(),
             glow::OUT_OF_MEMORY => "that its memory is used up".to_owned(),
-            glow::CONTEXT_LOST => "that the context is lost".to_owned(),
+            glow::CONTEXT_LOST => return Err(GpuError::ContextLost { doing }),
             other => format!("error {other:#06x}"),
         };
         Err(GpuError::Driver { what, doing })

@@ -145,13 +145,12 @@ impl Program {
 
     /// What another context of the same driver needs to have the program, too; `texts` are what it was made of.
     pub fn ready(&self, texts: ProgramTexts) -> ReadyProgram {
-        // SAFETY: the program is linked and ours, and the functions are there where the driver has binaries.
-        let binary = self
-            .gl
-            .info()
-            .program_binaries
-            .then(|| unsafe { self.gl.get_program_binary(self.object.native()) })
-            .flatten();
+        let binary = if self.gl.info().program_binaries {
+            // SAFETY: the program is linked and ours, and the functions are there where the driver has binaries.
+            unsafe { self.gl.get_program_binary(self.object.native()) }
+        } else {
+            None
+        };
         ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()) }
     }
 

@@ -9,6 +9,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Framebuffer, Renderbuffer, Texture};
+use crate::faults::{self, Fault};
 
 /// A framebuffer with its colour textures, all of one size, and optionally a stencil.
 pub struct Target {
@@ -95,6 +96,10 @@ impl Target {
         stencil: Option<Rc<Stencil>>,
     ) -> Result<Self, GpuError> {
         Self::check_size(gl, size)?;
+        if faults::strikes(Fault::NoTarget) {
+            let reason = "no memory is left (a fault that was asked for)".to_owned();
+            return Err(GpuError::Object { what: "a render target", reason });
+        }
         let framebuffer = Framebuffer::new(gl)?;
         let mut colors = Vec::with_capacity(texels.len());
         // SAFETY: all names are ours and made in the current context.

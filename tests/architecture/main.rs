@@ -24,6 +24,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("cli", EVERYTHING),
     ("limits", &[]),
     ("ending", &[]),
+    ("faults", &[]),
     ("atomic_file", &["ending"]),
     ("lang", &["graph", "limits"]),
     ("graph", &["limits"]),
@@ -36,7 +37,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("frame", &["world", "graph", "dsp", "limits"]),
     ("view", &["frame", "world", "limits"]),
     ("flash", &["limits"]),
-    ("gpu", &["frame", "view", "flash", "world", "region", "graph", "tape", "limits"]),
+    ("gpu", &["frame", "view", "flash", "world", "region", "graph", "tape", "faults", "limits"]),
     ("scenes", &["lang", "world", "region", "limits"]),
     (
         "app",

@@ -1,0 +1,63 @@
+//! Faults that tests cause: what drivers do on bad days, at a moment that a test chooses.
+//!
+//! In builds with debug assertions the variable `MARIANA_FAULT` names a fault and after how many seconds it strikes, once:
+//! `context-lost@3`. In others nothing of it is compiled.
+
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// What goes wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// The driver reports that the context is lost, as after a reset of the GPU.
+    ContextLost,
+    /// The driver has no memory for a render target.
+    NoTarget,
+}
+
+impl Fault {
+    fn named(name: &str) -> Option<Self> {
+        match name {
+            "context-lost" => Some(Self::ContextLost),
+            "no-target" => Some(Self::NoTarget),
+            _ => None,
+        }
+    }
+}
+
+/// The fault that is to strike, and when.
+static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
+static STRUCK: AtomicBool = AtomicBool::new(false);
+
+/// Whether a fault strikes here and now. Seconds count from the first time that this is asked.
+pub fn strikes(fault: Fault) -> bool {
+    if !cfg!(debug_assertions) {
+        return false;
+    }
+    let wanted = WANTED.get_or_init(|| wanted(&std::env::var("MARIANA_FAULT").ok()?));
+    wanted.is_some_and(|(wanted, due)| wanted == fault && Instant::now() >= due)
+        && !STRUCK.swap(true, Ordering::Relaxed)
+}
+
+fn wanted(text: &str) -> Option<(Fault, Instant)> {
+    let (name, seconds) = text.split_once('@')?;
+    let after = Duration::try_from_secs_f64(seconds.parse().ok()?).ok()?;
+    Some((Fault::named(name)?, Instant::now().checked_add(after)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faults_are_named_with_their_moment() {
+        assert_eq!(wanted("context-lost@2").map(|(fault, _)| fault), Some(Fault::ContextLost));
+        assert_eq!(wanted("no-target@0.5").map(|(fault, _)| fault), Some(Fault::NoTarget));
+        for text in
+            ["", "context-lost", "context-lost@", "@1", "nothing@1", "no-target@-1", "no-target@1e300"]
+        {
+            assert!(wanted(text).is_none(), "{text}");
+        }
+    }
+}
