@@ -6,6 +6,7 @@ pub mod error;
 mod frame_times;
 mod governor;
 pub mod keys;
+mod lost_display;
 mod media_controls;
 mod opening;
 pub mod overlay;

@@ -1,5 +1,6 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
+pub mod address_space;
 pub mod background;
 mod bloom;
 mod edge_list;
