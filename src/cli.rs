@@ -30,7 +30,6 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
-use crate::gpu::address_space::spare_where_limited;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
 
@@ -289,7 +288,8 @@ struct BenchArguments {
 pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
     ending::outlive_file_limits();
-    spare_where_limited();
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    crate::gpu::address_space::spare_where_limited();
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 

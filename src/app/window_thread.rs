@@ -15,9 +15,9 @@ use winit::window::{Window, WindowId};
 
 use super::error::AppError;
 use super::keys::{self, Action};
-use super::lost_display;
 use super::window::{OpenWindow, WindowWishes};
 use crate::ending::{self, Signal};
+use crate::export::print::tell;
 
 /// How long the end waits for a show that a driver keeps: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
@@ -89,7 +89,8 @@ pub(super) fn run(
         show_ended: false,
         result: Ok(()),
     };
-    lost_display::end_with_the_reason();
+    #[cfg(all(unix, not(target_os = "macos")))]
+    super::lost_display::end_with_the_reason();
     event_loop
         .run_app(&mut front)
         .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
@@ -198,7 +199,7 @@ impl ApplicationHandler<Told> for Front {
         let Some(Running { show, window }) = self.running.take() else { return };
         if !self.show_ended && self.ends_by.is_none() {
             // Nobody asked for the end: the window system has gone, and the show may wait for it for ever.
-            lost_display::end();
+            end_without_display();
         }
         while !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() < until) {
             std::thread::sleep(Duration::from_millis(1));
@@ -213,6 +214,13 @@ impl ApplicationHandler<Told> for Front {
         });
         drop(window);
     }
+}
+
+/// Ends the process, whose display has gone, and says so.
+pub(super) fn end_without_display() -> ! {
+    let leaving = ending::begin_to_leave();
+    tell(&AppError::DisplayLost.to_string());
+    leaving.leave(1)
 }
 
 /// Tells the event loop when it is dropped that the show has ended.

@@ -7,7 +7,6 @@
 /// Otherwise each thread, and a driver has many, reserves 64 MiB for a heap of its own, of which it uses little: a show
 /// that needs 0.5 GiB dies within a driver where it may reserve 1 GiB.
 pub fn spare_where_limited() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if is_limited(&std::fs::read_to_string("/proc/self/limits").unwrap_or_default()) {
         /// Enough that threads seldom wait for each other.
         const HEAPS: libc::c_int = 2;
@@ -17,7 +16,6 @@ pub fn spare_where_limited() {
 }
 
 /// Whether `limits`, as the kernel writes them, have one for the address space.
-#[cfg(any(test, all(target_os = "linux", target_env = "gnu")))]
 fn is_limited(limits: &str) -> bool {
     let row = limits.lines().find_map(|line| line.strip_prefix("Max address space"));
     row.and_then(|row| row.split_whitespace().next()).is_some_and(|soft| soft != "unlimited")
