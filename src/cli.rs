@@ -6,6 +6,7 @@ mod scene;
 mod view;
 
 use choices::{GainChoice, Quality, RepeatChoice, Sdf, Switch, ToneMapChoice};
+use std::ffi::OsString;
 use std::io::{BufWriter, IsTerminal, Write};
 use std::path::PathBuf;
 
@@ -122,7 +123,7 @@ struct PlayArguments {
 struct CommonArguments {
     /// What is shown: a scene's file, the name of a shipped one, or a formula such as "length(p) - 1"
     #[arg(long, value_name = "SCENE", default_value = DEFAULT_SCENE, allow_hyphen_values = true)]
-    scene: String,
+    scene: OsString,
     /// How the scene's formulas are run; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
@@ -287,6 +288,8 @@ struct BenchArguments {
 pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
     ending::outlive_file_limits();
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    crate::gpu::address_space::spare_where_limited();
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
@@ -319,8 +322,26 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     }
 }
 
+/// Scale factors of a window that something can still be read in.
+const SCALE_FACTORS: std::ops::RangeInclusive<f64> = 0.1..=20.0;
+
+/// Refuses what winit, which reads this variable on X11, answers with a panic, and what egui does.
+fn check_scale_factor() -> anyhow::Result<()> {
+    const NAME: &str = "WINIT_X11_SCALE_FACTOR";
+    let value = std::env::var(NAME).unwrap_or_default();
+    let is_number = value.parse().is_ok_and(|factor: f64| SCALE_FACTORS.contains(&factor));
+    if value.is_empty() || value.eq_ignore_ascii_case("randr") || is_number {
+        return Ok(());
+    }
+    let (least, most) = (SCALE_FACTORS.start(), SCALE_FACTORS.end());
+    anyhow::bail!(
+        "the variable {NAME} is '{value}': set it to a number from {least} to {most} or to randr, or unset it"
+    )
+}
+
 fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
+    check_scale_factor()?;
     let listen = match (arguments.mic, arguments.system) {
         (true, _) => Some(ListenChoice::Microphone),
         (false, true) => Some(ListenChoice::System),

@@ -30,6 +30,7 @@ test    cmd:Xvfb                  xvfb               xorg-x11-server-Xvfb xorg-s
 test    cmd:xdotool               xdotool            xdotool              xdotool           xdotool              -
 test    cmd:openbox               openbox            openbox              openbox           openbox              -
 test    cmd:wmctrl                wmctrl             wmctrl               wmctrl            wmctrl               -
+test    cmd:weston                weston             weston               weston            weston               -
 test    cmd:xwd                   x11-apps           xwd                  xorg-xwd          xwd                  -
 test    cmd:import                imagemagick        ImageMagick          imagemagick       ImageMagick          imagemagick
 test    cmd:pulseaudio            pulseaudio         pulseaudio           pulseaudio        pulseaudio           -

@@ -14,6 +14,16 @@ pub enum AppError {
          video', which need none"
     )]
     NoDisplay(String),
+    /// The window system was there and is not any more.
+    #[error(
+        "the window is gone, as its display has ended or broken the connection: start Mariana in a running session"
+    )]
+    DisplayLost,
+    /// The system gives no thread.
+    #[error(
+        "the system gives no more threads ({0}): close other programs, or allow more memory or processes (ulimit -a)"
+    )]
+    NoThread(String),
     /// The window system refused.
     #[error("the window system refuses {doing}: {reason}")]
     Window {

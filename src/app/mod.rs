@@ -6,6 +6,8 @@ pub mod error;
 mod frame_times;
 mod governor;
 pub mod keys;
+#[cfg(all(unix, not(target_os = "macos")))]
+mod lost_display;
 mod media_controls;
 mod opening;
 pub mod overlay;

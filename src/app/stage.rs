@@ -127,10 +127,11 @@ impl Stage {
         if still || self.scene.view().is_some() { self.governor.still_level() } else { self.governor.level() }
     }
 
-    /// The size in which a level draws the window. What is beyond the driver's textures is drawn smaller, too.
+    /// The size in which a level draws the window. What is beyond the driver's textures, or more pixels than a picture may
+    /// have, is drawn smaller, too.
     pub(super) fn drawn_size(&self, level: Level, window: (u32, u32)) -> (u32, u32) {
         let limit = self.window.gl().info().texture_side_max;
-        level.size_in((window.0.min(limit), window.1.min(limit)))
+        level.size_in(within_pixels((window.0.min(limit), window.1.min(limit)), LIMITS.picture_pixels_max))
     }
 
     /// Whether a show that stands still could be drawn better than it is.
@@ -226,6 +227,14 @@ impl Stage {
             self.title = title;
         }
     }
+}
+
+/// A size of at most `max` pixels and of the same form, as far as whole pixels allow.
+fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
+    let pixels = f64::from(size.0) * f64::from(size.1);
+    let scale = (max as f64 / pixels.max(1.0)).sqrt().min(1.0);
+    let side = |side: u32| ((f64::from(side) * scale) as u32).max(1);
+    (side(size.0), side(size.1))
 }
 
 /// Adds what there is to tell of the sound and the tracks.

@@ -17,6 +17,7 @@ use super::error::AppError;
 use super::keys::{self, Action};
 use super::window::{OpenWindow, WindowWishes};
 use crate::ending::{self, Signal};
+use crate::export::print::tell;
 
 /// How long the end waits for a show that a driver keeps: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
@@ -85,8 +86,11 @@ pub(super) fn run(
         begins_with: Some((wishes, play)),
         running: None,
         ends_by: None,
+        show_ended: false,
         result: Ok(()),
     };
+    #[cfg(all(unix, not(target_os = "macos")))]
+    super::lost_display::end_with_the_reason();
     event_loop
         .run_app(&mut front)
         .map_err(|error| AppError::Window { doing: "to run", reason: error.to_string() })?;
@@ -101,6 +105,8 @@ struct Front {
     running: Option<Running>,
     /// Since when it is over: how long the show is waited for.
     ends_by: Option<Instant>,
+    /// Whether the show has ended by itself.
+    show_ended: bool,
     result: Result<(), AppError>,
 }
 
@@ -122,9 +128,7 @@ impl Front {
             play(opened)
         };
         let thread = std::thread::Builder::new().name("show".into());
-        let show = thread
-            .spawn(show)
-            .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
+        let show = thread.spawn(show).map_err(|error| AppError::NoThread(error.to_string()))?;
         self.running = Some(Running { show, window });
         Ok(())
     }
@@ -176,7 +180,10 @@ impl ApplicationHandler<Told> for Front {
 
     fn user_event(&mut self, event_loop: &ActiveEventLoop, told: Told) {
         match told {
-            Told::Ended => event_loop.exit(),
+            Told::Ended => {
+                self.show_ended = true;
+                event_loop.exit();
+            }
             Told::End => self.end(event_loop),
         }
     }
@@ -190,6 +197,13 @@ impl ApplicationHandler<Told> for Front {
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
         let Some(Running { show, window }) = self.running.take() else { return };
+        if !self.show_ended && self.ends_by.is_none() {
+            // Nobody asked for the end: the window system has gone, and the show may wait for it for ever.
+            end_without_display();
+        }
+        while !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() < until) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
         if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
             // It draws into the window, by the connection that the event loop closes when this returns.
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
@@ -200,6 +214,13 @@ impl ApplicationHandler<Told> for Front {
         });
         drop(window);
     }
+}
+
+/// Ends the process, whose display has gone, and says so.
+pub(super) fn end_without_display() -> ! {
+    let leaving = ending::begin_to_leave();
+    tell(&AppError::DisplayLost.to_string());
+    leaving.leave(1)
 }
 
 /// Tells the event loop when it is dropped that the show has ended.

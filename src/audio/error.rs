@@ -21,7 +21,14 @@ pub enum PlayerError {
     },
     /// A thread could not be started.
     #[error("playback could not start a thread ({0}); close other programs and try again")]
-    Thread(#[from] std::io::Error),
+    Thread(std::io::Error),
+}
+
+impl From<std::io::Error> for PlayerError {
+    // Not as its source: the sentence has it, and sources are told after it.
+    fn from(error: std::io::Error) -> Self {
+        Self::Thread(error)
+    }
 }
 
 /// Which way sound goes through a device.

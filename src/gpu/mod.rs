@@ -1,5 +1,7 @@
 //! The GPU side: context, programs, targets, passes and readback. The only room that uses glow.
 
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub mod address_space;
 pub mod background;
 mod bloom;
 mod edge_list;

@@ -110,6 +110,10 @@ pub(super) struct Parts {
     areas: Vec<Part>,
     /// The row of the last area that is being cut, and what is left of it.
     row: Option<Part>,
+    /// Whether a draw is to come that tells nothing, as the driver may compile the program at it.
+    warms_up: bool,
+    /// Whether the part that was given last is that one.
+    warming_up: bool,
     /// Probes to come.
     probes: u32,
     /// Whether the part that was given last is one.
@@ -131,17 +135,18 @@ impl Parts {
     pub(super) fn of(areas: Vec<Part>, size: (u32, u32), cost: PixelCost) -> Self {
         let pixels: u64 = areas.iter().map(|area| area.pixels()).sum();
         let probes = if cost.is_known() || pixels < PROBED_MIN { 0 } else { PROBES * PROBES };
-        Self { areas, row: None, probes, probing: false, probed: Measured::default(), size }
+        let warms_up = !cost.is_known() && pixels > 0;
+        Self { areas, warms_up, probes, size, ..Self::default() }
     }
 
     /// Whether all that is left is drawn at once.
     pub(super) fn are_one(&self, cost: PixelCost) -> bool {
-        self.probes == 0 && cost.is_known() && cost.pixels() >= self.pixels_left()
+        !self.warms_up && self.probes == 0 && cost.is_known() && cost.pixels() >= self.pixels_left()
     }
 
     /// Whether the part that was given last was the only one.
     pub(super) fn were_one(&self) -> bool {
-        !self.probing && self.probed.pixels == 0 && self.pixels_left() == 0
+        !self.probing && !self.warming_up && self.probed.pixels == 0 && self.pixels_left() == 0
     }
 
     /// Pixels that are still to be drawn.
@@ -151,6 +156,10 @@ impl Parts {
 
     /// The next part; none when everything is drawn.
     pub(super) fn next(&mut self, cost: PixelCost) -> Option<Part> {
+        self.warming_up = std::mem::take(&mut self.warms_up);
+        if self.warming_up {
+            return Some(self.probe());
+        }
         self.probing = self.probes > 0;
         if self.probing {
             self.probes -= 1;
@@ -211,17 +220,21 @@ impl Parts {
 
     /// Takes note of how long the part took that was given last.
     pub(super) fn note(&mut self, part: Part, time: Duration, cost: &mut PixelCost) {
+        if self.warming_up {
+            return;
+        }
         cost.note(part.pixels(), time);
         self.probed.count += u32::from(self.probing);
         self.probed.pixels += part.pixels();
         self.probed.seconds += (time.as_secs_f64() - OVERHEAD).max(0.0);
     }
 
-    /// How long the rest will take, in seconds; none before enough is known.
-    pub(super) fn seconds_left(&self) -> Option<f64> {
+    /// How long all of it will take, in seconds, without what the driver compiled; none before enough is known.
+    pub(super) fn seconds(&self) -> Option<f64> {
         let known = self.probed;
         let tells = known.count >= TELLING || (self.probes == 0 && known.pixels > 0);
-        tells.then(|| known.seconds / known.pixels.max(1) as f64 * self.pixels_left() as f64)
+        let each = known.seconds / known.pixels.max(1) as f64;
+        tells.then(|| known.seconds + each * self.pixels_left() as f64)
     }
 }
 
@@ -240,7 +253,7 @@ mod tests {
                 for x in part.x..part.x + part.width {
                     seconds += cost(x, y);
                     if !parts.probing {
-                        seen[(y * size.0 + x) as usize] += 1;
+                        seen[(y * size.0 + x) as usize] += u32::from(!parts.warming_up);
                     }
                 }
             }
@@ -286,13 +299,30 @@ mod tests {
         let size = (320, 180);
         let mut cost = PixelCost::default();
         let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
-        assert_eq!(parts.seconds_left(), None);
-        for _ in 0..TELLING {
+        assert_eq!(parts.seconds(), None);
+        for _ in 0..=TELLING {
             let part = parts.next(cost).unwrap();
             parts.note(part, Duration::from_secs_f64(part.pixels() as f64 * 2e-3), &mut cost);
         }
-        let foretold = parts.seconds_left().unwrap();
+        let foretold = parts.seconds().unwrap();
         assert!((100.0..120.0).contains(&foretold), "{foretold}");
+    }
+
+    #[test]
+    fn a_driver_that_compiled_at_the_first_draw_made_a_scene_seem_dear() {
+        for size in [(160, 90), (30, 20)] {
+            let mut cost = PixelCost::default();
+            let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+            let first = parts.next(cost).unwrap();
+            parts.note(first, Duration::from_secs(5), &mut cost);
+            let mut drawn = 0;
+            while let Some(part) = parts.next(cost) {
+                parts.note(part, Duration::from_secs_f64(part.pixels() as f64 * 1e-5 + OVERHEAD), &mut cost);
+                assert!(parts.seconds().is_none_or(|seconds| seconds < 0.5), "{:?}", parts.seconds());
+                drawn += u64::from(!parts.probing) * part.pixels();
+            }
+            assert_eq!(drawn, Part::whole(size).pixels());
+        }
     }
 
     #[test]

@@ -25,6 +25,12 @@ pub enum SceneError {
         /// What the system said.
         reason: String,
     },
+    /// A folder, a pipe or a device.
+    #[error("the scene {} is not a regular file: save it to a file first", .path.display())]
+    NoFile {
+        /// What is no file.
+        path: PathBuf,
+    },
     /// The file is larger than [`crate::limits::Limits::scene_bytes_max`].
     #[error("the scene {} is larger than {max} bytes: split it, or let functions and loops repeat what is alike", .path.display())]
     TooLarge {

@@ -10,6 +10,7 @@ mod textures;
 mod watch;
 mod world;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
@@ -46,11 +47,13 @@ impl SceneSource {
     ///
     /// # Errors
     /// [`SceneError::Unknown`] for a single word that is none of them.
-    pub fn find(argument: &str) -> Result<Self, SceneError> {
+    pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
         let path = Path::new(argument);
         if path.exists() || path.extension().is_some_and(|ending| ending == ENDING) {
             return Ok(Self::File(path.to_owned()));
         }
+        // Names and formulas are text; what is none can only be a file that is missing.
+        let Some(argument) = path.to_str() else { return Ok(Self::File(path.to_owned())) };
         if shipped(argument).is_some() {
             return Ok(Self::Shipped(argument.to_owned()));
         }
@@ -103,7 +106,8 @@ impl SceneSource {
             Self::Shipped(name) => name.clone(),
             Self::File(path) => {
                 let name = path.file_stem().unwrap_or(path.as_os_str());
-                name.to_string_lossy().into_owned()
+                // One line, whatever the file is called.
+                name.to_string_lossy().replace(char::is_control, " ")
             }
             Self::Formula(_) => "formula".to_owned(),
         }
@@ -158,6 +162,10 @@ fn shipped(name: &str) -> Option<&'static str> {
 fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable =
         |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
+    // Asked before it is opened: opening a pipe waits for somebody who writes.
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(SceneError::NoFile { path: path.to_owned() });
+    }
     let max = LIMITS.scene_bytes_max;
     let bytes = folder::read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| SceneError::TooLarge { path: path.to_owned(), max })?;
@@ -193,6 +201,11 @@ mod tests {
         }
         let message = SceneSource::find("speekers").unwrap_err().to_string();
         assert!(message.contains("speekers") && message.contains("speakers"), "{message}");
+    }
+
+    #[test]
+    fn a_scenes_name_of_two_lines_made_a_title_of_two_lines() {
+        assert_eq!(SceneSource::File("two\nlines.scene".into()).title(), "two lines");
     }
 
     #[test]

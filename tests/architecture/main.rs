@@ -73,6 +73,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("glutin", &["gpu", "app"]),
     ("glutin_winit", &["app"]),
     ("winit", &["app"]),
+    ("x11_dl", &["app"]),
     // The overlay, and the letters of legends.
     ("egui", &["app", "view"]),
     ("cpal", &["audio"]),

@@ -30,7 +30,7 @@ static ALONE: Mutex<()> = Mutex::new(());
 pub struct Desktop {
     // In this order: the window manager goes before its server.
     _manager: Process,
-    _server: Process,
+    server: Process,
     display: String,
     folder: TempDir,
     _alone: MutexGuard<'static, ()>,
@@ -57,7 +57,7 @@ impl Desktop {
             command_in("openbox", folder.path(), Some(&display)).stdout(Stdio::null()).stderr(Stdio::null()),
             "openbox",
         );
-        let desktop = Self { _manager: manager, _server: server, display, folder, _alone: alone };
+        let desktop = Self { _manager: manager, server, display, folder, _alone: alone };
         wait_until("the window manager", || {
             output_of(desktop.command("wmctrl").arg("-m"), "wmctrl")
                 .is_ok_and(|about| String::from_utf8_lossy(&about).contains("Openbox"))
@@ -95,6 +95,12 @@ impl Desktop {
         self.show(command, song)
     }
 
+    /// Kills the X server, and with it the display.
+    pub fn kill_server(&self) {
+        let number = self.server.id().to_string();
+        output_of(Command::new("kill").args(["-KILL", &number]), "procps").unwrap();
+    }
+
     /// The display's name.
     pub fn display(&self) -> &str {
         &self.display
@@ -107,8 +113,8 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// Runs the program until its window shows.
-    fn show(&self, mut command: Command, song: &Path) -> App<'_> {
+    /// Runs `command`, which is the program with `song`, until its window shows.
+    pub fn show(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
         let told = collect(process.child().stderr.take().unwrap());

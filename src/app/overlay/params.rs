@@ -19,7 +19,7 @@ const RESET_SIZE: f32 = 16.0;
 
 /// Width of the panel in a window of that width, in points.
 pub fn width(window: f32) -> f32 {
-    WIDTH.min(window - 2.0 * style::MARGIN)
+    WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
 /// Lays the panel out at the upper right of `space`: where it is, and whether a value changed. Sliders that `cover` may
@@ -46,12 +46,13 @@ pub fn show(
     let shown = area.show(context, |ui| {
         style::frame()
             .show(ui, |ui| {
-                ui.set_width(width - 2.0 * style::PADDING.x);
+                // In a window of a few pixels nothing is left.
+                ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
                 let height = space.height() - 2.0 * style::PADDING.y;
                 egui::ScrollArea::vertical()
                     .max_height(height)
                     .show(ui, |ui| {
-                        ui.set_width(ui.available_width() - LANE);
+                        ui.set_width((ui.available_width() - LANE).max(0.0));
                         let rows = sliders.iter_mut().enumerate();
                         rows.fold(false, |changed, (i, slider)| {
                             ui.push_id(i, |ui| row(ui, slider)).inner || changed

@@ -41,12 +41,12 @@ pub enum DecodeError {
         name: String,
     },
     /// The disk or the network failed.
-    #[error("{name} could not be read: {source}; check the disk or the network share")]
+    #[error("{name} could not be read ({reason}); check the disk or the network share")]
     Read {
         /// The file's name.
         name: String,
-        /// What the system said.
-        source: std::io::Error,
+        /// What the system said. (Not its source: the sentence has it, and sources are told after it.)
+        reason: std::io::Error,
     },
     /// The bytes are no sound in any form, or not in a form that can be recognised.
     #[error(

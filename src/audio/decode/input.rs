@@ -60,7 +60,7 @@ fn path_error(path: &Path, source: io::Error) -> DecodeError {
     match source.kind() {
         io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => DecodeError::NotFound { path: path.into() },
         io::ErrorKind::PermissionDenied => DecodeError::NoPermission { path: path.into() },
-        _ => DecodeError::Read { name: file_name(path), source },
+        _ => DecodeError::Read { name: file_name(path), reason: source },
     }
 }
 
@@ -94,7 +94,7 @@ impl Input {
     pub(super) fn read_error(&self, source: io::Error) -> DecodeError {
         match self {
             Self::File { path, .. } => path_error(path, source),
-            Self::Bytes { name, .. } => DecodeError::Read { name: name.clone(), source },
+            Self::Bytes { name, .. } => DecodeError::Read { name: name.clone(), reason: source },
         }
     }
 

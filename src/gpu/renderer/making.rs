@@ -252,8 +252,7 @@ impl Renderer {
             Progress::Finished { spent: making.spent }
         } else {
             let share = if making.pass == Pass::First && !making.is_view { 1.0 - FURTHER_SHARE } else { 1.0 };
-            let left = making.parts.seconds_left();
-            let seconds = left.map(|left| making.spent.as_secs_f64() + left / share);
+            let seconds = making.parts.seconds().map(|seconds| seconds / share);
             self.making = Some(making);
             Progress::Going { seconds }
         };
