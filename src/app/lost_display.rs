@@ -16,8 +16,6 @@ pub(super) fn end_with_the_reason() {
     let Ok(library) = xlib::Xlib::open() else { return };
     // SAFETY: the handler is a function of this program, which is there as long as the process.
     unsafe { (library.XSetIOErrorHandler)(Some(on_lost_server)) };
-    // It stays loaded: the handler is a setting of it.
-    std::mem::forget(library);
 }
 
 unsafe extern "C" fn on_lost_server(_display: *mut xlib::Display) -> c_int {
