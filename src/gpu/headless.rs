@@ -2,8 +2,15 @@
 
 #![expect(unsafe_code, reason = "EGL and OpenGL are C interfaces")]
 
+#[cfg(all(unix, not(target_os = "macos")))]
+use std::sync::{Mutex, PoisonError};
+
 use super::error::GpuError;
 use super::gl::Gl;
+
+/// Contexts are made one after the other, by whichever threads.
+#[cfg(all(unix, not(target_os = "macos")))]
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 /// A current context without a window. Everything made from [`Headless::gl`] must be dropped before it.
 pub struct Headless {
@@ -25,6 +32,8 @@ impl Headless {
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
+        // Mesa sets itself up at the first context, and parts of that (`lp_build_init` in 22.3) by a plain flag.
+        let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
         let mut devices: Vec<Device> =
             Device::query_devices().map_err(|error| no_context(error.to_string()))?.collect();
