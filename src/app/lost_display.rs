@@ -18,6 +18,7 @@ pub(super) fn end_with_the_reason() {
     unsafe { (library.XSetIOErrorHandler)(Some(on_lost_server)) };
 }
 
+// SAFETY: it looks at nothing that it is given.
 unsafe extern "C" fn on_lost_server(_display: *mut xlib::Display) -> c_int {
     end_without_display()
 }
