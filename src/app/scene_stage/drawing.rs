@@ -155,10 +155,7 @@ impl SceneStage {
         if needs_tree || !has_program {
             if let Some(dear) = self.coming.take() {
                 self.forget_obsolete();
-                self.tell_dear(
-                    &dear,
-                    "what finds its surfaces in space would take longer than that for each picture",
-                );
+                self.tell_dear(&dear, "its tree of regions would take too long for each picture");
             }
             return;
         }
@@ -171,8 +168,9 @@ impl SceneStage {
     fn tell_dear(&mut self, dear: &Cast, why: &str) {
         let heading =
             format!("{} is too much for this machine; the last good scene stays", dear.source.title());
+        // A line each: a small window has no room for long ones.
         let text = format!(
-            "more than {:.0} s is not waited for, and {why}: {}; make it of fewer or simpler parts, or the window smaller",
+            "{why}; {:.0} s is the most that is waited for\n{}\nmake it of fewer or simpler parts, or the window smaller",
             LIMITS.picture_seconds_max,
             what_is_dear(dear)
         );
