@@ -163,16 +163,22 @@ mod tests {
     use crate::gpu::scene_resources::RegionRequest;
     use crate::region::RegionOptions;
     use crate::world::testing::world_of;
-    use std::sync::mpsc::channel;
+    use std::sync::mpsc::{Receiver, channel};
 
-    #[test]
-    fn what_is_forgotten_while_it_is_built_does_not_come() {
+    /// A builder, its wakes, and what it takes to ask it for a tree that is not built at once.
+    fn long_tree() -> (RegionBuilder<usize>, Receiver<()>, Frame, Arc<RegionPlan>, RegionRequest) {
         let world = world_of("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
         let plan = Arc::new(RegionPlan::new(&world));
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
         let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
+        (builder, wakes, frame, plan, request)
+    }
+
+    #[test]
+    fn what_is_forgotten_while_it_is_built_does_not_come() {
+        let (builder, wakes, frame, plan, request) = long_tree();
         builder.request(TreeJob { tag: 1, frame, plan, request, patience: Duration::MAX });
         while builder.shared.lock().next.is_some() {
             std::thread::yield_now();
@@ -184,12 +190,7 @@ mod tests {
 
     #[test]
     fn a_tree_that_takes_too_long_kept_others_waiting() {
-        let world = world_of("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
-        let plan = Arc::new(RegionPlan::new(&world));
-        let (woken, wakes) = channel();
-        let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
-        let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
-        let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
+        let (builder, wakes, frame, plan, request) = long_tree();
         builder.request(TreeJob { tag: 1, frame, plan, request, patience: Duration::ZERO });
         wakes.recv_timeout(Duration::from_secs(20)).unwrap();
         let built = builder.poll().unwrap();

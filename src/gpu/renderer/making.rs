@@ -18,6 +18,7 @@ use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::{Program, unit_of};
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
+use crate::gpu::target::Target;
 use crate::gpu::tiles::{Costs, Part, Parts, PixelCost};
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
@@ -95,16 +96,6 @@ impl Renderer {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         self.go_on_block(&scene.names(), (program, scene.costs()), patience)
-    }
-
-    /// Whether a picture was begun and is not finished.
-    pub fn is_drawing(&self) -> bool {
-        self.making.is_some()
-    }
-
-    /// Gives up the picture that was begun.
-    pub fn give_up(&mut self) {
-        self.making = None;
     }
 
     /// Draws a picture of `size` pixels from a frame's blocks and what is bound for its scene.
@@ -363,7 +354,7 @@ impl Renderer {
     }
 
     /// Sets the stencil of `sum`'s edges, which it shares with `first`, and clears the sum.
-    fn mark_in_stencil(&self, first: &crate::gpu::target::Target, sum: &crate::gpu::target::Target) {
+    fn mark_in_stencil(&self, first: &Target, sum: &Target) {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -383,7 +374,7 @@ impl Renderer {
     }
 
     /// Draws the marks of edges.
-    fn mark_in_list(&self, first: &crate::gpu::target::Target, marks: &crate::gpu::target::Target) {
+    fn mark_in_list(&self, first: &Target, marks: &Target) {
         marks.bind();
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
