@@ -5,6 +5,7 @@
 //! cargo bench --bench device_faults                 all below
 //! cargo bench --bench device_faults -- faults 200   outputs pulled out, changed and suspended, the server killed
 //! cargo bench --bench device_faults -- flaps 300    one output lost and found: threads, files and memory
+//! cargo bench --bench device_faults -- only 300    the only output lost and found, silence between: the same
 //! cargo bench --bench device_faults -- stop         the process stopped for 5 s
 //! ```
 //!
@@ -213,6 +214,28 @@ fn flaps(count: usize) {
     report(&format!("{count} flaps"), &seen);
 }
 
+/// The server kills the stream of an output that goes when there is no other.
+fn only(count: usize) {
+    let session = Session::with_server();
+    // By name: every null sink there is.
+    session.server().unplug("module-null-sink");
+    let seen = during(|status| {
+        for flap in 0..count {
+            wait_until("silence", || status().is_some_and(|status| status.silent.is_some()));
+            let usb = session.server().plug("usb", &[]);
+            wait_until("the sound on usb", || plays_on(status(), "usb"));
+            std::thread::sleep(HEARD);
+            session.server().unplug(&usb);
+            if flap % (count / 10).max(1) == 0 || flap + 1 == count {
+                wait_until("silence", || status().is_some_and(|status| status.silent.is_some()));
+                let (threads, files, resident) = held();
+                println!("  after {:4} flaps: {threads} threads, {files} files, {resident} KiB", flap + 1);
+            }
+        }
+    });
+    report(&format!("{count} times the only output lost"), &seen);
+}
+
 fn stop() {
     let _session = Session::with_server();
     let seen = during(|_| {
@@ -233,6 +256,9 @@ fn main() {
     }
     if wanted("flaps") {
         flaps(number(300));
+    }
+    if wanted("only") {
+        only(number(300));
     }
     if wanted("stop") {
         stop();

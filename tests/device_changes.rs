@@ -270,6 +270,27 @@ fn held() -> (usize, usize) {
 }
 
 #[test]
+fn the_only_output_pulled_out_leaves_no_threads_and_files_behind() {
+    let session = Session::with_server();
+    let mut player = play(None);
+    wait_for(&mut player, "the sound", plays_on("viz"));
+    // By name: every null sink there is.
+    session.server().unplug("module-null-sink");
+    let mut after = Vec::new();
+    for _ in 0..6 {
+        wait_for(&mut player, "silence", |status| status.silent.is_some());
+        let usb = session.server().plug("usb", &[]);
+        wait_for(&mut player, "the sound", plays_on("usb"));
+        session.server().unplug(&usb);
+        wait_for(&mut player, "silence", |status| status.silent.is_some());
+        // Until what is left of the one before has gone.
+        std::thread::sleep(Duration::from_secs(1));
+        after.push(held());
+    }
+    assert!(after[5].0 <= after[1].0 + 1 && after[5].1 <= after[1].1 + 1, "threads and files: {after:?}");
+}
+
+#[test]
 fn a_storm_of_changes_ends_with_sound() {
     let rounds: usize =
         std::env::var("MARIANA_STRESS_ROUNDS").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(30);

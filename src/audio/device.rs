@@ -11,6 +11,7 @@ use cpal::{ErrorKind, SupportedBufferSize};
 use super::error::{DeviceError, Direction};
 use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, monitor_id};
 use super::roster::RosterEntry;
+use super::server_connection::ServerConnection;
 use crate::limits::LIMITS;
 
 /// The rate for which sizes of buffers are meant, in hertz.
@@ -65,6 +66,8 @@ pub(crate) struct Opened<L> {
     pub(crate) description: String,
     /// How often it has called: its sign of life.
     pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
+    /// The connection that it alone plays on, to be ended should it not close.
+    pub(crate) connection: Option<ServerConnection>,
 }
 
 /// A stream, to be dropped where it was made.

@@ -8,14 +8,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use cpal::traits::{DeviceTrait, HostTrait};
 
+use super::server_connection::{self, ServerConnection};
+
 /// What follows the name of an output in the id of the input that records what it plays (PulseAudio, PipeWire).
 const MONITOR_SUFFIX: &str = ".monitor";
 
 /// The kept connection for questions and inputs.
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
 
+/// A connection, and how the server knows it, if it told.
+type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
+
 /// Connections without a stream that plays.
-static IDLE: Mutex<Vec<Arc<cpal::Host>>> = Mutex::new(Vec::new());
+static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
 /// The hosts of this system, the sound server first: it reports failures best, and it shares the device.
 pub fn hosts_by_preference() -> Vec<cpal::HostId> {
@@ -67,12 +72,19 @@ pub fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
 }
 
 /// A connection that no other stream plays on, as long as it is held.
-pub struct PlaybackConnection(Option<Arc<cpal::Host>>);
+pub struct PlaybackConnection(Option<Connected>);
+
+impl PlaybackConnection {
+    /// How the server knows it, if it is known.
+    pub(crate) fn at_server(&self) -> Option<ServerConnection> {
+        self.0.as_ref()?.1
+    }
+}
 
 impl Drop for PlaybackConnection {
     fn drop(&mut self) {
-        if let Some(host) = self.0.take() {
-            IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(host);
+        if let Some(connected) = self.0.take() {
+            IDLE.lock().unwrap_or_else(PoisonError::into_inner).push(connected);
         }
     }
 }
@@ -88,12 +100,15 @@ pub fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConne
         return Ok((device, PlaybackConnection(None)));
     }
     let idle = || IDLE.lock().unwrap_or_else(PoisonError::into_inner).pop();
-    let alive = std::iter::from_fn(idle).find(|host| answers(host));
-    let host = match alive {
-        Some(host) => host,
-        None => Arc::new(cpal::host_from_id(id.host())?),
+    let alive = std::iter::from_fn(idle).find(|(host, _)| answers(host));
+    let (host, at_server) = match alive {
+        Some(connected) => connected,
+        None => {
+            let (host, at_server) = server_connection::opened_by(|| cpal::host_from_id(id.host()))?;
+            (Arc::new(host), at_server)
+        }
     };
-    let connection = PlaybackConnection(Some(host.clone()));
+    let connection = PlaybackConnection(Some((host.clone(), at_server)));
     let same = host.device_by_id(&id).filter(|device| device.supports_output());
     let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it has just gone");
     Ok((same.ok_or_else(gone)?, connection))

@@ -34,6 +34,11 @@ pub mod playlist;
 mod quiet_stderr;
 pub mod resample;
 pub mod roster;
+#[cfg(target_os = "linux")]
+mod server_connection;
+#[cfg(not(target_os = "linux"))]
+#[path = "no_server_connection.rs"]
+mod server_connection;
 pub mod song;
 pub mod source;
 mod supervisor;

@@ -14,6 +14,7 @@ use super::device::{Failure, OnFailure, Opened, Port, Target, wait_before_retry}
 use super::error::{DeviceError, Direction};
 use super::hosts::monitor_id;
 use super::roster::{Roster, RosterEntry, RosterWatch};
+use super::server_connection::ServerConnection;
 use super::worker::Worker;
 
 /// How long a device may take to open before silence takes its place.
@@ -109,7 +110,7 @@ impl<P: Port> Supervisor<P> {
 impl<P: Port> Drop for Supervisor<P> {
     fn drop(&mut self) {
         let _ = self.events.send((0, Event::Quit));
-        self.worker.join_within(2 * CLOSE_LIMIT);
+        self.worker.join_within(3 * CLOSE_LIMIT);
     }
 }
 
@@ -122,13 +123,20 @@ struct DeviceThread {
     number: u64,
     _hold: Sender<()>,
     worker: Worker,
+    /// What to end should it not close.
+    connection: Option<ServerConnection>,
 }
 
 impl DeviceThread {
     fn close(self) {
-        let Self { _hold: hold, mut worker, .. } = self;
+        let Self { _hold: hold, mut worker, connection, .. } = self;
         drop(hold);
-        if !worker.join_within(CLOSE_LIMIT) {
+        if worker.join_within(CLOSE_LIMIT) {
+            return;
+        }
+        // On a thread of its own, as the server need not answer either.
+        let ending = connection.map(|connection| Worker::spawn("sound connection", move || connection.end()));
+        if ending.is_none_or(|ending| ending.is_err()) || !worker.join_within(CLOSE_LIMIT) {
             tracing::warn!("a sound device does not close; it is left behind");
         }
     }
@@ -226,7 +234,7 @@ impl<P: Port> Watch<P> {
         });
         match worker {
             Ok(worker) => {
-                let thread = DeviceThread { number, _hold: hold, worker };
+                let thread = DeviceThread { number, _hold: hold, worker, connection: None };
                 self.opening = Some(Opening { thread, since: Instant::now(), overdue: false });
             }
             Err(error) => {
@@ -255,8 +263,9 @@ impl<P: Port> Watch<P> {
                 self.open();
             }
             Event::Opened(opened) if is_opening => {
-                if let Some(opening) = self.opening.take() {
-                    self.take(opening.thread, opened);
+                if let Some(Opening { mut thread, .. }) = self.opening.take() {
+                    thread.connection = opened.connection;
+                    self.take(thread, opened);
                 }
             }
             Event::Refused(error, kind) if is_opening => {
@@ -279,7 +288,7 @@ impl<P: Port> Watch<P> {
 
     /// Puts a device in the place of what is there.
     fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
-        let Opened { link, entry, description, calls } = opened;
+        let Opened { link, entry, description, calls, .. } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
         self.had = Some(entry.clone());
         self.superseded = false;

@@ -114,7 +114,7 @@ pub(super) fn open(target: &Target, listener: &Thread, on_failure: &OnFailure) -
                 let counters = link.counters.clone();
                 let calls = Box::new(move || counters.calls.load(Ordering::Relaxed));
                 let running = Running { _stream: stream, _connection: None };
-                return Ok((running, Opened { link, entry, description, calls }));
+                return Ok((running, Opened { link, entry, description, calls, connection: None }));
             }
             Err(error) => last_error = Some(error),
         }

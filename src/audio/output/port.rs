@@ -189,8 +189,9 @@ fn open(
                     format!("{host}: {name}, {rate} Hz, {channels} channels, {format}, {buffer}");
                 let history = link.history.clone();
                 let calls = Box::new(move || history.calls());
+                let at_server = connection.at_server();
                 let running = Running { _stream: stream, _connection: Some(connection) };
-                return Ok((running, Opened { link, entry, description, calls }));
+                return Ok((running, Opened { link, entry, description, calls, connection: at_server }));
             }
             Err(error) => last_error = Some(error),
         }
