@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used)]
 
 use cpu_time::ProcessTime;
-use mariana::audio::song::Song;
+use mariana::demo_track::DEMO_TRACK;
 use mariana::export::song_features::SongFeatures;
 use mariana::frame::Frame;
 use mariana::gpu::headless::Headless;
@@ -30,7 +30,7 @@ fn main() {
     let by_hand = compiled_variant(BY_HAND, world.pictures.len(), world.traits, Counting::Off);
     let programs = [compiled, by_hand].map(|variant| link_scene(gl, &library, &variant).unwrap());
     for at in [0.0, 30.0, 62.0] {
-        let features = SongFeatures::open(&Song::Demo, at).unwrap().require(at).unwrap();
+        let features = SongFeatures::open(&DEMO_TRACK, at).unwrap().require(at).unwrap();
         let frame = Frame::new(&world, at, features, SIZE);
         let mut times = [Vec::new(), Vec::new()];
         for round in 0..=ROUNDS {

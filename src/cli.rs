@@ -17,12 +17,8 @@ use tracing_subscriber::prelude::*;
 use parse::{parse_duration, parse_fps, parse_latency, parse_seconds, parse_size};
 
 use crate::app;
-use crate::audio::decode::quiet_contained_panics;
-use crate::audio::devices::list_devices;
-use crate::audio::playlist::Playlist;
-use crate::audio::song::Song;
-use crate::audio::track::Repeat;
 use crate::config::{ListenChoice, PlaySettings};
+use crate::demo_track::{DEMO_TRACK, song_or_demo};
 use crate::ending::{self, Signal};
 use crate::export::analyze::{AnalyzeRequest, print_features};
 use crate::export::bench::{BenchRequest, measure};
@@ -32,6 +28,10 @@ use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
+use mariana_player::decode::quiet_contained_panics;
+use mariana_player::devices::list_devices;
+use mariana_player::playlist::Playlist;
+use mariana_player::track::Repeat;
 
 /// A music visualizer whose worlds are formulas: plays music and shows it.
 #[derive(Parser)]
@@ -371,6 +371,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
     let scene = SceneChoice { view: arguments.view.view, ..common.scene()? };
     let tracks = match listen {
         Some(_) => None,
+        None if arguments.files.is_empty() => Some(Playlist::of_song(DEMO_TRACK, repeat)?),
         None => Some(Playlist::open(&arguments.files, repeat, arguments.shuffle)?),
     };
     app::run(tracks, settings, scene)
@@ -396,7 +397,7 @@ fn run_still(arguments: StillArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     end_by_signals();
     write_still(&StillRequest {
-        song: Song::from_argument(arguments.file.as_deref()),
+        song: song_or_demo(arguments.file),
         at: arguments.at,
         size: arguments.size,
         gain: common.gain.into(),
@@ -410,7 +411,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     end_by_signals();
     let request = VideoRequest {
-        song: Song::from_argument(arguments.file.as_deref()),
+        song: song_or_demo(arguments.file),
         start: arguments.start,
         duration: arguments.duration,
         fps: arguments.fps,
@@ -439,7 +440,7 @@ fn run_video(arguments: VideoArguments) -> anyhow::Result<()> {
 
 fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
     let request = AnalyzeRequest {
-        song: Song::from_argument(arguments.file.as_deref()),
+        song: song_or_demo(arguments.file),
         fps: arguments.fps,
         start: arguments.start,
         duration: arguments.duration,
@@ -453,7 +454,7 @@ fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
 fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     let report = measure(&BenchRequest {
-        song: Song::from_argument(arguments.file.as_deref()),
+        song: song_or_demo(arguments.file),
         at: arguments.at,
         size: arguments.size,
         frames: arguments.frames.into(),

@@ -29,14 +29,14 @@ fn seeds_are_what_their_targets_are_for() {
             "a.scene" => Ok("fn a(p) = length(p) - 1".to_owned()),
             _ => Err("there is no such file".to_owned()),
         };
-        let compiled = mariana::lang::compile(&seed.name, &text, &mut include);
+        let compiled = mariana_field::lang::compile(&seed.name, &text, &mut include);
         assert_eq!(compiled.scene.is_none(), seed.name.starts_with("mistake"), "{}", compiled.render(false));
     }
     let folder = tempfile::tempdir().unwrap();
     for seed in (fuzz::DECODE.seeds)() {
         let path = folder.path().join(&seed.name);
         std::fs::write(&path, &seed.bytes[1..]).unwrap();
-        let mut decoder = mariana::audio::decode::Decoder::open(&path).unwrap();
+        let mut decoder = mariana_player::decode::Decoder::open(&path).unwrap();
         let mut frames = Vec::new();
         while decoder.next_block(&mut frames).unwrap() > 0 {}
         assert!(frames.len() > 3_000, "{}: {} frames", seed.name, frames.len());

@@ -5,14 +5,14 @@
 
 use std::sync::Arc;
 
-use mariana::graph::{
+use mariana_field::graph::{
     FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader,
 };
-use mariana::lang;
-use mariana::tape::{
+use mariana_field::lang;
+use mariana_field::tape::{
     Batch, Clause, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeError, TapeOptions,
 };
-use mariana::world::{World, WorldError};
+use mariana_field::world::{World, WorldError};
 
 use super::bytes::{Bytes, hash};
 use super::random::Random;

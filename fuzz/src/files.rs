@@ -3,12 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Once};
 
-use mariana::audio::decode::{Decoder, quiet_contained_panics};
-use mariana::audio::playlist::{Kind, Playlist, Reference};
-use mariana::audio::source::FrameSource;
-use mariana::audio::track::{Found, Repeat, TrackList, Wanted};
 use mariana::config::SettingsFile;
-use mariana::limits::LIMITS;
+use mariana_player::decode::{Decoder, quiet_contained_panics};
+use mariana_player::playlist::{Kind, Playlist, Reference};
+use mariana_player::source::FrameSource;
+use mariana_player::track::{Found, Repeat, TrackList, Wanted};
 
 use super::bytes::{Bytes, hash};
 use super::random::Random;
@@ -53,10 +52,16 @@ pub(crate) fn decode(data: &[u8]) {
     let path = file("sounds", &format!("a.{}", SOUND_ENDS[bytes.below(SOUND_ENDS.len())]), bytes.0);
     let Ok(mut decoder) = Decoder::open(&path) else { return };
     let info = decoder.info().clone();
-    assert!((LIMITS.sample_rate_min..=LIMITS.sample_rate_max).contains(&info.sample_rate), "{info:?}");
-    assert!(info.source_channels <= usize::from(LIMITS.channels_max), "{info:?}");
     assert!(
-        info.duration.is_none_or(|seconds| (0.0..=LIMITS.claimed_duration_max).contains(&seconds)),
+        (mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max)
+            .contains(&info.sample_rate),
+        "{info:?}"
+    );
+    assert!(info.source_channels <= usize::from(mariana_player::limits::LIMITS.channels_max), "{info:?}");
+    assert!(
+        info.duration.is_none_or(
+            |seconds| (0.0..=mariana_player::limits::LIMITS.claimed_duration_max).contains(&seconds)
+        ),
         "{info:?}"
     );
     assert!(info.scene_gain.is_finite() && info.scene_gain >= 0.0, "{info:?}");
@@ -111,7 +116,7 @@ pub(crate) fn lists(data: &[u8]) {
         Ok(items) => items,
         Err(error) => return assert!(error.to_string().contains("list."), "{error}"),
     };
-    assert!(!items.is_empty() && items.len() <= LIMITS.playlist_looks_max);
+    assert!(!items.is_empty() && items.len() <= mariana_player::limits::LIMITS.playlist_looks_max);
     for cut in items.iter().filter_map(|item| item.cut) {
         assert!(cut.end.is_none_or(|end| end >= cut.start), "{cut:?}");
     }
@@ -124,7 +129,7 @@ pub(crate) fn lists(data: &[u8]) {
         return;
     }
     let Ok(mut opened) = Playlist::open(&[path], Repeat::Off, false) else { return };
-    assert!(opened.first.info.count <= LIMITS.playlist_tracks_max);
+    assert!(opened.first.info.count <= mariana_player::limits::LIMITS.playlist_tracks_max);
     if !opened.playable {
         return;
     }
@@ -156,7 +161,10 @@ pub(crate) fn settings(data: &[u8]) {
     let path = file("settings", "settings.toml", data);
     let (mut file, told) = SettingsFile::open(Some(path.clone()));
     let in_range = |file: &SettingsFile| {
-        file.settings().latency_ms.values().all(|shift| shift.abs() <= LIMITS.latency_ms_max)
+        file.settings()
+            .latency_ms
+            .values()
+            .all(|shift| shift.abs() <= mariana_player::limits::LIMITS.latency_ms_max)
     };
     assert!(in_range(&file));
     assert!(told.is_none_or(|error| error.to_string().contains("settings.toml")));

@@ -7,7 +7,7 @@ mod bytes;
 mod expression;
 mod files;
 #[allow(dead_code, reason = "tests/agreement.rs uses the rest")]
-#[path = "../../tests/support/expression.rs"]
+#[path = "../../crates/field/tests/field/expression.rs"]
 mod random;
 mod regions;
 mod seeds;

@@ -1,9 +1,9 @@
 //! Regions against the tapes that they shorten.
 
-use mariana::graph::{FrameInputs, Point};
-use mariana::region::{RegionOptions, RegionPlan, Regions};
-use mariana::tape::{PointEvaluator, Tape, TapeOptions};
-use mariana::world::World;
+use mariana_field::graph::{FrameInputs, Point};
+use mariana_field::region::{RegionOptions, RegionPlan, Regions};
+use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::world::World;
 
 use super::bytes::hash;
 use super::random::Random;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use mariana::lang;
+use mariana_field::lang;
 
 use super::files::{LIST_ENDS, SOUND_ENDS};
 use super::random::Random;

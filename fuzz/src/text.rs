@@ -1,9 +1,8 @@
 //! Texts in the scene language.
 
-use mariana::graph::FrameInputs;
-use mariana::lang::{self, Diagnostic, Sources};
-use mariana::limits::LIMITS;
-use mariana::world::{World, WorldError};
+use mariana_field::graph::FrameInputs;
+use mariana_field::lang::{self, Diagnostic, Sources};
+use mariana_field::world::{World, WorldError};
 
 use super::bytes::hash;
 use super::random::Random;
@@ -28,7 +27,7 @@ pub(crate) fn syntax(data: &[u8]) {
 
 /// A mistake stands somewhere in the text, and it can be shown.
 fn check(diagnostics: &[Diagnostic], sources: &Sources) {
-    assert!(diagnostics.len() <= LIMITS.scene_diagnostics_max + 1);
+    assert!(diagnostics.len() <= mariana_field::limits::LIMITS.scene_diagnostics_max + 1);
     for diagnostic in diagnostics {
         assert!(sources.place(diagnostic.span.start).is_some(), "{diagnostic:?}");
         assert!(diagnostic.span.start <= diagnostic.span.end, "{diagnostic:?}");
@@ -49,7 +48,7 @@ pub(crate) fn world(data: &[u8]) -> Option<World> {
     check(&compiled.diagnostics, &compiled.sources);
     match World::new("fuzz", compiled.scene?, Vec::new()) {
         Ok(world) => Some(world),
-        Err(error @ WorldError::Refused { .. }) => panic!("{error}"),
+        Err(error @ (WorldError::Refused { .. } | WorldError::Text { .. })) => panic!("{error}"),
         // Over a limit.
         Err(WorldError::Graph { .. } | WorldError::Tape { .. }) => None,
     }

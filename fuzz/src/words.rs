@@ -1,7 +1,7 @@
-//! What the interpreter shader does with its texels, on the processor; `mariana::tape::interpreter` tells the form.
+//! What the interpreter shader does with its texels, on the processor; `mariana_field::tape::interpreter` tells the form.
 
-use mariana::graph::{FrameInputs, Point};
-use mariana::tape::{Clause, Instruction, Operand, opcode};
+use mariana_field::graph::{FrameInputs, Point};
+use mariana_field::tape::{Clause, Instruction, Operand, opcode};
 
 /// Runs the tape that begins at a texel; all its slots at the end, and the two that END names.
 ///

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use super::overlay::Notice;
-use crate::audio::track::{Repeat, TrackInfo};
-use crate::audio::{PlayerStatus, Troubles, Unheard};
 use crate::export::print::tell;
+use mariana_player::track::{Repeat, TrackInfo};
+use mariana_player::{PlayerStatus, Troubles, Unheard};
 
 /// Sentences that may wait; of more the oldest are not shown.
 const WAITING_MAX: usize = 3;

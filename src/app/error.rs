@@ -1,9 +1,9 @@
 //! What keeps the window from showing. Each message says what, where and what to do.
 
-use crate::audio::PlayerError;
 use crate::export::ExportError;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
+use mariana_player::PlayerError;
 
 /// An error of the window.
 #[derive(Debug, thiserror::Error)]

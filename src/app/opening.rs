@@ -15,15 +15,15 @@ use super::sound::{Sound, Start};
 use super::stage::Stage;
 use super::window::{GlWindowContext, OpenWindow};
 use super::window_thread::Waker;
-use crate::audio::playlist::Opened;
-use crate::audio::{OutputChoice, Player, PlayerOptions};
 use crate::config::PlaySettings;
-use crate::dsp::TapTempo;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::scenes::{ReadyScene, SceneSource};
+use mariana_music::TapTempo;
+use mariana_player::playlist::Opened;
+use mariana_player::{OutputChoice, Player, PlayerOptions};
 
 /// Frame cap where the monitor tells no rate.
 const FPS_DEFAULT: f64 = 60.0;

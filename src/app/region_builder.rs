@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::frame::Frame;
 use crate::gpu::scene_resources::{BuiltRegions, RegionRequest};
-use crate::region::RegionPlan;
+use mariana_field::region::RegionPlan;
 
 /// A tree to be built.
 pub struct TreeJob<Tag> {
@@ -159,10 +159,10 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dsp::Features;
+    use crate::frame::testing::world_of;
     use crate::gpu::scene_resources::RegionRequest;
-    use crate::region::RegionOptions;
-    use crate::world::testing::world_of;
+    use mariana_field::region::RegionOptions;
+    use mariana_music::Features;
     use std::sync::mpsc::{Receiver, channel};
 
     /// A builder, its wakes, and what it takes to ask it for a tree that is not built at once.

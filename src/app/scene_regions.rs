@@ -8,14 +8,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
-use crate::audio::Moment;
-use crate::dsp::{Features, Sound};
 use crate::frame::Frame;
 use crate::frame::hand::Hand;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 use crate::limits::LIMITS;
+use mariana_music::{Features, Sound};
+use mariana_player::Moment;
 
 /// Trees that take no longer than this are waited for, in however short a time a frame is drawn.
 const WAITED_FOR: Duration = Duration::from_millis(17);

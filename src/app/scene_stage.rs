@@ -419,7 +419,7 @@ impl SceneStage {
         variant: impl FnOnce() -> Result<crate::gpu::shader_source::Variant, GpuError> + Send + 'static,
     ) -> ProgramJob {
         let world = cast.resources.world();
-        let frame = Frame::new(world, 0.0, crate::dsp::Features::SILENCE, (16, 16));
+        let frame = Frame::new(world, 0.0, mariana_music::Features::SILENCE, (16, 16));
         ProgramJob {
             id: self.next_id,
             variant: Box::new(variant),

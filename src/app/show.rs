@@ -19,15 +19,15 @@ use super::stage::{IDLE_INTERVAL, Stage, show_sound};
 use super::title::{live_title, title};
 use super::window::{OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Waker, inbox};
-use crate::audio::PlayerStatus;
-use crate::audio::playlist::Opened;
 use crate::config::PlaySettings;
-use crate::dsp::{self, TapTempo};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
 use crate::scenes::{Loader, ReadyScene, SceneSource, TextureCache};
+use mariana_music::{self, TapTempo};
+use mariana_player::PlayerStatus;
+use mariana_player::playlist::Opened;
 
 /// A context that is lost again so soon after it was made anew is not made again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
@@ -183,7 +183,7 @@ impl Show {
             // Its curves take longer than all the rest of a frame's inputs: only for scenes that read them.
             let curves =
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
-            let sound = dsp::Sound { features: moment.features, tables: curves };
+            let sound = mariana_music::Sound { features: moment.features, tables: curves };
             let aspect = f64::from(size.0) / f64::from(size.1.max(1));
             let drawn = stage.scene.draw(&mut stage.renderer, (moment, sound), (drawn, aspect, level));
             new = stage.without_room_smaller(drawn)?;

@@ -4,13 +4,12 @@ use std::time::{Duration, Instant};
 
 use super::error::AppError;
 use super::overlay::SourceList;
-use crate::audio::input::{Live, LiveOptions, LiveStatus};
-use crate::audio::roster::{Roster, RosterEntry, RosterWatch};
-use crate::audio::{Moment, Player, PlayerStatus, Target};
 use crate::config::{ListenChoice, Settings, SettingsFile};
-use crate::dsp::{self, Gain};
 use crate::export::print::tell;
-use crate::limits::LIMITS;
+use mariana_music::{self, Gain};
+use mariana_player::input::{Live, LiveOptions, LiveStatus};
+use mariana_player::roster::{Roster, RosterEntry, RosterWatch};
+use mariana_player::{Moment, Player, PlayerStatus, Target};
 
 /// How much `[` and `]` shift the picture, in milliseconds.
 pub const SHIFT_STEP_MS: f64 = 5.0;
@@ -119,11 +118,11 @@ impl Sound {
     }
 
     /// The sound of what [`Sound::now`] told last, with its curves.
-    pub fn heard(&self) -> dsp::Sound {
+    pub fn heard(&self) -> mariana_music::Sound {
         match (&self.live, &self.player) {
             (Some(live), _) => live.sound(),
             (None, Some(player)) => player.sound(),
-            (None, None) => dsp::Sound::default(),
+            (None, None) => mariana_music::Sound::default(),
         }
     }
 
@@ -155,8 +154,9 @@ impl Sound {
     /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers that of the device. Says in words what it is now.
     pub fn shift(&mut self, steps: f64) -> String {
         // What is heard live cannot be shown before it comes.
-        let least = if self.live.is_some() { 0.0 } else { -LIMITS.latency_ms_max };
-        let shift = (self.shift_ms() + steps * SHIFT_STEP_MS).clamp(least, LIMITS.latency_ms_max);
+        let least = if self.live.is_some() { 0.0 } else { -mariana_player::limits::LIMITS.latency_ms_max };
+        let shift = (self.shift_ms() + steps * SHIFT_STEP_MS)
+            .clamp(least, mariana_player::limits::LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
         let Some(device) = self.device.clone() else {
             return shift_in_words(shift, None);

@@ -14,12 +14,12 @@ use super::scene_regions::Shown;
 use super::scene_stage::{Drawn, SceneStage};
 use super::sound::Sound;
 use super::window::GlWindowContext;
-use crate::audio::track::Repeat;
-use crate::audio::{Moment, Player};
-use crate::dsp::TapTempo;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
 use crate::limits::LIMITS;
+use mariana_music::TapTempo;
+use mariana_player::track::Repeat;
+use mariana_player::{Moment, Player};
 
 /// How often a show that stands still looks around.
 pub(super) const IDLE_INTERVAL: Duration = Duration::from_millis(250);

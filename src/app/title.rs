@@ -1,7 +1,7 @@
 //! What stands in the window's title.
 
-use crate::audio::PlayerStatus;
-use crate::audio::input::LiveStatus;
+use mariana_player::PlayerStatus;
+use mariana_player::input::LiveStatus;
 
 /// The window's title: the track, the program, what there is to say of the scene, and what is not as usual; silence is, if
 /// it was asked for.

@@ -1,8 +1,8 @@
 //! What the command line chooses from, and what that means.
 
 use crate::config::{QualityChoice, SdfChoice};
-use crate::dsp::Gain;
-use crate::world::ToneMap;
+use mariana_field::world::ToneMap;
+use mariana_music::Gain;
 
 /// See [`SdfChoice`].
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -58,7 +58,7 @@ impl From<ToneMapChoice> for ToneMap {
     }
 }
 
-/// See [`crate::audio::track::Repeat`].
+/// See [`mariana_player::track::Repeat`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum RepeatChoice {
     /// The list, again and again

@@ -43,7 +43,12 @@ pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
-    parse_within(text, -LIMITS.latency_ms_max, LIMITS.latency_ms_max, "milliseconds")
+    parse_within(
+        text,
+        -mariana_player::limits::LIMITS.latency_ms_max,
+        mariana_player::limits::LIMITS.latency_ms_max,
+        "milliseconds",
+    )
 }
 
 #[cfg(test)]

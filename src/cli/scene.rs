@@ -7,10 +7,10 @@ use anyhow::{Context, bail};
 use clap::Args;
 
 use crate::export::print::print_line;
-use crate::graph::{FrameInputs, Graph, Input, NodeId, Op, Point};
-use crate::lang::{Scene, render_all};
 use crate::scenes::SceneSource;
-use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use mariana_field::graph::{FrameInputs, Graph, Input, NodeId, Op, Point};
+use mariana_field::lang::{Scene, render_all};
+use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 
 #[derive(Args)]
 pub(super) struct CheckArguments {
@@ -71,11 +71,11 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
     let scene = require(&SceneSource::find(&arguments.scene)?)?;
     let root = scene.distance;
     let text = if arguments.glsl {
-        crate::tape::glsl::function(
+        mariana_field::tape::glsl::function(
             &scene.graph,
             &[root],
             "scene_distance",
-            crate::tape::glsl::Sampling::None,
+            mariana_field::tape::glsl::Sampling::None,
         )?
     } else if arguments.dot {
         scene.graph.to_dot(root)?
@@ -151,8 +151,11 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
             material.blur,
         ]);
     }
-    let constants =
-        tape.table().iter().filter(|entry| matches!(entry, crate::tape::TableEntry::Constant(_))).count();
+    let constants = tape
+        .table()
+        .iter()
+        .filter(|entry| matches!(entry, mariana_field::tape::TableEntry::Constant(_)))
+        .count();
     Ok(format!(
         "{} clauses, {constants} constants, {} registers for the distance; {}, {}, {}; listens to {}",
         tape.clauses().len(),

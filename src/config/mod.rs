@@ -4,7 +4,7 @@ mod settings;
 
 pub use settings::{Settings, SettingsError, SettingsFile};
 
-use crate::dsp::Gain;
+use mariana_music::Gain;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

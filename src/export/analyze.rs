@@ -6,8 +6,8 @@ use serde::Serialize;
 
 use super::error::ExportError;
 use super::song_features::SongFeatures;
-use crate::audio::song::Song;
-use crate::dsp::{Features, Gain};
+use mariana_music::{Features, Gain};
+use mariana_player::song::Song;
 
 /// What to analyse.
 #[derive(Debug, Clone)]

@@ -11,9 +11,7 @@ use serde::Serialize;
 use super::error::ExportError;
 use super::painter::SceneChoice;
 use super::song_features::SongFeatures;
-use crate::audio::song::Song;
 use crate::config::SdfChoice;
-use crate::dsp::Gain;
 use crate::frame::Frame;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::GlInfo;
@@ -23,9 +21,11 @@ use crate::gpu::renderer::{Counting, Evaluations, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
 use crate::gpu::timer::GpuTimer;
-use crate::region::RegionStats;
 use crate::scenes::ReadyScene;
-use crate::world::Cost;
+use mariana_field::region::RegionStats;
+use mariana_field::world::Cost;
+use mariana_music::Gain;
+use mariana_player::song::Song;
 
 /// What to measure.
 #[derive(Debug, Clone)]

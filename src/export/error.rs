@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use crate::atomic_file::Unwritable;
-use crate::audio::decode::DecodeError;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
-use crate::world::WorldError;
+use mariana_field::world::WorldError;
+use mariana_player::decode::DecodeError;
 
 /// An error of an export.
 #[derive(Debug, thiserror::Error)]

@@ -2,7 +2,6 @@
 
 use super::error::ExportError;
 use crate::config::SdfChoice;
-use crate::dsp::Sound;
 use crate::frame::Frame;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
@@ -14,12 +13,13 @@ use crate::gpu::scene_program::{
 };
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::region::RegionPlan;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPainter;
 use crate::view::setup::ViewSetup;
-use crate::world::{TapeBuffers, ToneMap, World};
+use mariana_field::region::RegionPlan;
+use mariana_field::world::{TapeBuffers, ToneMap, World};
+use mariana_music::Sound;
 
 /// Which scene to draw, and how.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
 //! The features of a song at given times, by decoding it: the same analysis that runs beside playback.
 
-use crate::audio::decode::{DecodeError, Decoder};
-use crate::audio::song::{Song, display_name};
-use crate::audio::source::FrameSource;
-use crate::audio::track::scale;
-use crate::dsp::{Alignment, Analyzer, FeatureTrack, Features, Gain, Sound, StereoFrame, TimedFeatures};
+use mariana_music::{Alignment, Analyzer, FeatureTrack, Features, Gain, Sound, StereoFrame, TimedFeatures};
+use mariana_player::decode::{DecodeError, Decoder};
+use mariana_player::song::{Song, display_name};
+use mariana_player::source::FrameSource;
+use mariana_player::track::scale;
 
 use super::error::ExportError;
 

@@ -9,8 +9,8 @@ use super::error::ExportError;
 use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
-use crate::audio::song::Song;
-use crate::dsp::Gain;
+use mariana_music::Gain;
+use mariana_player::song::Song;
 
 /// Which still to make.
 #[derive(Debug, Clone)]
@@ -49,7 +49,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
 /// [`ExportError::OverTheSong`].
 pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportError> {
     let same = match song {
-        Song::Demo => false,
+        Song::Embedded { .. } => false,
         Song::File(path) => {
             path.canonicalize().is_ok_and(|song| output.canonicalize().is_ok_and(|o| o == song))
         }

@@ -13,9 +13,9 @@ use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use super::still::{refuse_the_song, write_png};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
-use crate::audio::song::Song;
-use crate::dsp::Gain;
 use crate::ending::{Undo, undo_at_end};
+use mariana_music::Gain;
+use mariana_player::song::Song;
 
 /// Which video to make.
 #[derive(Debug, Clone)]
@@ -157,11 +157,11 @@ impl Encoder {
             return Err(ExportError::Encoder { path: request.output.clone(), message });
         }
         let output = AtomicFile::create(&request.output)?;
-        let (sound_path, sound) = match (&request.song, request.song.embedded_bytes()) {
-            (Song::File(path), _) => (path.clone(), None),
-            (Song::Demo, bytes) => {
+        let (sound_path, sound) = match &request.song {
+            Song::File(path) => (path.clone(), None),
+            Song::Embedded { bytes, .. } => {
                 let mut file = Unfinished::create(&folder, ".ogg".as_ref()).map_err(no_room)?;
-                file.write_all(bytes.unwrap_or_default()).map_err(no_room)?;
+                file.write_all(bytes).map_err(no_room)?;
                 (file.path().to_owned(), Some(file))
             }
         };

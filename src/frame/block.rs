@@ -2,9 +2,8 @@
 //! `shaders/frame_block.glsl`).
 
 use super::Frame;
-use crate::dsp::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
-use crate::limits::LIMITS;
-use crate::world::{LightKind, LightValues, PLANES_MAX, World};
+use mariana_field::world::{LightKind, LightValues, PLANES_MAX, World};
+use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
@@ -12,9 +11,9 @@ const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector
 const HEAD: usize = 15;
 /// Vectors of a light.
 const LIGHT: usize = 4;
-const LIGHTS_MAX: usize = LIMITS.scene_lights_max;
-const PARAM_QUADS: usize = LIMITS.scene_params_max.div_ceil(4);
-const HOISTED_QUADS: usize = LIMITS.hoisted_max.div_ceil(4);
+const LIGHTS_MAX: usize = mariana_field::limits::LIMITS.scene_lights_max;
+const PARAM_QUADS: usize = mariana_field::limits::LIMITS.scene_params_max.div_ceil(4);
+const HOISTED_QUADS: usize = mariana_field::limits::LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
 pub const FRAME_BLOCK_VECTORS: usize =
@@ -149,8 +148,8 @@ fn quads(values: &[f32]) -> impl Iterator<Item = [f32; 4]> + '_ {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dsp::Features;
-    use crate::world::testing::world_of;
+    use crate::frame::testing::world_of;
+    use mariana_music::Features;
 
     #[test]
     fn everything_arrives_in_its_place_and_nothing_is_non_finite() {

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::hand::Hand;
-use crate::world::FrameValues;
+use mariana_field::world::FrameValues;
 
 /// A pinhole camera. The axes are of unit length and at right angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,9 +83,9 @@ pub(super) fn place(values: [f32; 3]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dsp::Features;
     use crate::frame::Frame;
-    use crate::world::testing::{SPEAKERS, world_of};
+    use crate::frame::testing::{SPEAKERS, world_of};
+    use mariana_music::Features;
     use proptest::prelude::*;
 
     #[test]

@@ -85,7 +85,7 @@ mod tests {
 
     use super::*;
     use crate::frame::camera::Camera;
-    use crate::world::FrameValues;
+    use mariana_field::world::FrameValues;
 
     fn values() -> FrameValues {
         FrameValues { position: [1.0, 2.0, -6.0], target: [0.5, 1.0, 2.0], fov: 50.0, ..Default::default() }

@@ -7,13 +7,15 @@ pub mod camera;
 pub mod hand;
 pub mod picture;
 pub mod sound_tables;
+#[cfg(test)]
+pub(crate) mod testing;
 
-pub use crate::dsp::Sound;
-use crate::dsp::{HISTORY_POINTS, spectrum_place};
-use crate::graph::{FrameInputs, TableData};
-use crate::world::{FrameValues, World};
 use camera::Camera;
 use hand::Hand;
+use mariana_field::graph::{FrameInputs, TableData};
+use mariana_field::world::{FrameValues, World};
+pub use mariana_music::Sound;
+use mariana_music::{HISTORY_POINTS, spectrum_place};
 use picture::Picture;
 
 /// What one picture shows.

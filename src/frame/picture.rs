@@ -2,7 +2,7 @@
 //! `shaders/picture_block.glsl`).
 
 use super::camera::Camera;
-use crate::world::{FrameValues, ToneMap};
+use mariana_field::world::{FrameValues, ToneMap};
 
 /// Number of vec4 in the block.
 pub const PICTURE_BLOCK_VECTORS: usize = 2;
@@ -37,7 +37,7 @@ pub struct Lens {
 }
 
 impl Picture {
-    /// The picture that a scene asks for in a frame; `has_lens` is [`crate::world::Traits::lens`]. What is no number is as
+    /// The picture that a scene asks for in a frame; `has_lens` is [`mariana_field::world::Traits::lens`]. What is no number is as
     /// in scenes that say nothing.
     pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
         let picture = &values.picture;
@@ -80,10 +80,10 @@ fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use crate::dsp::Features;
     use crate::frame::Frame;
-    use crate::world::ToneMap;
-    use crate::world::testing::world_of;
+    use crate::frame::testing::world_of;
+    use mariana_field::world::ToneMap;
+    use mariana_music::Features;
 
     #[test]
     fn a_picture_is_as_the_scene_says_within_its_ranges() {

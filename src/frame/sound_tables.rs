@@ -1,8 +1,8 @@
 //! The sound's tables as the shaders read them: the spectrum, the waveform, the rows of the history (`shaders/scene_inputs.glsl`).
 
-use crate::dsp::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
-use crate::graph::{FrameInputs, Op, TableData};
-use crate::world::World;
+use mariana_field::graph::{FrameInputs, Op, TableData};
+use mariana_field::world::World;
+use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 /// Whether any expression of a world reads them.
 pub fn are_read_by(world: &World) -> bool {
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn worlds_without_tables_read_none() {
-        use crate::world::testing::world_of;
+        use crate::frame::testing::world_of;
         for (text, read) in [
             ("length(p) - 1 - band(3)", false),
             ("length(p) - 1 - spectrum(y)", true),

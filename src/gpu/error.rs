@@ -2,7 +2,7 @@
 
 use super::scene_program::DoesNotFit;
 use super::shader_source::ShaderSourceError;
-use crate::world::WorldError;
+use mariana_field::world::WorldError;
 
 /// An error of the GPU side. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]

@@ -57,13 +57,13 @@ mod tests {
 
     use super::*;
     use crate::frame::Frame;
+    use crate::frame::testing::{SPEAKERS, world_of};
     use crate::gpu::headless::Headless;
     use crate::gpu::object::{Buffer, Texture, VertexArray};
     use crate::gpu::renderer::{Counting, Renderer};
     use crate::gpu::scene_program::{Mode, link_scene, variant_of};
     use crate::gpu::scene_resources::SceneResources;
     use crate::gpu::shader_source::ShaderLibrary;
-    use crate::world::testing::{SPEAKERS, world_of};
 
     const SWITCHES: [u32; 6] = [
         glow::BLEND,
@@ -81,7 +81,7 @@ mod tests {
         let library = ShaderLibrary::embedded();
         let world = Arc::new(world_of(SPEAKERS));
         let buffers = Arc::new(world.tape_buffers().unwrap());
-        let plan = Arc::new(crate::region::RegionPlan::new(&world));
+        let plan = Arc::new(mariana_field::region::RegionPlan::new(&world));
         let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
         let program = link_scene(gl, &library, &variant).unwrap();
         let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();

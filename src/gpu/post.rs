@@ -22,7 +22,7 @@ use super::program::{Program, binding_of, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 use crate::frame::picture::Picture;
-use crate::world::ToneMap;
+use mariana_field::world::ToneMap;
 
 /// The shaders of these passes and their defines; tests compile them all.
 pub const POST_SHADERS: [(&str, &[&str]); 13] = [

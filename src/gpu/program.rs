@@ -8,7 +8,6 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::object::ProgramObject;
 use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, ShaderSourceError, Variant, name_places};
-use crate::limits::LIMITS;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
 pub const UNIFORM_BLOCKS: [(&str, u32); 5] =
@@ -30,7 +29,10 @@ pub const TEXTURE_UNITS: [(&str, u32); 11] = [
     ("sound_tables", 15),
 ];
 
-const _: () = assert!(LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
+const _: () = assert!(
+    mariana_field::limits::LIMITS.scene_textures_max <= 12,
+    "the scene's textures have the units 0..12"
+);
 
 /// The unit of one of [`TEXTURE_UNITS`]; 0 for a name that is none of them.
 pub(super) fn unit_of(texture: &str) -> u32 {
@@ -133,7 +135,7 @@ impl Program {
             }
             gl.use_program(Some(program));
             let own = TEXTURE_UNITS.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
-            let of_scenes = (0..LIMITS.scene_textures_max).map(scene_texture).zip(0..);
+            let of_scenes = (0..mariana_field::limits::LIMITS.scene_textures_max).map(scene_texture).zip(0..);
             for (texture, unit) in own.chain(of_scenes) {
                 if let Some(location) = gl.get_uniform_location(program, &texture) {
                     gl.uniform_1_i32(Some(&location), unit.cast_signed());

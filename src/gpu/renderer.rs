@@ -32,9 +32,9 @@ use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use super::timer::FrameTimer;
 use crate::frame::Frame;
-use crate::world::ToneMap;
 use making::Making;
 pub use making::Progress;
+use mariana_field::world::ToneMap;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;

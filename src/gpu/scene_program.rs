@@ -10,11 +10,11 @@ use super::program::Program;
 use super::renderer::Counting;
 use super::shader_source::{ShaderLibrary, Variant};
 use crate::frame::block::block_defines;
-use crate::graph::CELL_HASH_GLSL;
-use crate::region::{RegionPlan, RegionVariant};
-use crate::tape::interpreter;
 use crate::view::scale;
-use crate::world::{TapeBuffers, Traits, World};
+use mariana_field::graph::CELL_HASH_GLSL;
+use mariana_field::region::{RegionPlan, RegionVariant};
+use mariana_field::tape::interpreter;
+use mariana_field::world::{TapeBuffers, Traits, World};
 
 /// The fragment shader of scenes.
 pub const SCENE_SHADER: &str = "scene.frag";

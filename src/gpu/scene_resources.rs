@@ -21,11 +21,11 @@ use super::tiles::Costs;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::sound_tables;
-use crate::graph::FrameInputs;
 use crate::limits::LIMITS;
-use crate::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
 use crate::view::setup::Drawn;
-use crate::world::{TapeBuffers, World};
+use mariana_field::graph::FrameInputs;
+use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
+use mariana_field::world::{TapeBuffers, World};
 
 /// A world, uploaded.
 pub struct SceneResources {

@@ -158,8 +158,11 @@ struct Assembly<'a> {
 
 impl Assembly<'_> {
     fn append(&mut self, name: &str, asked_by: &str, depth: usize) -> Result<(), ShaderSourceError> {
-        if depth > LIMITS.include_depth_max {
-            return Err(ShaderSourceError::TooDeep { file: name.into(), limit: LIMITS.include_depth_max });
+        if depth > mariana_field::limits::LIMITS.include_depth_max {
+            return Err(ShaderSourceError::TooDeep {
+                file: name.into(),
+                limit: mariana_field::limits::LIMITS.include_depth_max,
+            });
         }
         if !self.included.insert(name.to_owned()) {
             return Ok(());
@@ -268,7 +271,8 @@ mod tests {
 
     #[test]
     fn depth_and_length_have_limits() {
-        let names: Vec<String> = (0..=LIMITS.include_depth_max + 1).map(|i| format!("f{i}")).collect();
+        let names: Vec<String> =
+            (0..=mariana_field::limits::LIMITS.include_depth_max + 1).map(|i| format!("f{i}")).collect();
         let texts: Vec<String> =
             (0..names.len()).map(|i| format!("#include \"f{}\"", (i + 1).min(names.len() - 1))).collect();
         let files: Vec<(&str, &str)> =

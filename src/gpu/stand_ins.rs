@@ -14,8 +14,8 @@ use super::object::Texture;
 use super::scene_resources::{SceneBuffers, SceneNames};
 use super::texture;
 use crate::frame::sound_tables;
-use crate::graph::FrameInputs;
-use crate::world::World;
+use mariana_field::graph::FrameInputs;
+use mariana_field::world::World;
 
 /// What a driver compiles of a scene's textures into its programs: width and height of a stand-in for each picture.
 #[derive(Debug, Clone, PartialEq, Eq)]

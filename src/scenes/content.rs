@@ -70,7 +70,7 @@ fn hash(path: &Path) -> io::Result<(u64, u64)> {
     if !metadata.is_file() {
         return Err(io::Error::other("no file"));
     }
-    let max = LIMITS.texture_bytes_max.max(LIMITS.scene_bytes_max);
+    let max = LIMITS.texture_bytes_max.max(mariana_field::limits::LIMITS.scene_bytes_max);
     let Some(bytes) = read_at_most(path, max)? else { return Ok((metadata.len(), 0)) };
     let mut hasher = DefaultHasher::new();
     bytes.hash(&mut hasher);

@@ -1,8 +1,8 @@
-//! Why a scene cannot be read. Mistakes in its text are diagnostics of [`crate::lang`].
+//! Why a scene cannot be read. Mistakes in its text are diagnostics of [`mariana_field::lang`].
 
 use std::path::PathBuf;
 
-use crate::world::WorldError;
+use mariana_field::world::WorldError;
 
 /// A scene that cannot be read. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]

@@ -16,8 +16,8 @@ use include_dir::{Dir, include_dir};
 
 use super::SceneSource;
 use super::folder::{Folder, Refusal};
-use crate::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 use crate::limits::{LIMITS, Limits};
+use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets/textures");
 

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::textures::TextureCache;
 use super::{SceneError, SceneSource};
-use crate::lang::{Compiled, Diagnostic, render_all};
-use crate::region::RegionPlan;
-use crate::world::{TapeBuffers, World};
+use mariana_field::lang::{Compiled, Diagnostic, render_all};
+use mariana_field::region::RegionPlan;
+use mariana_field::world::{TapeBuffers, World};
 
 /// A world with the programs of its tape.
 #[derive(Debug, Clone)]

@@ -6,7 +6,7 @@ use super::legend::{Legend, Ramp, Scale};
 use super::scale::{self, Color, nice, written};
 use super::{View, ViewChoice};
 use crate::frame::Frame;
-use crate::world::World;
+use mariana_field::world::World;
 
 /// The block `ViewBlock` of `shaders/view_notes.glsl`.
 pub type ViewBlock = [[f32; 4]; 2];

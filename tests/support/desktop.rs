@@ -10,7 +10,7 @@ use image::{Rgba, RgbaImage};
 use tempfile::TempDir;
 
 use super::compare::{TIGHT, assert_alike, difference};
-use super::process::{
+use mariana_testing::process::{
     LOOK_PERIOD, Process, WAIT_LIMIT, output_of, private_folder, session_environment, wait_until,
 };
 

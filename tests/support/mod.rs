@@ -7,21 +7,13 @@
 pub mod compare;
 #[cfg(target_os = "linux")]
 pub mod desktop;
+#[path = "../../crates/field/tests/field/expression.rs"]
 pub mod expression;
 pub mod glsl;
 pub mod oracle;
 #[cfg(target_os = "linux")]
 pub mod pings;
-#[cfg(unix)]
-pub mod process;
 #[cfg(target_os = "linux")]
 pub mod program;
-#[cfg(unix)]
-pub mod session_bus;
 pub mod shader_folder;
-#[cfg(unix)]
-pub mod sound_server;
-#[cfg(unix)]
-pub mod sound_session;
 pub mod studio;
-pub mod wave;

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 use super::desktop::{PROGRAM, command_in};
-use super::process::{LOOK_PERIOD, Process, output_of, private_folder};
-use super::wave::write_wav;
+use mariana_testing::process::{LOOK_PERIOD, Process, output_of, private_folder};
+use mariana_testing::wave::write_wav;
 
 /// How long the program may take for anything asked of it here.
 pub const RUN_LIMIT: Duration = Duration::from_secs(60);

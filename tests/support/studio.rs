@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use image::RgbaImage;
-use mariana::dsp::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 use mariana::frame::Frame;
 use mariana::frame::picture::Picture;
 use mariana::gpu::error::GpuError;
@@ -15,7 +14,8 @@ use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
 use mariana::gpu::scene_resources::SceneResources;
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{ReadyScene, SceneSource};
-use mariana::world::World;
+use mariana_field::world::World;
+use mariana_music::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 
 /// The thesis' speakers: the scene that is also written by hand, in GLSL.
 pub fn speakers() -> SceneSource {

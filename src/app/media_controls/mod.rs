@@ -11,8 +11,8 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use crate::audio::PlayerStatus;
-use crate::audio::track::{Repeat, TrackInfo};
+use mariana_player::PlayerStatus;
+use mariana_player::track::{Repeat, TrackInfo};
 
 /// A position that is further than this from where it would have come by itself was jumped to, in seconds.
 const JUMP: f64 = 0.5;

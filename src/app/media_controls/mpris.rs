@@ -10,7 +10,7 @@ use mpris_server::{
 };
 
 use super::{Asked, Seen, SharedSeen};
-use crate::audio::track::{Repeat, TrackInfo};
+use mariana_player::track::{Repeat, TrackInfo};
 
 /// The program's name on the bus and of its desktop entry. Behind it stands the number of the process, as several may run.
 const NAME: &str = "mariana";

@@ -36,7 +36,7 @@ pub struct SourceList {
 pub struct Problem<'a> {
     /// One line, such as "spheres.scene has mistakes; the last good scene stays".
     pub heading: &'a str,
-    /// The diagnostics as plain text for a terminal, as [`crate::lang::render_all`] gives it without colours.
+    /// The diagnostics as plain text for a terminal, as [`mariana_field::lang::render_all`] gives it without colours.
     pub text: &'a str,
 }
 

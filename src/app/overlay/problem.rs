@@ -4,7 +4,7 @@ use egui::{Color32, Painter, Pos2, Rect, Vec2, pos2, vec2};
 
 use super::content::Problem;
 use super::style;
-use crate::lang::columns;
+use mariana_field::lang::columns;
 
 /// Sizes of the text, in points: it shrinks until the longest line fits.
 const SIZES: [f32; 5] = [13.0, 12.0, 11.0, 10.0, 9.0];

@@ -7,9 +7,7 @@ use std::time::Duration;
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::governor::Level;
 use crate::app::scene_regions::Shown;
-use crate::audio::Moment;
 use crate::config::SdfChoice;
-use crate::dsp::Sound;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Progress, Renderer};
@@ -18,6 +16,8 @@ use crate::gpu::scene_resources::BuiltRegions;
 use crate::limits::LIMITS;
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPicture;
+use mariana_music::Sound;
+use mariana_player::Moment;
 
 /// How long one go draws before it is looked whether anything has happened.
 const GO: Duration = Duration::from_millis(100);

@@ -1,0 +1,218 @@
+//! Text to words: what an edit of a scene costs before the GPU sees it, beside a public peer.
+//!
+//! `cargo bench --features peer --bench language` runs it: the peer takes long to compile.
+//!
+//! The peer is fidget (Keeter's own successor of the work that the tape follows), on one thread and without its JIT.
+//! Both sides begin with a text in memory and end with what their interpreter runs:
+//!
+//! - **mariana**: the text is lexed, parsed, its names and sizes checked, functions put in, the graph built with common
+//!   subexpressions shared, and of its distance a tape allocated to 256 slots and written as words. A text is a whole
+//!   scene: the default material, light, camera and sky are made too.
+//! - **fidget**: `Context::from_text` splits lines into words, looks names up and builds its graph, also with common
+//!   subexpressions shared; `VmFunction::new` flattens that and allocates a tape to 255 registers. Its text has one
+//!   instruction a line, so it needs no precedence, types or functions; it computes constants in f64.
+//!
+//! Throughput is in clauses of the source: lines of fidget's text, whichever text the row reads; for what fidget has
+//! no text of, clauses of the tape. A formula says the same in fewer words, and `lets` word for word.
+
+#![allow(clippy::expect_used)]
+
+use std::fmt::Write;
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use fidget::context::Context;
+use fidget::eval::MathFunction;
+use fidget::vm::{VmFunction, VmShape};
+use mariana_field::graph::{FrameInputs, Point};
+use mariana_field::lang::{compile, no_includes};
+use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
+
+/// The tape of a text's distance.
+fn tape(text: &str) -> Tape {
+    let scene = compile("bench.scene", text, &mut no_includes).scene.expect("the text is a scene");
+    Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default()).expect("it has a tape")
+}
+
+/// The texels that the interpreter shader runs for a text's distance.
+fn words(text: &str) -> Vec<[u32; 4]> {
+    let mut words = Vec::new();
+    let (tape, mut numbers) = (tape(text), Vec::new());
+    tape.table_values(&FrameInputs::default(), &mut numbers);
+    tape.append_texels(&numbers, &mut words);
+    words
+}
+
+fn fidget_tape(text: &str) -> VmFunction {
+    let (context, root) = Context::from_text(text.as_bytes()).expect("fidget reads the text");
+    VmFunction::new(&context, &[root]).expect("it has a tape")
+}
+
+/// An expression as instructions, each by the place of its operands; a constant has its number.
+#[derive(Default)]
+struct Lines(Vec<(&'static str, Vec<usize>, f64)>);
+
+impl Lines {
+    fn constant(&mut self, value: f64) -> usize {
+        self.0.push(("const", Vec::new(), value));
+        self.0.len() - 1
+    }
+
+    fn op(&mut self, name: &'static str, operands: &[usize]) -> usize {
+        self.0.push((name, operands.to_vec(), 0.0));
+        self.0.len() - 1
+    }
+
+    /// As fidget reads it.
+    fn instructions(&self) -> String {
+        let mut text = String::new();
+        for (place, (name, operands, value)) in self.0.iter().enumerate() {
+            let _ = write!(text, "_{place:x} {name}");
+            for operand in operands {
+                let _ = write!(text, " _{operand:x}");
+            }
+            text += &if *name == "const" { format!(" {value:.3}\n") } else { "\n".to_owned() };
+        }
+        text
+    }
+
+    /// The same with a `let` for each line.
+    fn lets(&self) -> String {
+        let mut text = String::new();
+        for (place, (name, operands, value)) in self.0.iter().enumerate() {
+            let name_of = |which: usize| format!("_{:x}", operands[which]);
+            let right = match *name {
+                "const" => format!("{value:.3}"),
+                "var-x" => "x".to_owned(),
+                "var-y" => "y".to_owned(),
+                "var-z" => "z".to_owned(),
+                "add" => format!("{} + {}", name_of(0), name_of(1)),
+                "sub" => format!("{} - {}", name_of(0), name_of(1)),
+                "mul" => format!("{} * {}", name_of(0), name_of(1)),
+                "square" => format!("{} ^ 2", name_of(0)),
+                "min" | "max" => format!("{name}({}, {})", name_of(0), name_of(1)),
+                _ => format!("{name}({})", name_of(0)),
+            };
+            let _ = writeln!(text, "let _{place:x} = {right}");
+        }
+        text + &format!("_{:x}\n", self.0.len() - 1)
+    }
+}
+
+/// The plane y = 0 and a ball, min(y, sqrt(x² + (y - 1)² + (z - 6)²) - 1), as instructions and as section 4.4 of the
+/// thesis prints it.
+fn plane_and_ball() -> (Lines, String) {
+    let mut lines = Lines::default();
+    let [x, y, z] = ["var-x", "var-y", "var-z"].map(|name| lines.op(name, &[]));
+    let [one, six] = [1.0, 6.0].map(|value| lines.constant(value));
+    let (up, ahead) = (lines.op("sub", &[y, one]), lines.op("sub", &[z, six]));
+    let [a, b, c] = [x, up, ahead].map(|side| lines.op("square", &[side]));
+    let sum = lines.op("add", &[a, b]);
+    let sum = lines.op("add", &[sum, c]);
+    let length = lines.op("sqrt", &[sum]);
+    let ball = lines.op("sub", &[length, one]);
+    lines.op("min", &[y, ball]);
+    (lines, "min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)".to_owned())
+}
+
+/// The union of boxes and balls by turns, all in different places, as instructions and as a formula.
+fn boxes_and_balls(count: usize) -> (Lines, String) {
+    let mut lines = Lines::default();
+    let mut shapes = Vec::new();
+    let p = ["var-x", "var-y", "var-z"].map(|name| lines.op(name, &[]));
+    let zero = lines.constant(0.0);
+    let mut union = None;
+    for i in 0..count {
+        let centre = [7, 13, 29].map(|step| (i * step % 997) as f64 * 0.037 - 15.0);
+        let size = [0.2, 0.3, 0.4].map(|least| least + i as f64 * 0.001);
+        let q: [usize; 3] = std::array::from_fn(|axis| {
+            let at = lines.constant(centre[axis]);
+            lines.op("sub", &[p[axis], at])
+        });
+        let length = |lines: &mut Lines, v: [usize; 3]| {
+            let [a, b, c] = v.map(|side| lines.op("square", &[side]));
+            let sum = lines.op("add", &[a, b]);
+            let sum = lines.op("add", &[sum, c]);
+            lines.op("sqrt", &[sum])
+        };
+        let [x, y, z] = centre.map(|value| format!("{value:.3}"));
+        let [width, height, depth] = size.map(|value| format!("{value:.3}"));
+        let shape = if i % 2 == 0 {
+            shapes.push(format!("box(p - vec3({x}, {y}, {z}), vec3({width}, {height}, {depth}))"));
+            let d: [usize; 3] = std::array::from_fn(|axis| {
+                let (side, half) = (lines.op("abs", &[q[axis]]), lines.constant(size[axis]));
+                lines.op("sub", &[side, half])
+            });
+            let outside = d.map(|side| lines.op("max", &[side, zero]));
+            let outside = length(&mut lines, outside);
+            let inside = lines.op("max", &[d[0], d[1]]);
+            let inside = lines.op("max", &[inside, d[2]]);
+            let inside = lines.op("min", &[inside, zero]);
+            lines.op("add", &[outside, inside])
+        } else {
+            shapes.push(format!("sphere(p - vec3({x}, {y}, {z}), {width})"));
+            let (length, radius) = (length(&mut lines, q), lines.constant(size[0]));
+            lines.op("sub", &[length, radius])
+        };
+        union = Some(union.map_or(shape, |union| lines.op("min", &[union, shape])));
+    }
+    (lines, format!("union({})", shapes.join(",\n")))
+}
+
+/// A formula of `count` balls that have nothing in common.
+fn balls(count: usize) -> String {
+    let ball = |i: usize| {
+        let [x, y, z] = [7, 13, 29].map(|step| (i * step % 997) as f64 * 0.037 - 15.0);
+        format!("length(p - vec3({x:.3}, {y:.3}, {z:.3})) - {:.3}", 0.2 + i as f64 * 0.001)
+    };
+    format!("union({})", (0..count).map(ball).collect::<Vec<_>>().join(",\n"))
+}
+
+/// That a text of ours means what fidget's means.
+fn assert_same(text: &str, instructions: &str) {
+    let (tape, frame) = (tape(text), FrameInputs::default());
+    let mut ours = PointEvaluator::new(&tape, &frame);
+    let (context, root) = Context::from_text(instructions.as_bytes()).expect("fidget reads the text");
+    let shape = VmShape::new(&context, root).expect("it has a tape");
+    let (theirs, mut evaluator) = (shape.point_tape(Default::default()), VmShape::new_point_eval());
+    for i in 0..200 {
+        let [x, y, z] = [11, 17, 23].map(|step| (i * step % 199) as f32 * 0.1 - 10.0);
+        let a = ours.at(&Point::at(x, y, z))[0];
+        let (b, _) = evaluator.eval(&theirs, x, y, z).expect("it has three variables");
+        assert!((a - b).abs() < 1e-4, "{a} and {b} at {x} {y} {z}");
+    }
+}
+
+fn text_to_words(criterion: &mut Criterion) {
+    // After a large block was freed glibc keeps freed pages, as it does in the program once a picture was decoded;
+    // before, every round would pay the kernel for the same pages again.
+    drop(black_box(vec![1_u8; 16 << 20]));
+    let mut group = criterion.benchmark_group("text_to_words");
+    // As many lines as the largest model that fidget brings, or just above.
+    let both = [("plane and ball", plane_and_ball()), ("boxes and balls", boxes_and_balls(358))];
+    for (name, (lines, formula)) in &both {
+        let (instructions, lets) = (lines.instructions(), lines.lets());
+        group.throughput(Throughput::Elements(lines.0.len() as u64));
+        for (side, text) in [("mariana, formula", formula), ("mariana, lets", &lets)] {
+            assert_same(text, &instructions);
+            println!("{name}, {side}: {} lines, {} clauses", lines.0.len(), tape(text).clauses().len());
+            group.bench_function(BenchmarkId::new(side, name), |bencher| {
+                bencher.iter(|| words(black_box(text)));
+            });
+        }
+        group.bench_function(BenchmarkId::new("fidget", name), |bencher| {
+            bencher.iter(|| fidget_tape(black_box(&instructions)));
+        });
+    }
+    let speakers = include_str!("../../../assets/scenes/speakers.scene").to_owned();
+    for (name, text) in [("speakers", speakers), ("786 balls", balls(786))] {
+        group.throughput(Throughput::Elements(tape(&text).clauses().len() as u64));
+        group.bench_function(BenchmarkId::new("mariana", name), |bencher| {
+            bencher.iter(|| words(black_box(&text)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, text_to_words);
+criterion_main!(benches);

@@ -1,0 +1,94 @@
+//! Expressions: building graphs and tapes, and running tapes on the CPU. Throughput is in clauses (times points).
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use mariana_field::graph::{FrameInputs, Graph, Input, Interval, NodeId, Point};
+use mariana_field::tape::{
+    Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
+};
+
+/// The union of `count` boxes, each in its own place, and of half as many spheres, smoothly.
+fn scene(graph: &mut Graph, count: usize) -> NodeId {
+    let p = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
+    let zero = graph.constant(0.0);
+    let mut shapes = Vec::with_capacity(count * 2);
+    for i in 0..count {
+        let at = [i % 7, i / 7 % 7, i / 49].map(|cell| cell as f32 * 1.25 - 4.0 + i as f32 * 1e-3);
+        let centre = at.map(|v| graph.constant(v));
+        let q: [NodeId; 3] = std::array::from_fn(|axis| graph.sub(p[axis], centre[axis]));
+        let half = graph.constant(0.25 + i as f32 * 1e-4);
+        let d = q.map(|q| {
+            let far = graph.abs(q);
+            graph.sub(far, half)
+        });
+        let outside = d.map(|d| graph.max(d, zero));
+        let outside = graph.length(&outside);
+        let deepest = graph.max(d[1], d[2]);
+        let deepest = graph.max(d[0], deepest);
+        let inside = graph.min(deepest, zero);
+        shapes.push(graph.add(outside, inside));
+        if i % 2 == 0 {
+            let length = graph.length(&q);
+            shapes.push(graph.sub(length, half));
+        }
+    }
+    while shapes.len() > 1 {
+        shapes = shapes
+            .chunks(2)
+            .map(|pair| if let [a, b] = pair { graph.min(*a, *b) } else { pair[0] })
+            .collect();
+    }
+    shapes[0]
+}
+
+fn tape(c: &mut Criterion) {
+    for count in [40, 400] {
+        let mut graph = Graph::new();
+        let root = scene(&mut graph, count);
+        let options = TapeOptions::default();
+        let Ok(tape) = Tape::build(&graph, &[root], &options) else { return };
+        let clauses = tape.clauses().len() as u64;
+        let mut group = c.benchmark_group(format!("tape_{clauses}_clauses"));
+        group.throughput(Throughput::Elements(clauses));
+        group.bench_function("graph", |b| {
+            b.iter(|| {
+                let mut graph = Graph::new();
+                black_box(scene(&mut graph, count))
+            });
+        });
+        group.bench_function("build", |b| {
+            b.iter(|| {
+                Tape::build(&graph, &[root], &options).map(|tape| {
+                    let mut words = Vec::new();
+                    let mut numbers = Vec::new();
+                    tape.table_values(&FrameInputs::default(), &mut numbers);
+                    tape.append_texels(&numbers, &mut words);
+                    words
+                })
+            })
+        });
+        let few = TapeOptions { slots: 8, ..options };
+        group.bench_function("build_in_8_slots", |b| b.iter(|| Tape::build(&graph, &[root], &few)));
+        let frame = FrameInputs::default();
+        let mut points = PointEvaluator::new(&tape, &frame);
+        group.bench_function("point", |b| b.iter(|| points.at(black_box(&Point::at(0.1, 0.2, 0.3)))[0]));
+        let mut intervals = IntervalEvaluator::new(&tape, &frame);
+        let side = [Interval::new(-1.0, 1.0), Interval::new(0.0, 2.0), Interval::new(1.0, 3.0)];
+        group.bench_function("interval", |b| {
+            b.iter(|| intervals.over(black_box(side), [Interval::point(0.0); 3])[0])
+        });
+        let mut gradients = GradientEvaluator::new(&tape, &frame);
+        group
+            .bench_function("gradient", |b| b.iter(|| gradients.at(black_box(&Point::at(0.1, 0.2, 0.3)))[0]));
+        let xs: Vec<f32> = (0..1024).map(|i| i as f32 * 0.01).collect();
+        let mut batch = Batch::new(&tape, &frame);
+        group.throughput(Throughput::Elements(clauses * xs.len() as u64));
+        group.bench_function("batch_of_1024_points", |b| {
+            b.iter(|| batch.run(black_box(Points { position: [&xs, &xs, &xs], normal: None })));
+        });
+    }
+}
+
+criterion_group!(benches, tape);
+criterion_main!(benches);

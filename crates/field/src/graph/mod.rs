@@ -1,0 +1,205 @@
+//! The expression graph: scalar nodes, each distinct one stored once.
+//!
+//! A [`Graph`] is an arena in which operands stand before the nodes that use them. Building a node that
+//! exists gives the one that exists (hash-consing), so that a common subexpression is computed once. On the
+//! way in constants are folded and algebra that is exact in floating point is applied; `simplify.rs` states
+//! every rule.
+//!
+//! Builders never fail in the middle of an expression: a graph that met its limit remembers it, answers with
+//! any node, and [`Graph::check`] and everything that reads the graph report it. All traversals are
+//! iterative.
+
+mod build;
+mod dot;
+mod evaluate;
+mod frame_inputs;
+mod fuse;
+mod interval;
+mod node;
+mod op;
+mod order;
+mod rules;
+mod simplify;
+mod slope_rules;
+mod sloped;
+
+pub use build::PRODUCT_EXPONENT_MAX;
+pub use evaluate::Point;
+pub use frame_inputs::{FrameInputs, TableData, TextureReader};
+pub use interval::{Choice, Interval, LIBRARY_ERROR};
+pub use node::{BAND_COUNT, Input, Node, NodeId};
+pub use op::{
+    BoundsKernel, CELL_HASH_GLSL, CELL_MAX, FIRST_BINARY, Kernel, Op, Properties, SMALLEST, TANH_MAX,
+    cell_hash,
+};
+pub use order::{InputsUsed, Order};
+pub use sloped::{Pieces, Sloped};
+
+#[cfg(test)]
+pub(crate) mod random;
+#[cfg(test)]
+mod slope_tests;
+#[cfg(test)]
+mod tests;
+
+use crate::limits::{LIMITS, Limits};
+
+/// Why a graph cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum GraphError {
+    /// More distinct nodes than the limit.
+    #[error(
+        "the expression needs more than {max} distinct operations; make the scene smaller or repeat less"
+    )]
+    TooManyNodes {
+        /// [`Limits::graph_nodes_max`].
+        max: usize,
+    },
+}
+
+/// An arena of distinct scalar nodes.
+#[derive(Debug, Clone)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    /// Open addressing: 1 + a node's index, or 0; a power of two of places, at most half of them taken.
+    places: Vec<u32>,
+    nodes_max: usize,
+    full: bool,
+}
+
+impl Default for Graph {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Graph {
+    /// An empty graph with the program's limits.
+    pub fn new() -> Self {
+        Self::with_limits(&LIMITS)
+    }
+
+    /// An empty graph with the given limits.
+    pub fn with_limits(limits: &Limits) -> Self {
+        Self {
+            nodes: Vec::new(),
+            places: vec![0; 256],
+            nodes_max: limits.graph_nodes_max.max(1),
+            full: false,
+        }
+    }
+
+    /// Number of distinct nodes built so far, used or not.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether nothing was built yet.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The node with the given name, which must be of this graph.
+    #[inline(always)]
+    pub fn node(&self, id: NodeId) -> Node {
+        self.nodes[id.index()]
+    }
+
+    /// Whether any expression built so far, used or not, reads the time, or a table of the sound: both may change while the
+    /// sound's features stay the same.
+    pub fn moves_by_itself(&self) -> bool {
+        self.nodes.iter().any(|node| match node {
+            Node::Input(input) => *input == Input::T,
+            Node::Unary(op, _) | Node::Binary(op, _, _) => op.properties().has(op::Properties::READS_FRAME),
+            _ => false,
+        })
+    }
+
+    /// Whether any expression built so far, used or not, reads one of [`Op::CURVES`].
+    pub fn reads_curves(&self) -> bool {
+        self.nodes
+            .iter()
+            .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if Op::CURVES.contains(op)))
+    }
+
+    /// The constant that a node is, if it is one.
+    #[inline(always)]
+    pub fn as_constant(&self, id: NodeId) -> Option<f32> {
+        self.node(id).as_constant()
+    }
+
+    /// Whether everything that was asked for was built.
+    ///
+    /// # Errors
+    /// [`GraphError::TooManyNodes`] once a builder met the limit; the nodes that it gave since mean nothing.
+    pub fn check(&self) -> Result<(), GraphError> {
+        if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
+    }
+
+    /// Makes room for as many nodes at once.
+    pub fn reserve(&mut self, nodes: usize) {
+        let nodes = (self.nodes.len() + nodes).min(self.nodes_max);
+        self.nodes.reserve(nodes - self.nodes.len().min(nodes));
+        if nodes * 2 > self.places.len() {
+            self.grow((nodes * 2).next_power_of_two());
+        }
+    }
+
+    /// The node that is equal to `node`, built if there is none yet.
+    // Inlined, as callers know the kind of node.
+    #[inline(always)]
+    fn intern(&mut self, node: Node) -> NodeId {
+        let mask = self.places.len() - 1;
+        let mut place = hash(node.key()) as usize & mask;
+        loop {
+            match self.places[place] {
+                0 => break,
+                taken if self.nodes[taken as usize - 1].is(node) => return NodeId(taken - 1),
+                _ => place = (place + 1) & mask,
+            }
+        }
+        self.push(node, place)
+    }
+
+    /// A new node, found by the given place from now on.
+    fn push(&mut self, node: Node, place: usize) -> NodeId {
+        if self.nodes.len() >= self.nodes_max {
+            self.full = true;
+            return NodeId(0);
+        }
+        self.nodes.push(node);
+        self.places[place] = self.nodes.len() as u32;
+        if self.nodes.len() * 2 > self.places.len() {
+            self.grow(self.places.len() * 2);
+        }
+        NodeId(self.nodes.len() as u32 - 1)
+    }
+
+    /// Spreads the nodes over `count` places, a power of two.
+    #[cold]
+    fn grow(&mut self, count: usize) {
+        let mask = count - 1;
+        let mut places = vec![0; count];
+        for (index, node) in self.nodes.iter().enumerate() {
+            let mut place = hash(node.key()) as usize & mask;
+            while places[place] != 0 {
+                place = (place + 1) & mask;
+            }
+            places[place] = index as u32 + 1;
+        }
+        self.places = places;
+    }
+}
+
+/// Mixes a node's key; every bit of it reaches the low bits of the result.
+#[inline(always)]
+fn hash([head, a, b]: [u32; 3]) -> u32 {
+    let operands = u64::from(a) | u64::from(b) << 32;
+    let mixed = (operands ^ u64::from(head).wrapping_mul(0x9E37_79B9_7F4A_7C15)).wrapping_add(SEED);
+    let product = u128::from(mixed) * 0xD6E8_FEB8_6659_FD93;
+    let folded = product as u64 ^ (product >> 64) as u64;
+    folded as u32 ^ (folded >> 32) as u32
+}
+
+/// Keeps the mix of small keys, as most are, from being 0.
+const SEED: u64 = 0xA076_1D64_78BD_642F;

@@ -1,0 +1,224 @@
+//! Nodes of the expression graph.
+
+use super::op::Op;
+
+/// Names a node of one [`super::Graph`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct NodeId(pub(super) u32);
+
+impl NodeId {
+    /// Position of the node in its graph; operands always stand before the nodes that use them.
+    pub const fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// How many frequency bands scenes can read.
+pub const BAND_COUNT: usize = 32;
+
+/// A number that comes from outside the expression.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Input {
+    /// Position, x.
+    X,
+    /// Position, y.
+    Y,
+    /// Position, z.
+    Z,
+    /// Surface normal, x; in materials.
+    NX,
+    /// Surface normal, y.
+    NY,
+    /// Surface normal, z.
+    NZ,
+    /// Time in seconds.
+    T,
+    /// Volume of the left channel.
+    VolumeLeft,
+    /// Volume of the right channel.
+    VolumeRight,
+    /// One of the 32 frequency bands.
+    Band(u8),
+    /// Low frequencies.
+    Bass,
+    /// Middle frequencies.
+    Mid,
+    /// High frequencies.
+    Treble,
+    /// 1 on an onset, then decaying.
+    Beat,
+    /// Beats per minute.
+    Tempo,
+    /// Position in the beat, 0..1.
+    Phase,
+    /// Volume of what both channels share.
+    VolumeMid,
+    /// Volume of that in which they differ.
+    VolumeSide,
+    /// The integral of the low frequencies over the last seconds.
+    BassDrive,
+    /// Where the strongest tone lies in the spectrum, 0..1.
+    Pitch,
+    /// Where the picture is seen from.
+    EyeX,
+    /// See [`Input::EyeX`].
+    EyeY,
+    /// See [`Input::EyeX`].
+    EyeZ,
+    /// A parameter of the scene, by its number.
+    Param(u16),
+    /// A value that is computed once a frame from the inputs above (see `world`).
+    Hoisted(u16),
+}
+
+impl Input {
+    /// The inputs that differ from point to point, in the order in which a tape reads them.
+    pub const OF_POINT: [Input; 6] = [Input::X, Input::Y, Input::Z, Input::NX, Input::NY, Input::NZ];
+
+    /// Place in [`Input::OF_POINT`]; none for inputs that are the same all over a frame.
+    pub const fn of_point(self) -> Option<usize> {
+        match self {
+            Input::X => Some(0),
+            Input::Y => Some(1),
+            Input::Z => Some(2),
+            Input::NX => Some(3),
+            Input::NY => Some(4),
+            Input::NZ => Some(5),
+            _ => None,
+        }
+    }
+
+    /// A number of its own for every input.
+    const fn code(self) -> u32 {
+        match self {
+            Input::X => 0,
+            Input::Y => 1,
+            Input::Z => 2,
+            Input::NX => 3,
+            Input::NY => 4,
+            Input::NZ => 5,
+            Input::T => 6,
+            Input::VolumeLeft => 7,
+            Input::VolumeRight => 8,
+            Input::Bass => 9,
+            Input::Mid => 10,
+            Input::Treble => 11,
+            Input::Beat => 12,
+            Input::Tempo => 13,
+            Input::Phase => 14,
+            Input::VolumeMid => 15,
+            Input::VolumeSide => 16,
+            Input::BassDrive => 17,
+            Input::Pitch => 18,
+            Input::EyeX => 19,
+            Input::EyeY => 20,
+            Input::EyeZ => 21,
+            Input::Band(i) => 0x100 | i as u32,
+            Input::Param(i) => 0x1_0000 | i as u32,
+            Input::Hoisted(i) => 0x2_0000 | i as u32,
+        }
+    }
+}
+
+impl std::fmt::Display for Input {
+    /// The name as printed in a tape, such as `X`, `VOLUME.X` or `BAND(3)`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Input::X => "X",
+            Input::Y => "Y",
+            Input::Z => "Z",
+            Input::NX => "NX",
+            Input::NY => "NY",
+            Input::NZ => "NZ",
+            Input::T => "T",
+            Input::VolumeLeft => "VOLUME.X",
+            Input::VolumeRight => "VOLUME.Y",
+            Input::Bass => "BASS",
+            Input::Mid => "MID",
+            Input::Treble => "TREBLE",
+            Input::Beat => "BEAT",
+            Input::Tempo => "TEMPO",
+            Input::Phase => "PHASE",
+            Input::VolumeMid => "VOLUME_MID",
+            Input::VolumeSide => "VOLUME_SIDE",
+            Input::BassDrive => "BASS_DRIVE",
+            Input::Pitch => "PITCH",
+            Input::EyeX => "EYE.X",
+            Input::EyeY => "EYE.Y",
+            Input::EyeZ => "EYE.Z",
+            Input::Band(i) => return write!(f, "BAND({i})"),
+            Input::Param(i) => return write!(f, "PARAM({i})"),
+            Input::Hoisted(i) => return write!(f, "HOISTED({i})"),
+        })
+    }
+}
+
+/// A node: a number, or an operator on nodes that stand before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Node {
+    /// A constant; never -0, and one NaN only.
+    Constant(f32),
+    /// A number from outside.
+    Input(Input),
+    /// A one-operand operator.
+    Unary(Op, NodeId),
+    /// A two-operand operator.
+    Binary(Op, NodeId, NodeId),
+    /// One channel of a texture of the scene at the coordinates (u, v), repeated beyond 0..1.
+    Texture {
+        /// The texture's number in the scene.
+        texture: u16,
+        /// 0 red, 1 green, 2 blue, 3 alpha.
+        channel: u8,
+        /// Horizontal coordinate.
+        u: NodeId,
+        /// Vertical coordinate.
+        v: NodeId,
+    },
+}
+
+impl Node {
+    /// Three words that are equal exactly for equal nodes.
+    #[inline(always)]
+    pub(super) const fn key(self) -> [u32; 3] {
+        match self {
+            Node::Constant(value) => [0, value.to_bits(), 0],
+            Node::Input(input) => [1, input.code(), 0],
+            Node::Unary(op, a) => [op.number() as u32, a.0, 0],
+            Node::Binary(op, a, b) => [op.number() as u32, a.0, b.0],
+            Node::Texture { texture, channel, u, v } => {
+                [(texture as u32) << 16 | (channel as u32) << 8 | 2, u.0, v.0]
+            }
+        }
+    }
+
+    /// Whether both are equal as [`Node::key`] has it: constants by their bits, so that NaN is NaN.
+    #[inline(always)]
+    pub(super) fn is(self, other: Self) -> bool {
+        match (self, other) {
+            (Node::Constant(a), Node::Constant(b)) => a.to_bits() == b.to_bits(),
+            _ => self == other,
+        }
+    }
+
+    /// The nodes that this one is computed from, in order.
+    #[inline(always)]
+    pub fn operands(self) -> impl DoubleEndedIterator<Item = NodeId> {
+        let (a, b) = match self {
+            Node::Constant(_) | Node::Input(_) => (None, None),
+            Node::Unary(_, a) => (Some(a), None),
+            Node::Binary(_, a, b) => (Some(a), Some(b)),
+            Node::Texture { u, v, .. } => (Some(u), Some(v)),
+        };
+        a.into_iter().chain(b)
+    }
+
+    /// The value of a constant.
+    #[inline(always)]
+    pub const fn as_constant(self) -> Option<f32> {
+        match self {
+            Node::Constant(value) => Some(value),
+            _ => None,
+        }
+    }
+}

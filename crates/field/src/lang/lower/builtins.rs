@@ -1,0 +1,210 @@
+//! Functions that the language brings.
+
+use super::super::builtin::{Builtin, BuiltinRow, uses};
+use super::super::diagnostic::Diagnostic;
+use super::super::path;
+use super::super::scene::TextureRef;
+use super::super::source::Span;
+use super::super::symbol::Symbol;
+use super::super::value::{Value, Vector};
+use super::Lowering;
+use crate::graph::{BAND_COUNT, Input, Op};
+
+impl Lowering<'_> {
+    /// Calls a function with the arguments from `mark` on.
+    pub(super) fn builtin(&mut self, row: &'static BuiltinRow, mark: usize, first: u32, span: Span) -> Value {
+        let count = self.arguments.len() - mark;
+        let (least, most) = row.arguments;
+        if count < least || count > most {
+            let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
+            if let Some(symbol) = self.names.get(row.name) {
+                self.count_message(symbol, count, row.arguments, hint, span);
+            }
+            return Value::Unknown;
+        }
+        if row.builtin == Builtin::Texture {
+            return self.texture(mark, first, span);
+        }
+        let mut vectors = [None; 4];
+        for (index, slot) in vectors.iter_mut().enumerate().take(count) {
+            let value = self.arguments.get(mark + index).copied().unwrap_or(Value::Unknown);
+            let place = self.argument_span(first, index, span);
+            let Some(vector) = self.number(value, place, || format!("`{}`", row.name)) else {
+                return Value::Unknown;
+            };
+            *slot = Some(vector);
+        }
+        match (row.builtin, vectors) {
+            (Builtin::Each(op), [Some(a), ..]) => Value::Vector(a.map(|part| self.graph.unary(op, part))),
+            (Builtin::Atan, [Some(a), None, ..]) => {
+                Value::Vector(a.map(|part| self.graph.unary(Op::Atan, part)))
+            }
+            (Builtin::Atan, [Some(a), Some(b), ..]) => self.pair(Op::Atan2, a, b, row.name, span),
+            (Builtin::Round, [Some(a), None, ..]) => {
+                Value::Vector(a.map(|part| self.graph.unary(Op::Round, part)))
+            }
+            (Builtin::Round, [Some(a), Some(b), ..]) => self.pair(Op::Sub, a, b, row.name, span),
+            (Builtin::Pair(op), [Some(a), Some(b), ..]) => self.pair(op, a, b, row.name, span),
+            (Builtin::Pow, [Some(a), Some(b), ..]) if sizes_fit(&[a, b]) => {
+                self.zip(a, b, |graph, a, b| graph.pow(a, b))
+            }
+            (Builtin::Mix | Builtin::Clamp | Builtin::Smoothstep, [Some(a), Some(b), Some(c), _])
+                if sizes_fit(&[a, b, c]) =>
+            {
+                self.triple(row.builtin, a, b, c)
+            }
+            (Builtin::Length, [Some(a), ..]) => Value::scalar(self.graph.length(a.parts())),
+            (Builtin::Dot, [Some(a), Some(b), ..]) if a.len() == b.len() => {
+                Value::scalar(self.graph.dot(a.parts(), b.parts()))
+            }
+            (Builtin::Construct(len), _) => self.construct(row.name, len, &vectors, span),
+            (Builtin::Band, [Some(a), ..]) => self.band(a, span),
+            (Builtin::Table(op), [Some(a), ..]) => {
+                self.used_frame(row.name, span);
+                Value::Vector(a.map(|part| self.graph.unary(op, part)))
+            }
+            (Builtin::History, [Some(a), Some(b), ..]) => {
+                self.used_frame(row.name, span);
+                self.pair(Op::History, a, b, row.name, span)
+            }
+            _ => {
+                let arguments = vectors.iter().flatten();
+                let types: Vec<&str> = arguments.map(|&vector| Value::Vector(vector).described()).collect();
+                let message =
+                    format!("`{}` needs vectors of one size, not {}", row.name, types.join(" and "));
+                let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
+                self.report(Diagnostic::new(span, message).hint(hint))
+            }
+        }
+    }
+
+    fn used_frame(&mut self, name: &'static str, span: Span) {
+        if let Some(symbol) = self.names.get(name) {
+            self.take_input(uses::FRAME, symbol, span);
+        }
+    }
+
+    fn pair(&mut self, op: Op, a: Vector, b: Vector, name: &str, span: Span) -> Value {
+        if !sizes_fit(&[a, b]) {
+            return self.sizes_differ(&format!("`{name}`"), Value::Vector(a), Value::Vector(b), span);
+        }
+        self.zip(a, b, |graph, a, b| graph.binary(op, a, b))
+    }
+
+    fn triple(&mut self, builtin: Builtin, a: Vector, b: Vector, c: Vector) -> Value {
+        let len = a.len().max(b.len()).max(c.len());
+        let mut parts = [a.first(); 4];
+        for (index, part) in parts.iter_mut().enumerate().take(len) {
+            let (a, b, c) = (a.part(index), b.part(index), c.part(index));
+            *part = match builtin {
+                Builtin::Mix => self.graph.mix(a, b, c),
+                Builtin::Clamp => self.graph.clamp(a, b, c),
+                _ => self.graph.smoothstep(a, b, c),
+            };
+        }
+        Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
+    }
+
+    /// A vector from one number, from the first components of a longer one, or from parts that make up its size.
+    fn construct(&mut self, name: &str, len: u8, vectors: &[Option<Vector>; 4], span: Span) -> Value {
+        let len = usize::from(len);
+        let Some(first) = vectors[0] else { return Value::Unknown };
+        let (mut parts, mut count) = ([first.first(); 4], 0);
+        for &part in vectors.iter().flatten().flat_map(Vector::parts) {
+            if let Some(slot) = parts.get_mut(count) {
+                *slot = part;
+            }
+            count += 1;
+        }
+        let single = vectors[1].is_none();
+        let fit = count == len || (single && (count == 1 || count > len));
+        match parts.get(..len).and_then(Vector::from_slice) {
+            Some(vector) if fit => Value::Vector(vector),
+            _ => {
+                let message = format!("`{name}` needs {len} numbers, and here are {count}");
+                let hint = format!("write one number for all, or numbers and vectors that make up {len}");
+                self.report(Diagnostic::new(span, message).hint(hint))
+            }
+        }
+    }
+
+    fn band(&mut self, index: Vector, span: Span) -> Value {
+        self.used_frame("band", span);
+        if index.len() != 1 {
+            let message = format!("`band` takes a number, not {}", Value::Vector(index).described());
+            return self.report(Diagnostic::new(span, message));
+        }
+        let part = index.first();
+        let Some(number) = self.graph.as_constant(part) else {
+            return Value::scalar(self.graph.unary(Op::Band, part));
+        };
+        if number < 0.0 || number >= BAND_COUNT as f32 || number.fract() != 0.0 {
+            let message = format!("there is no band {number}");
+            return self
+                .report(Diagnostic::new(span, message).hint("there are 32 bands, 0 to 31, low to high"));
+        }
+        Value::scalar(self.graph.input(Input::Band(number as u8)))
+    }
+
+    fn texture(&mut self, mark: usize, first: u32, span: Span) -> Value {
+        if let Some(symbol) = self.names.get("texture") {
+            self.take_input(uses::TEXTURE, symbol, span);
+        }
+        let mut arguments = self.arguments.iter().skip(mark).copied();
+        let (file, at) = (arguments.next(), arguments.next());
+        let file = match file {
+            Some(Value::Text(symbol)) => symbol,
+            Some(Value::Unknown) | None => return Value::Unknown,
+            Some(other) => {
+                let message = format!("`texture` takes a file's name in quotes, not {}", other.described());
+                let place = self.argument_span(first, 0, span);
+                return self
+                    .report(Diagnostic::new(place, message).hint("write `texture(\"wood.png\", uv)`"));
+            }
+        };
+        let at = match at {
+            Some(Value::Vector(vector)) if vector.len() == 2 => vector,
+            Some(Value::Unknown) | None => return Value::Unknown,
+            Some(other) => {
+                let message = format!("`texture` reads at a vec2, not {}", other.described());
+                let place = self.argument_span(first, 1, span);
+                return self
+                    .report(Diagnostic::new(place, message).hint("take two components, as in `p.xz`"));
+            }
+        };
+        let Some(number) = self.texture_number(file, self.argument_span(first, 0, span)) else {
+            return Value::Unknown;
+        };
+        let (u, v) = (at.part(0), at.part(1));
+        let parts = [0, 1, 2, 3].map(|channel| self.graph.texture(number, channel, u, v));
+        Vector::of(parts).map_or(Value::Unknown, Value::Vector)
+    }
+
+    fn texture_number(&mut self, file: Symbol, span: Span) -> Option<u16> {
+        let place = self.library_call.map_or(span, |call| call.1);
+        let name = match path::checked(self.name(file)) {
+            Ok(name) => name,
+            Err((message, hint)) => {
+                self.report(Diagnostic::new(place, message).hint(hint));
+                return None;
+            }
+        };
+        if let Some(known) = self.textures.iter().position(|one| one.name == name) {
+            return Some(known as u16);
+        }
+        let max = self.limits.scene_textures_max;
+        if self.textures.len() >= max {
+            let message = format!("the scene reads more than {max} pictures");
+            self.report(Diagnostic::over_limit(place, message).hint("put several pictures into one file"));
+            return None;
+        }
+        self.textures.push(TextureRef { name, span: place });
+        Some((self.textures.len() - 1) as u16)
+    }
+}
+
+/// Whether all are of one size, or scalars, which fit every size.
+fn sizes_fit(vectors: &[Vector]) -> bool {
+    let most = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
+    vectors.iter().all(|vector| vector.len() == 1 || vector.len() == most)
+}

@@ -1,0 +1,247 @@
+//! A world: a checked scene made ready to be drawn.
+//!
+//! ```text
+//! Scene → planes, which are solved exactly, and the rest → bounds of the rest → programs: tapes and GLSL
+//! ```
+//!
+//! Everything here is computed once per scene, on any thread. What changes with each frame is in `frame`, what needs
+//! OpenGL in `gpu`. No scene is special: whatever the picture shows comes from the scene's text.
+
+mod bounds;
+mod compiled;
+mod frame_tape;
+
+mod hoist;
+mod interpreted;
+mod nearby_light;
+mod planes;
+mod steepness;
+mod traits;
+mod validate;
+
+pub use bounds::Bounds;
+pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues, PictureValues};
+pub use hoist::Hoisted;
+pub use interpreted::{Cost, TapeBuffers};
+pub use planes::{PLANES_MAX, Plane, Rest};
+pub use traits::Traits;
+// How a picture is made is part of a scene.
+pub use crate::lang::ToneMap;
+
+use std::sync::Arc;
+
+use image::RgbaImage;
+
+use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
+use crate::lang::{Scene, compile, no_includes};
+use crate::tape::{Tape, TapeError, TapeOptions};
+
+/// Why a scene cannot be made ready.
+#[derive(Debug, thiserror::Error)]
+pub enum WorldError {
+    /// The text is no scene.
+    #[error("{report}")]
+    Text {
+        /// What is wrong and where, as [`render_all`](crate::lang::render_all) prints it.
+        report: String,
+    },
+    /// The scene's expressions are too many.
+    #[error("{scene}: {source}")]
+    Graph {
+        /// The scene.
+        scene: String,
+        /// What is too much.
+        source: GraphError,
+    },
+    /// A tape of the scene cannot be built.
+    #[error("{scene}: {source}")]
+    Tape {
+        /// The scene.
+        scene: String,
+        /// What is too much.
+        source: TapeError,
+    },
+    /// The generated GLSL is not well formed.
+    #[error(
+        "the GLSL generated for {scene} is refused before the driver sees it: this is a fault of Mariana; show the \
+         scene with --sdf interpreted and report it\n{reason}"
+    )]
+    Refused {
+        /// The scene.
+        scene: String,
+        /// What naga says.
+        reason: String,
+    },
+}
+
+/// The numbers that a material gives for a point and a normal, in this order.
+pub const MATERIAL_OUTPUTS: [&str; 12] = [
+    "color.r",
+    "color.g",
+    "color.b",
+    "roughness",
+    "metalness",
+    "emission.r",
+    "emission.g",
+    "emission.b",
+    "reflect",
+    "coat",
+    "haze",
+    "blur",
+];
+
+/// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled shader.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Roots {
+    /// Of the rest: how far a ray may step, and the distance to a surface that is there. The place of the normal's x
+    /// holds the distance from which on a surface casts no shadow here, else 0.
+    pub distance: [NodeId; 2],
+    /// Of the rest: the number of the nearest object.
+    pub object: NodeId,
+    /// See [`MATERIAL_OUTPUTS`].
+    pub materials: Vec<[NodeId; 12]>,
+    /// Light from a direction.
+    pub sky: [NodeId; 3],
+    /// Light on a surface from everywhere.
+    pub ambient: [NodeId; 3],
+    /// Emission near a point, and the distance to what has it; black where nothing shines.
+    pub glow: [NodeId; 4],
+}
+
+impl Roots {
+    /// All of them.
+    pub fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
+        let materials = self.materials.iter().flatten();
+        let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);
+        self.distance.into_iter().chain(rest).chain(materials.copied())
+    }
+
+    /// Each of them replaced.
+    fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
+        Self {
+            distance: self.distance.map(&new),
+            object: new(self.object),
+            materials: self.materials.iter().map(|material| material.map(&new)).collect(),
+            sky: self.sky.map(&new),
+            ambient: self.ambient.map(&new),
+            glow: self.glow.map(&new),
+        }
+    }
+}
+
+/// A scene that can be drawn.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// What messages and the title call it.
+    pub name: String,
+    /// The scene.
+    pub scene: Scene,
+    /// The expressions of [`World::roots`], without what is the same all over a frame.
+    pub graph: Graph,
+    /// What is computed once a frame in its place.
+    pub hoisted: Hoisted,
+    /// Surfaces that are planes, each with its object.
+    pub planes: Vec<Plane>,
+    /// Whether there is anything but planes.
+    pub has_rest: bool,
+    /// Where the surfaces of the rest lie at any sound and time, where that is known.
+    pub bounds: Option<Bounds>,
+    /// Whether the distance of the rest is none in practice: steeper than the way, or much flatter at surfaces. Rays then
+    /// need to know how steep it is where they are.
+    pub steep: bool,
+    /// What it needs of the shaders.
+    pub traits: Traits,
+    /// What the shader evaluates.
+    pub roots: Roots,
+    /// What the processor evaluates once a frame.
+    pub frame_tape: FrameTape,
+    /// The pictures of [`Scene::textures`].
+    pub pictures: Vec<Arc<RgbaImage>>,
+}
+
+impl World {
+    /// The world of a text that includes no other and shows no pictures.
+    ///
+    /// # Errors
+    /// Mistakes in the text, or a scene that takes more nodes or clauses than the limits.
+    pub fn parse(name: &str, text: &str) -> Result<Self, WorldError> {
+        let mut compiled = compile(name, text, &mut no_includes);
+        let Some(scene) = compiled.scene.take() else {
+            return Err(WorldError::Text { report: compiled.render(false) });
+        };
+        Self::new(name, scene, Vec::new())
+    }
+
+    /// Makes a scene ready. `pictures` are those of its textures, in their order.
+    ///
+    /// # Errors
+    /// A scene that takes more nodes or clauses than the limits.
+    pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
+        let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
+        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
+        let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
+        let glow = nearby_light::nearby_light(&mut scene).map_err(graph_error)?;
+        let traits = Traits::of(&scene, glow.is_some());
+        let roots = roots(&mut scene, rest.as_ref(), glow);
+        scene.graph.check().map_err(graph_error)?;
+        let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
+        let (mut bounds, mut steep) = (None, false);
+        if rest.is_some() {
+            let options = TapeOptions::default();
+            let tape = Tape::build(&scene.graph, &roots.distance[..1], &options).map_err(tape_error)?;
+            let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
+            bounds = bounds::find(&tape, &any);
+            let around = |inputs: &FrameInputs| {
+                bounds.unwrap_or_else(|| Bounds::around(frame_tape.values(inputs).target, steepness::AROUND))
+            };
+            let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
+            steep = steepness::is_steep(&tape, frames);
+        }
+        let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
+        Ok(Self {
+            name: name.to_owned(),
+            has_rest: rest.is_some(),
+            bounds,
+            steep,
+            traits,
+            roots,
+            graph,
+            hoisted,
+            frame_tape,
+            planes,
+            scene,
+            pictures,
+        })
+    }
+}
+
+fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> Roots {
+    let materials = scene.materials.iter().map(|material| {
+        let ([r, g, b], [er, eg, eb]) = (material.color, material.emission);
+        let (roughness, metalness) = (material.roughness, material.metalness);
+        let (reflect, coat, haze) = (material.reflect, material.coat, material.haze);
+        [r, g, b, roughness, metalness, er, eg, eb, reflect, coat, haze, material.blur]
+    });
+    let materials = materials.collect();
+    let nothing = scene.graph.constant(0.0);
+    Roots {
+        distance: rest.map_or([nothing; 2], |rest| [rest.bound, rest.estimate]),
+        object: rest.map_or(nothing, |rest| rest.object),
+        materials,
+        sky: scene.sky.color,
+        ambient: scene.sky.ambient,
+        glow: glow.unwrap_or([nothing; 4]),
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use super::World;
+
+    /// The thesis' speakers.
+    pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
+
+    pub(crate) fn world_of(text: &str) -> World {
+        World::parse("test", text).unwrap()
+    }
+}

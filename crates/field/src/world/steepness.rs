@@ -1,0 +1,175 @@
+//! Whether a scene's formula is a distance function in practice, found by sampling its gradient.
+
+use super::bounds::Bounds;
+use crate::graph::{FrameInputs, Point, TableData, cell_hash};
+use crate::lang::Param;
+use crate::tape::{Dual, GradientEvaluator, Tape};
+
+/// A distance never changes faster than the place; so much more is put down to rounding.
+const STEEPEST: f32 = 1.01;
+/// Share of the samples that may be steeper: seams of blends, where a ray is hardly ever.
+const STEEP_SHARE: f32 = 0.01;
+/// Where half of the surface is flatter than this, steps of the value are far too short, and what counts as a hit by its
+/// value is a fat block around the surface.
+const FLATTEST: f32 = 0.2;
+/// How far away from the camera's target a scene without bounds is looked at.
+pub(super) const AROUND: f32 = 30.0;
+/// Frames that are looked at: silence at the start, then random ones.
+const FRAMES: usize = 4;
+/// Points that a frame begins with, at most.
+const POINTS_MAX: usize = 1024;
+const POINTS_MIN: usize = 8;
+/// Steps from a point towards the surface.
+const STEPS: usize = 4;
+/// Clauses that may be evaluated, with their gradients: a few ms.
+const CLAUSES_MAX: usize = 1 << 18;
+
+/// Slopes that were met.
+#[derive(Debug, Clone, Default)]
+struct Slopes {
+    /// Outside of solids and on surfaces.
+    outside: Vec<f32>,
+    /// On surfaces.
+    surface: Vec<f32>,
+}
+
+/// Whether the value of the tape's first output is no distance function in practice: steeper than one somewhere, or much
+/// flatter at its surfaces. `frames` are frames and the box to look into in each.
+pub(super) fn is_steep(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> bool {
+    let slopes = slopes(tape, frames);
+    let steep = slopes.outside.iter().filter(|slope| **slope > STEEPEST).count();
+    let flat = slopes.surface.iter().filter(|slope| **slope < FLATTEST).count();
+    steep as f32 > STEEP_SHARE * slopes.outside.len() as f32 || 2 * flat > slopes.surface.len()
+}
+
+fn slopes(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> Slopes {
+    let mut found = Slopes::default();
+    let affordable = CLAUSES_MAX / (tape.clauses().len().max(1) * (STEPS + 1) * FRAMES);
+    let points = affordable.clamp(POINTS_MIN, POINTS_MAX);
+    for (frame, (region, inputs)) in frames.enumerate() {
+        let mut gradients = GradientEvaluator::new(tape, &inputs);
+        let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
+        for number in 0..points {
+            let random = |axis: usize| cell_hash((number + frame * POINTS_MAX) as f32, axis as f32);
+            let mut at = [0, 1, 2]
+                .map(|axis| region.low[axis] + random(axis) * (region.high[axis] - region.low[axis]));
+            for step in 0..=STEPS {
+                let [x, y, z] = at;
+                let Some(&Dual { value, gradient }) = gradients.at(&Point::at(x, y, z)).first() else {
+                    return found;
+                };
+                let squared = gradient.iter().map(|part| part * part).sum::<f32>();
+                let slope = squared.sqrt();
+                if !value.is_finite() || !slope.is_finite() || slope == 0.0 {
+                    break;
+                }
+                let away = value.abs() / slope;
+                if value >= 0.0 || away < 1e-2 * size {
+                    found.outside.push(slope);
+                }
+                if step == STEPS && away < 1e-3 * size {
+                    found.surface.push(slope);
+                }
+                // Newton's method along the gradient.
+                at = [0, 1, 2].map(|axis| at[axis] - value * gradient[axis] / squared);
+                if (0..3).any(|axis| !(region.low[axis] <= at[axis] && at[axis] <= region.high[axis])) {
+                    break;
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Frames to look at: silence at the start, then any time, sound and parameters.
+pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
+    (0..FRAMES).map(|number| {
+        let random = |what: usize| cell_hash(number as f32, 7919.0 + what as f32);
+        if number == 0 {
+            let params = params.iter().map(|param| param.default).collect();
+            return FrameInputs { params, ..FrameInputs::default() };
+        }
+        let turned = params.iter().enumerate();
+        let row = |from: usize, count: usize| (from..from + count).map(random).collect::<Vec<f32>>();
+        FrameInputs {
+            time: 200.0 * random(0),
+            volume: [0.5 * random(1), 0.5 * random(2)],
+            bands: std::array::from_fn(|band| random(16 + band)),
+            bass: random(3),
+            mid: random(4),
+            treble: random(5),
+            beat: random(6),
+            tempo: 60.0 + 120.0 * random(7),
+            phase: random(8),
+            volume_mid: 0.5 * random(9),
+            volume_side: 0.5 * random(10),
+            bass_drive: 4.0 * random(11),
+            pitch: random(12),
+            params: turned.map(|(i, param)| param.min + (param.max - param.min) * random(64 + i)).collect(),
+            spectrum: TableData::row(row(1_000, 64)),
+            waveform: TableData::row(
+                row(2_000, 64).iter().map(|value| 2.0 * value - 1.0).collect::<Vec<f32>>(),
+            ),
+            history: TableData::rows(row(3_000, 256), 64),
+            ..FrameInputs::default()
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::lang::SHAPES;
+    use crate::world::testing::world_of;
+
+    #[test]
+    fn shapes_and_what_is_made_of_them_are_distances() {
+        let two = "sphere(p, 1), box(p - vec3(1, 0.3, 0), 0.8)";
+        let made = ["union", "intersect", "subtract"].map(|name| format!("{name}({two})"));
+        let smooth = ["smooth_union", "smooth_intersect", "smooth_subtract", "chamfer_union", "morph"];
+        let made = made.into_iter().chain(smooth.map(|name| format!("{name}({two}, 0.4)")));
+        let moved = [
+            "box(repeat(rotate_y(p, t), 4), 1)",
+            "torus(polar_repeat(p, 5) - vec3(3, 0, 0), 0.7, 0.2)",
+            "sphere(scale(p, 2), 1) * 2",
+            "box(repeat_limited(p, vec3(3, 0, 3), 2), 1)",
+            "box(twist(p, 0.5), vec3(0.5, 2, 0.5)) / 1.4",
+            "box(elongate(p, vec3(1, 0, 0)), 0.5)",
+            "displace(sphere(p, 1), 0.1*noise(4*p), 1.04)",
+            "displace(sphere(p, 1), 0.1*sin(10*x)*sin(10*y)*sin(10*z), 1.73)",
+            "0.5*(length(p) - 1)",
+        ];
+        let shapes = SHAPES.iter().map(|(call, _)| (*call).to_owned());
+        for text in shapes.chain(made).chain(moved.map(str::to_owned)) {
+            assert!(!world_of(&text).steep, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_first_shipped_scenes_are_distances() {
+        for text in [
+            crate::world::testing::SPEAKERS,
+            include_str!("../../../../assets/scenes/metaballs.scene"),
+            include_str!("../../../../assets/scenes/first_steps.scene"),
+        ] {
+            assert!(!world_of(text).steep, "{text}");
+        }
+    }
+
+    #[test]
+    fn other_formulas_are_not() {
+        for text in [
+            "x^2+y^2-z^2-1",
+            "x^2+y^2+z^2-1",
+            "sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)",
+            "abs(sin(x)*cos(y)+sin(y)*cos(z)+sin(z)*cos(x)) - 0.1",
+            "(x^2+9/4*z^2+y^2-1)^3-x^2*y^3-9/80*z^2*y^3",
+            "4*(2.618034*x^2-y^2)*(2.618034*y^2-z^2)*(2.618034*z^2-x^2)-4.236068*(x^2+y^2+z^2-1)^2",
+            "y-2*noise_2d(p.xz)",
+            "y-0.5*sin(x)",
+            "0.02*(length(p)-1)",
+            "3*(length(p)-1)",
+        ] {
+            assert!(world_of(text).steep, "{text}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Random expressions, and what rounding may do to them.
+
+use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Point, TableData};
+
+/// A small generator of numbers that are the same on every machine (Steele et al. 2014, splitmix64).
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn word(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+        mixed ^ mixed >> 31
+    }
+
+    /// A whole number below `end`.
+    pub fn below(&mut self, end: usize) -> usize {
+        (self.word() % end as u64) as usize
+    }
+
+    /// Any number from `low` to `high`.
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * (self.word() >> 40) as f32 / (1u32 << 24) as f32
+    }
+}
+
+/// Builds an expression of about `operators` operators, every operator as likely as the others, and gives its
+/// root. Most operands are recent results, so that what is built is used.
+pub fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
+    const INPUTS: [Input; 10] = [
+        Input::X,
+        Input::Y,
+        Input::Z,
+        Input::NX,
+        Input::NY,
+        Input::NZ,
+        Input::T,
+        Input::VolumeLeft,
+        Input::Band(7),
+        Input::Param(1),
+    ];
+    let mut unused: Vec<NodeId> = Vec::new();
+    let leaf = |random: &mut Random, graph: &mut Graph| match random.below(10) {
+        0 => {
+            let whole = random.below(9) as f32 - 4.0;
+            graph.constant(whole)
+        }
+        1 | 2 => {
+            let number = random.between(-4.0, 4.0);
+            graph.constant(number)
+        }
+        3..=6 => graph.input(INPUTS[random.below(3)]),
+        _ => graph.input(INPUTS[random.below(INPUTS.len())]),
+    };
+    for _ in 0..operators {
+        let op = Op::ALL[random.below(Op::ALL.len())];
+        let mut operand = |random: &mut Random, graph: &mut Graph| {
+            if unused.is_empty() || random.below(3) == 0 {
+                leaf(random, graph)
+            } else {
+                let place = unused.len() - 1 - random.below(unused.len().min(3));
+                if random.below(4) == 0 { unused[place] } else { unused.remove(place) }
+            }
+        };
+        let a = operand(random, graph);
+        let node = if op.arity() == 1 {
+            graph.unary(op, a)
+        } else {
+            let b = operand(random, graph);
+            graph.binary(op, a, b)
+        };
+        if graph.as_constant(node).is_none() {
+            unused.push(node);
+        }
+    }
+    // What is left over is added up, so that all of it counts.
+    let mut root = unused.pop().unwrap_or_else(|| leaf(random, graph));
+    for node in unused {
+        root = graph.add(root, node);
+    }
+    root
+}
+
+/// The inputs of a frame in which something sounds; the tables as [`TABLES_GLSL`] has them.
+pub fn frame() -> FrameInputs {
+    FrameInputs {
+        time: 12.5,
+        volume: [0.25, 0.75],
+        bands: std::array::from_fn(|i| i as f32 * 0.0625 - 0.5),
+        params: vec![1.0, -2.5],
+        spectrum: TableData::row(vec![0.5, 0.25, 0.75, 1.0, 0.125]),
+        waveform: TableData::row(vec![-0.5, 0.25, -0.75, 1.0]),
+        history: TableData::rows(vec![0.5, 0.25, 0.75, 1.0, 0.0, 0.375], 3),
+        ..FrameInputs::default()
+    }
+}
+
+/// What the shader around the generated code declares, with the numbers of [`frame`].
+pub const TABLES_GLSL: &str = "\
+const float frame_time = 12.5;
+const vec2 frame_volume = vec2(0.25, 0.75);
+const vec4 frame_params[1] = vec4[1](vec4(1.0, -2.5, 0.0, 0.0));
+const vec4 frame_bands[8] = vec4[8](vec4(-0.5), vec4(-0.4375), vec4(-0.375), vec4(-0.3125), vec4(-0.25),
+    vec4(-0.1875), vec4(-0.125), vec4(-0.0625));
+float unit(float v) { return v > 0.0 ? min(v, 1.0) : 0.0; }
+float table_band(float i) { return floor(i > 0.0 ? min(i, 31.0) : 0.0) * 0.0625 - 0.5; }
+float between(float u, float count, float a, float b, float c, float d, float e) {
+    float along = unit(u) * (count - 1.0);
+    float first = min(floor(along), count - 1.0);
+    float x = along - first;
+    float low = first == 0.0 ? a : first == 1.0 ? b : first == 2.0 ? c : first == 3.0 ? d : e;
+    float high = first == 0.0 ? b : first == 1.0 ? c : first == 2.0 ? d : e;
+    return low * (1.0 - x) + high * x;
+}
+float table_spectrum(float u) { return between(u, 5.0, 0.5, 0.25, 0.75, 1.0, 0.125); }
+float table_waveform(float u) { return between(u, 4.0, -0.5, 0.25, -0.75, 1.0, 1.0); }
+float table_history(float u, float v) {
+    float now = between(u, 3.0, 0.5, 0.25, 0.75, 0.75, 0.75);
+    float oldest = between(u, 3.0, 1.0, 0.0, 0.375, 0.375, 0.375);
+    float y = unit(v);
+    return now * (1.0 - y) + oldest * y;
+}
+";
+
+/// How far a driver may be off in an operator, by its first operand and its result.
+pub type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
+
+/// How far the value of the last node of `order` at a point is moved by disturbing the result of every operator: the
+/// largest change seen in a few tries, infinite where anything is not finite.
+pub fn spread(
+    graph: &Graph,
+    order: &[NodeId],
+    point: &Point,
+    frame: &FrameInputs,
+    disturbance: Disturbance,
+    random: &mut Random,
+) -> f32 {
+    let Some(root) = order.last() else { return 0.0 };
+    let mut values = vec![0.0f32; root.index() + 1];
+    let mut exact = None;
+    let mut largest = 0.0f32;
+    for attempt in 0..11 {
+        // Jumps are near where a larger disturbance meets them; what is smooth grows in proportion.
+        let size = if attempt % 2 == 0 { 1.0 } else { 4.0 };
+        for &id in order {
+            // A driver may meet a whole number exactly where another stays beside it, as at the end of a TANH.
+            let disturb = |op: Op, a: f32, value: f32, random: &mut Random| {
+                let by = size * disturbance(op, a, value);
+                match random.below(2) {
+                    _ if attempt == 0 => value,
+                    _ if attempt == 1 && (value.round() - value).abs() <= by => value.round(),
+                    _ if attempt == 1 => value,
+                    0 => value + by,
+                    _ => value - by,
+                }
+            };
+            let value = |id: NodeId| values[id.index()];
+            values[id.index()] = match graph.node(id) {
+                Node::Constant(value) => value,
+                Node::Input(input) => match input.of_point() {
+                    Some(place) => point.inputs()[place],
+                    None => frame.value(input),
+                },
+                Node::Unary(op, a) => disturb(op, value(a), op.value(value(a), 0.0, frame), random),
+                Node::Binary(op, a, b) => disturb(op, value(a), op.value(value(a), value(b), frame), random),
+                Node::Texture { .. } => 0.0,
+            };
+        }
+        if order.iter().any(|id| !values[id.index()].is_finite()) {
+            return f32::INFINITY;
+        }
+        let value = values[root.index()];
+        largest = largest.max((value - *exact.get_or_insert(value)).abs() / size);
+    }
+    largest
+}

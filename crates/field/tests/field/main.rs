@@ -1,0 +1,5 @@
+//! The language and what is made of it, from the outside.
+
+#[allow(dead_code, reason = "others take more of it")]
+mod expression;
+mod steep_tracing;

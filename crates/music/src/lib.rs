@@ -1,0 +1,46 @@
+//! Analysis: stereo samples in, [`Features`] out. Pure: no I/O, no clock, no thread, no knowledge of devices.
+//!
+//! ```text
+//!                          ┌─ volumes ─────────────────────────────────┐
+//! frames ─► Analyzer ──────┤                                  gain ────┼─ smoothing ─┐
+//!           (fixed hops)   └─ three windows ─ spectra ─┬─ bands, lines ┘             ├─► TimedFeatures
+//!                                                      └─ flux ─ onsets ─ beat ──────┘        │
+//!                                       Sound: features and tables of a moment ◄─ FeatureTrack ◄┘
+//! ```
+//!
+//! Everything runs on hops of samples counted from the start of the stream, never on pictures or on blocks as
+//! they happen to arrive. So the features of a moment are the same live and offline, at any frame rate and
+//! however the samples were cut into blocks.
+
+mod analyzer;
+mod bands;
+mod beat;
+mod decimate;
+mod features;
+mod gain;
+pub mod limits;
+mod lines;
+mod onset;
+mod pitch;
+mod resolution;
+mod shadertoy;
+mod smoothing;
+mod spectrum;
+mod tables;
+mod tap;
+mod track;
+mod volume;
+mod window;
+
+pub use analyzer::{Alignment, Analyzer};
+pub use bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, band_edge};
+pub use features::{BAND_COUNT, Features, LEVEL_FLOOR_DB, TimedFeatures};
+pub use gain::Gain;
+pub use lines::{SPECTRUM_POINTS, spectrum_hz, spectrum_place};
+pub use shadertoy::{SHADERTOY_WIDTH, ShadertoyTexture};
+pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVE_PER_HOP, WAVEFORM_POINTS};
+pub use tap::TapTempo;
+pub use track::FeatureTrack;
+
+/// One sample of each channel, left then right; nominally -1..1.
+pub type StereoFrame = [f32; 2];

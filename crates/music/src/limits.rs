@@ -1,0 +1,25 @@
+//! Every ceiling of this crate, in one place.
+//!
+//! A limit is data: code that meets one reads it here, an error that reports one names the number that stands here, and a
+//! test reaches it.
+
+/// Ceilings on the sound that is analysed and on what is kept of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Lowest sample rate of a stream, in hertz.
+    pub sample_rate_min: u32,
+    /// Highest sample rate of a stream, in hertz.
+    pub sample_rate_max: u32,
+    /// Longest time over which a feature track remembers, in seconds (0.5 MB for each).
+    pub feature_track_seconds_max: f64,
+}
+
+/// The limits that hold.
+pub const LIMITS: Limits =
+    Limits { sample_rate_min: 4_000, sample_rate_max: 768_000, feature_track_seconds_max: 60.0 };
+
+impl Default for Limits {
+    fn default() -> Self {
+        LIMITS
+    }
+}

@@ -1,0 +1,115 @@
+//! Beats that are foretold, and onsets, against rhythms whose beats are known.
+
+use crate::rhythm::{Pattern, RATE, clicks, drums, f_measure, play};
+use mariana_music::{Alignment, Analyzer, FeatureTrack, StereoFrame};
+
+/// Length of each rhythm, in seconds; beats count from [`SETTLED`] on.
+const SECONDS: f64 = 16.0;
+const SETTLED: f64 = 5.0;
+
+fn track_of(frames: &[StereoFrame], alignment: Alignment) -> FeatureTrack {
+    let mut analyzer = Analyzer::new(RATE, alignment);
+    let mut track = FeatureTrack::new(SECONDS + 1.0);
+    analyzer.push(frames, &mut |moment| track.push(moment));
+    analyzer.finish(&mut |moment| track.push(moment));
+    track
+}
+
+/// When the phase passes from 1 to 0, looked at as often as pictures do.
+fn beats_of(track: &FeatureTrack) -> Vec<f64> {
+    const FPS: f64 = 240.0;
+    let mut beats = Vec::new();
+    let mut last = track.at(0.0);
+    for frame in 1..(SECONDS * FPS) as u32 {
+        let time = f64::from(frame) / FPS;
+        let now = track.at(time);
+        if last.tempo > 0.0 && now.tempo > 0.0 && now.phase < last.phase - 0.5 {
+            let step = now.phase + 1.0 - last.phase;
+            beats.push(time - f64::from(now.phase / step) / FPS);
+        }
+        last = now;
+    }
+    beats
+}
+
+/// The F-measure of a pattern whose tempo runs evenly from one to another, and the tempo at the end.
+fn measure(pattern: &Pattern, (from, to): (f64, f64), alignment: Alignment) -> (f64, f32) {
+    let (frames, truth) = play(pattern, SECONDS, |t| from + (to - from) * t / SECONDS);
+    let track = track_of(&frames, alignment);
+    (f_measure(&beats_of(&track), &truth, SETTLED, SECONDS - 0.2), track.at(SECONDS - 1.0).tempo)
+}
+
+fn require(pattern: &Pattern, tempo: (f64, f64), alignment: Alignment) {
+    let (f, found) = measure(pattern, tempo, alignment);
+    assert!(f >= 0.98, "{} at {tempo:?}, {alignment:?}: F = {f:.3}, told as {found:.0} bpm", pattern.name);
+    let end = tempo.0 + (tempo.1 - tempo.0) * (SECONDS - 1.0) / SECONDS;
+    let off = f64::from(found) / end - 1.0;
+    assert!(off.abs() < 0.04, "{} at {end:.0} bpm is told as {found:.1}", pattern.name);
+}
+
+#[test]
+fn clicks_are_foretold_from_60_to_200() {
+    for tempo in [60.0, 85.0, 110.0, 150.0, 200.0] {
+        require(&clicks(), (tempo, tempo), Alignment::Centred);
+    }
+}
+
+#[test]
+fn drums_are_foretold_from_60_to_200() {
+    for (number, pattern) in drums(0.5).iter().enumerate() {
+        for tempo in [60.0, 97.0, 134.0, 200.0] {
+            let alignment = if number % 2 == 0 { Alignment::Centred } else { Alignment::Trailing };
+            require(pattern, (tempo, tempo), alignment);
+        }
+    }
+}
+
+#[test]
+fn swing_is_no_other_tempo() {
+    for pattern in drums(0.667) {
+        for tempo in [66.0, 120.0, 184.0] {
+            require(&pattern, (tempo, tempo), Alignment::Centred);
+        }
+    }
+}
+
+#[test]
+fn ramps_are_followed() {
+    for pattern in [clicks()].into_iter().chain(drums(0.5)) {
+        for tempo in [(90.0, 130.0), (150.0, 110.0)] {
+            require(&pattern, tempo, Alignment::Centred);
+        }
+    }
+}
+
+#[test]
+fn each_onset_is_a_beat_of_its_own_and_decays() {
+    let (frames, truth) = play(&clicks(), SECONDS, |_| 90.0);
+    for (alignment, late) in [(Alignment::Centred, 0.015), (Alignment::Trailing, 0.03)] {
+        let track = track_of(&frames, alignment);
+        for click in truth.iter().filter(|time| (1.0..SECONDS - 1.0).contains(*time)) {
+            let peak = (0..60).map(|ms| track.at(click + f64::from(ms) / 1000.0).beat).fold(0.0, f32::max);
+            assert!(peak > 0.9, "{peak} at the click of {click} s");
+            let (early, after) = (track.at(click - 0.03).beat, track.at(click + late + 0.15).beat);
+            assert!(
+                early < 0.1 && (0.25..0.5).contains(&after),
+                "{early} before and {after} after {click} s"
+            );
+        }
+    }
+}
+
+#[test]
+fn silence_and_steady_sound_have_no_beat_and_the_end_of_a_rhythm_is_noticed() {
+    let (mut frames, _) = play(&clicks(), SECONDS, |_| 120.0);
+    frames[6 * RATE as usize..].fill([0.0; 2]);
+    let track = track_of(&frames, Alignment::Centred);
+    assert!((track.at(5.9).tempo - 120.0).abs() < 2.0);
+    let end = track.at(SECONDS - 1.0);
+    assert_eq!((end.tempo, end.phase, end.beat), (0.0, 0.0, 0.0));
+
+    let tone: Vec<StereoFrame> =
+        (0..SECONDS as usize * RATE as usize).map(|n| [(n as f32 * 0.03).sin() * 0.3; 2]).collect();
+    let track = track_of(&tone, Alignment::Centred);
+    assert!((20..150).all(|tenth| track.at(f64::from(tenth) / 10.0).tempo == 0.0));
+}

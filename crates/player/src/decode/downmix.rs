@@ -1,0 +1,254 @@
+//! From any number of channels to two.
+//!
+//! Mono goes to both sides at full level and stereo passes as it is. With more channels, each side is a
+//! weighted sum, after the down-mix of ITU-R BS.775-3 (annex 4): the front channel of that side with 1, the
+//! centre and the surrounds of that side with 1/sqrt(2) (-3 dB). A rear or top centre goes to both sides
+//! with 1/2. LFE channels are dropped, as the recommendation allows. The weights of both sides are divided
+//! by the larger of their sums, so full scale in all channels is full scale in the mix and never more.
+//!
+//! Which channel is which is told by the container. Where it is not told, the order of WAVE files holds:
+//! 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs;
+//! 8: L R C LFE Lb Rb Ls Rs. Beyond eight unknown channels, even ones (counted from 0) go to the left and odd
+//! ones to the right, in equal parts.
+//! Ambisonic sound is taken as two cardioids that look left and right.
+
+use std::f32::consts::FRAC_1_SQRT_2;
+
+use symphonia::core::audio::{ChannelLabel, Channels, Position};
+
+use mariana_music::StereoFrame;
+
+/// Loudest sample that is passed on (24 dB over full scale): float files may hold anything.
+const SAMPLE_MAX: f32 = 16.0;
+
+/// The weights that take one layout of channels to stereo.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Downmix {
+    /// Left and right weight per channel.
+    weights: Vec<[f32; 2]>,
+}
+
+impl Downmix {
+    /// The weights for a layout.
+    pub(super) fn new(channels: &Channels) -> Self {
+        let count = channels.count();
+        let weights = match channels {
+            _ if count == 1 => Some(vec![[1.0, 1.0]]),
+            _ if count == 2 => Some(vec![[1.0, 0.0], [0.0, 1.0]]),
+            Channels::Positioned(mask) if !is_placeholder(*mask) => normalised(mask.iter().map(weight)),
+            Channels::Custom(labels) => normalised(labels.iter().map(|label| match label {
+                ChannelLabel::Positioned(position) => weight(*position),
+                _ => [0.0; 2],
+            })),
+            Channels::Ambisonic(_) => {
+                let mut weights = vec![[0.0; 2]; count];
+                // Channels 0 and 1 in ACN order: the omnidirectional part, and left minus right.
+                for (weight, value) in weights.iter_mut().zip([[0.5, 0.5], [0.5, -0.5]]) {
+                    *weight = value;
+                }
+                Some(weights)
+            }
+            _ => None,
+        }
+        .or_else(|| usual_order(count).and_then(|order| normalised(order.iter().copied().map(weight))))
+        .unwrap_or_else(|| alternating(count));
+        Self { weights }
+    }
+
+    /// How many channels the weights are for.
+    pub(super) fn channels(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Mixes the planes (one per channel, of equal length) and appends the frames to `out`. What is not
+    /// finite becomes silence.
+    pub(super) fn mix(&self, planes: &[Vec<f32>], frames: usize, out: &mut Vec<StereoFrame>) {
+        let start = out.len();
+        match planes {
+            [mono] => out.extend(mono.iter().take(frames).map(|&s| [clean(s); 2])),
+            [left, right] => {
+                out.extend(left.iter().zip(right).take(frames).map(|(&l, &r)| [clean(l), clean(r)]));
+            }
+            _ => {
+                out.resize(start + frames, [0.0; 2]);
+                for (plane, &[left, right]) in planes.iter().zip(&self.weights) {
+                    if left == 0.0 && right == 0.0 {
+                        continue;
+                    }
+                    for (frame, &sample) in out[start..].iter_mut().zip(plane) {
+                        let sample = clean(sample);
+                        frame[0] += left * sample;
+                        frame[1] += right * sample;
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn clean(sample: f32) -> f32 {
+    if sample.is_finite() { sample.clamp(-SAMPLE_MAX, SAMPLE_MAX) } else { 0.0 }
+}
+
+/// Left and right weight of a speaker position, before normalisation.
+fn weight(position: Position) -> [f32; 2] {
+    const SIDE: f32 = FRAC_1_SQRT_2;
+    if position == Position::FRONT_LEFT {
+        [1.0, 0.0]
+    } else if position == Position::FRONT_RIGHT {
+        [0.0, 1.0]
+    } else if (Position::FRONT_CENTER | Position::BOTTOM_FRONT_CENTER).contains(position) {
+        [SIDE, SIDE]
+    } else if (Position::LFE1 | Position::LFE2).contains(position) {
+        [0.0, 0.0]
+    } else if LEFT.contains(position) {
+        [SIDE, 0.0]
+    } else if RIGHT.contains(position) {
+        [0.0, SIDE]
+    } else {
+        [0.5, 0.5]
+    }
+}
+
+const LEFT: Position = Position::REAR_LEFT
+    .union(Position::FRONT_LEFT_CENTER)
+    .union(Position::SIDE_LEFT)
+    .union(Position::TOP_FRONT_LEFT)
+    .union(Position::TOP_REAR_LEFT)
+    .union(Position::TOP_SIDE_LEFT)
+    .union(Position::BOTTOM_FRONT_LEFT)
+    .union(Position::FRONT_LEFT_WIDE);
+
+const RIGHT: Position = Position::REAR_RIGHT
+    .union(Position::FRONT_RIGHT_CENTER)
+    .union(Position::SIDE_RIGHT)
+    .union(Position::TOP_FRONT_RIGHT)
+    .union(Position::TOP_REAR_RIGHT)
+    .union(Position::TOP_SIDE_RIGHT)
+    .union(Position::BOTTOM_FRONT_RIGHT)
+    .union(Position::FRONT_RIGHT_WIDE);
+
+/// Readers that know only the number of channels set the first positions of the list, whatever they mean. A
+/// left without its right (or the other way round) gives that away; so do the first four positions, which
+/// would be a 3.1 layout that nobody writes.
+fn is_placeholder(mask: Position) -> bool {
+    let first_positions = (mask.bits() & (mask.bits() + 1)) == 0;
+    let lefts = (mask & (LEFT | Position::FRONT_LEFT)).bits().count_ones();
+    let rights = (mask & (RIGHT | Position::FRONT_RIGHT)).bits().count_ones();
+    first_positions && (lefts != rights || mask.bits().count_ones() == 4 || mask.bits().count_ones() > 8)
+}
+
+fn usual_order(count: usize) -> Option<&'static [Position]> {
+    const L: Position = Position::FRONT_LEFT;
+    const R: Position = Position::FRONT_RIGHT;
+    const C: Position = Position::FRONT_CENTER;
+    const LFE: Position = Position::LFE1;
+    const LB: Position = Position::REAR_LEFT;
+    const RB: Position = Position::REAR_RIGHT;
+    const CS: Position = Position::REAR_CENTER;
+    const LS: Position = Position::SIDE_LEFT;
+    const RS: Position = Position::SIDE_RIGHT;
+    Some(match count {
+        3 => &[L, R, C],
+        4 => &[L, R, LS, RS],
+        5 => &[L, R, C, LS, RS],
+        6 => &[L, R, C, LFE, LS, RS],
+        7 => &[L, R, C, LFE, CS, LS, RS],
+        8 => &[L, R, C, LFE, LB, RB, LS, RS],
+        _ => return None,
+    })
+}
+
+fn alternating(count: usize) -> Vec<[f32; 2]> {
+    let share = 1.0 / count.div_ceil(2).max(1) as f32;
+    (0..count).map(|i| if i % 2 == 0 { [share, 0.0] } else { [0.0, share] }).collect()
+}
+
+/// `None` where nothing would be heard (a file of LFE channels only).
+fn normalised(weights: impl Iterator<Item = [f32; 2]>) -> Option<Vec<[f32; 2]>> {
+    let mut weights: Vec<[f32; 2]> = weights.collect();
+    let sum = weights.iter().fold([0.0f32; 2], |sum, w| [sum[0] + w[0], sum[1] + w[1]]);
+    let loudest = sum[0].max(sum[1]);
+    if loudest <= 0.0 {
+        return None;
+    }
+    for weight in &mut weights {
+        *weight = [weight[0] / loudest, weight[1] / loudest];
+    }
+    Some(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mixed(channels: &Channels, frame: &[f32]) -> StereoFrame {
+        let planes: Vec<Vec<f32>> = frame.iter().map(|&s| vec![s]).collect();
+        let mut out = Vec::new();
+        Downmix::new(channels).mix(&planes, 1, &mut out);
+        assert_eq!(out.len(), 1);
+        out[0]
+    }
+
+    #[test]
+    fn no_layout_clips_and_none_is_silent() {
+        for count in 1..=32u16 {
+            let full = vec![1.0; usize::from(count)];
+            let mut layouts = vec![Channels::Discrete(count)];
+            if let Some(mask) = Position::from_count(u32::from(count)) {
+                layouts.push(Channels::Positioned(mask));
+            }
+            for layout in layouts {
+                let [l, r] = mixed(&layout, &full);
+                assert!(l <= 1.000_001 && r <= 1.000_001, "{layout:?}: {l} {r}");
+                assert!(l > 0.4 && r > 0.4, "{layout:?}: {l} {r}");
+            }
+        }
+    }
+
+    #[test]
+    fn positions_are_heard_on_their_side() {
+        let five_one = Position::FRONT_LEFT
+            | Position::FRONT_RIGHT
+            | Position::FRONT_CENTER
+            | Position::LFE1
+            | Position::REAR_LEFT
+            | Position::REAR_RIGHT;
+        let layout = Channels::Positioned(five_one);
+        let front = mixed(&layout, &[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        assert!(front[0] > 0.4 && front[1] == 0.0);
+        let ratio = |i: usize, side: usize| {
+            let mut frame = [0.0; 6];
+            frame[i] = 1.0;
+            mixed(&layout, &frame)[side] / front[0]
+        };
+        // Relative to the front: centre and surrounds -3 dB, LFE nothing.
+        for (i, side, wanted_db) in [(1, 1, 0.0), (2, 0, -3.01), (2, 1, -3.01), (4, 0, -3.01), (5, 1, -3.01)]
+        {
+            assert!((20.0 * ratio(i, side).log10() - wanted_db).abs() < 0.01, "channel {i}");
+        }
+        assert_eq!((ratio(3, 0), ratio(3, 1), ratio(4, 1), ratio(5, 0)), (0.0, 0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_not_finite_is_silence() {
+        let stereo = Channels::Discrete(2);
+        assert_eq!(mixed(&stereo, &[f32::NAN, f32::INFINITY]), [0.0, 0.0]);
+        assert_eq!(mixed(&stereo, &[1e30, -1e30]), [SAMPLE_MAX, -SAMPLE_MAX]);
+        assert_eq!(mixed(&Channels::Discrete(1), &[f32::NAN]), [0.0, 0.0]);
+        assert_eq!(mixed(&Channels::Discrete(3), &[f32::NAN, 0.0, 0.0]), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_file_of_lfe_only_is_heard() {
+        let [l, r] = mixed(
+            &Channels::Custom(Box::new([
+                ChannelLabel::Positioned(Position::LFE1),
+                ChannelLabel::Positioned(Position::LFE2),
+                ChannelLabel::Discrete(2),
+            ])),
+            &[1.0, 1.0, 1.0],
+        );
+        assert!(l > 0.0 && r > 0.0);
+    }
+}

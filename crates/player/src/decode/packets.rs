@@ -1,0 +1,424 @@
+//! From a demuxer's packets to stereo frames, each with its place on the container's clock. Nothing is cut off here.
+
+use std::io;
+
+use symphonia::core::audio::{Channels, GenericAudioBufferRef};
+use symphonia::core::codecs::CodecParameters;
+use symphonia::core::codecs::audio::{AudioCodecParameters, AudioDecoder, CODEC_ID_NULL_AUDIO};
+use symphonia::core::errors::Error;
+use symphonia::core::formats::well_known::{FORMAT_ID_CAF, FORMAT_ID_ISOMP4, FORMAT_ID_OGG};
+use symphonia::core::formats::{FormatReader, SeekMode, SeekTo, Track, TrackFlags};
+use symphonia::core::meta::{MetadataContainer, StandardTag};
+use symphonia::core::packet::Packet;
+use symphonia::core::units::{Duration, Timestamp};
+
+use crate::limits::LIMITS;
+use mariana_music::StereoFrame;
+
+use super::clock::Clock;
+use super::downmix::Downmix;
+use super::error::DecodeError;
+use super::gapless::{TrackEdit, opus_pre_skip, parse_itun_smpb};
+use super::input::Input;
+use super::loudness::Loudness;
+use super::{codecs, contained, sniff};
+
+/// Failures of the demuxer in a row after which the stream ends: what lies behind cannot be found again.
+const DEMUXER_FAILURES_MAX: u32 = 16;
+
+/// One decoded packet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Block {
+    /// Rate of its frames, in hertz.
+    pub(super) rate: u32,
+    /// Its first raw frame by the container's clock.
+    pub(super) start: Option<i64>,
+    /// True where `start` is to the frame without help of the codec's grid.
+    pub(super) exact: bool,
+    /// Frames at its end that are the encoder's padding.
+    pub(super) padding: usize,
+    /// Set on the first block of a further stream in the same file (chained Ogg): the delay of that stream.
+    pub(super) new_link: Option<u64>,
+}
+
+/// What the file tells about itself.
+#[derive(Debug, Default)]
+pub(super) struct Tags {
+    pub(super) title: Option<String>,
+    pub(super) artist: Option<String>,
+    pub(super) loudness: Loudness,
+    /// Delay and length in frames, as iTunes writes them.
+    itunes_gapless: Option<(u64, u64)>,
+}
+
+/// A demuxer with the decoder of one of its tracks.
+pub(super) struct PacketReader {
+    name: String,
+    input: Input,
+    format: Box<dyn FormatReader>,
+    edits: Vec<TrackEdit>,
+    fragmented: bool,
+    codec: Box<dyn AudioDecoder>,
+    params: AudioCodecParameters,
+    track: Track,
+    clock: Clock,
+    /// Delay that the first packet of the link announces, in frames.
+    announced_delay: Option<u64>,
+    downmix: Option<(Channels, Downmix)>,
+    planes: Vec<Vec<f32>>,
+    mpeg_header: Option<[u8; 3]>,
+    /// Packets without a frame since the last one with frames.
+    empty_in_a_row: u32,
+    demuxer_failures: u32,
+    links: u32,
+    link_begins: bool,
+    skipped: u64,
+}
+
+impl PacketReader {
+    /// Opens the stream and picks the first audio track (marked as default, if one is) that has a decoder.
+    pub(super) fn open(input: &Input) -> Result<Self, DecodeError> {
+        let opened = input.open()?;
+        let name = input.name();
+        let (track, params, codec) = choose_track(&name, opened.format.as_ref())?;
+        Ok(Self {
+            clock: Clock::new(track.time_base, codecs::grid(params.codec)),
+            name,
+            input: input.clone(),
+            format: opened.format,
+            edits: opened.edits,
+            fragmented: opened.fragmented,
+            codec,
+            params,
+            track,
+            announced_delay: None,
+            downmix: None,
+            planes: Vec::new(),
+            mpeg_header: None,
+            empty_in_a_row: 0,
+            demuxer_failures: 0,
+            links: 0,
+            link_begins: false,
+            skipped: 0,
+        })
+    }
+
+    /// Decodes packets until one yields frames, which are appended to `out`; `None` at the end.
+    pub(super) fn next(&mut self, out: &mut Vec<StereoFrame>) -> Result<Option<Block>, DecodeError> {
+        loop {
+            let Some(packet) = self.next_packet()? else { return Ok(None) };
+            self.clock.begin(packet.pts.get());
+            self.announced_delay.get_or_insert(packet.trim_start.get());
+            let before = out.len();
+            let rate = self.decode(&packet, out)?;
+            match rate {
+                Some(rate) if out.len() > before => {
+                    self.empty_in_a_row = 0;
+                    let new_link = self.link_begins.then(|| self.delay(rate));
+                    self.link_begins = false;
+                    return Ok(Some(Block {
+                        rate,
+                        start: self.clock.raw_frame(packet.pts.get(), rate),
+                        exact: self.clock.is_exact(rate),
+                        padding: self.padding(&packet, rate),
+                        new_link,
+                    }));
+                }
+                _ => {
+                    self.empty_in_a_row += 1;
+                    if self.empty_in_a_row > LIMITS.bad_packets_in_a_row {
+                        return Err(self.damaged(&format!(
+                            "{} packets in a row could not be decoded",
+                            LIMITS.bad_packets_in_a_row
+                        )));
+                    }
+                }
+            }
+        }
+    }
+
+    fn next_packet(&mut self) -> Result<Option<Packet>, DecodeError> {
+        loop {
+            let format = &mut self.format;
+            match contained(&self.name, || format.next_packet())? {
+                Ok(None) => return Ok(None),
+                Ok(Some(packet)) => {
+                    self.demuxer_failures = 0;
+                    if packet.track_id == self.track.id {
+                        return Ok(Some(packet));
+                    }
+                }
+                Err(Error::ResetRequired) => {
+                    self.links += 1;
+                    if self.links > LIMITS.bad_packets_in_a_row || !self.begin_link()? {
+                        return Ok(None);
+                    }
+                }
+                Err(Error::IoError(e)) if e.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
+                Err(Error::IoError(e)) if e.raw_os_error().is_some() => return Err(self.input.read_error(e)),
+                Err(_) => {
+                    self.demuxer_failures += 1;
+                    self.skipped += 1;
+                    if self.demuxer_failures > DEMUXER_FAILURES_MAX {
+                        return Ok(None);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Another stream begins in the same file; false where it cannot be decoded.
+    fn begin_link(&mut self) -> Result<bool, DecodeError> {
+        let Ok((track, params, codec)) = choose_track(&self.name, self.format.as_ref()) else {
+            return Ok(false);
+        };
+        self.clock = Clock::new(track.time_base, codecs::grid(params.codec));
+        (self.track, self.params, self.codec) = (track, params, codec);
+        self.announced_delay = None;
+        self.link_begins = true;
+        Ok(true)
+    }
+
+    /// Decodes one packet and returns its rate; `None` where it is undecodable and skipped.
+    fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, DecodeError> {
+        if codecs::is_mpeg_audio(self.params.codec) {
+            self.follow_mpeg_header(&packet.data)?;
+        }
+        let mut bare = packet.as_packet_ref();
+        // Trimming is done by the owner, who also knows of what the demuxer does not tell.
+        bare.trim_start = Duration::ZERO;
+        bare.trim_end = Duration::ZERO;
+        let codec = &mut self.codec;
+        match contained(&self.name, || codec.decode_ref(&bare))? {
+            Ok(buffer) => {
+                let rate = buffer.spec().rate();
+                if buffer.frames() > 0 {
+                    mix(&self.name, &buffer, &mut self.downmix, &mut self.planes, out)?;
+                }
+                Ok(Some(rate))
+            }
+            Err(Error::IoError(e)) if e.raw_os_error().is_some() => Err(self.input.read_error(e)),
+            Err(_) => {
+                self.skipped += 1;
+                Ok(None)
+            }
+        }
+    }
+
+    /// The MPEG decoder keeps to the rate and channels of its first packet; a stream that changes them needs
+    /// a new one.
+    fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), DecodeError> {
+        if let [_, version, rate, mode, ..] = data {
+            // Version and layer, rate, and whether it is mono.
+            let header = [version & 0x1E, rate & 0x0C, u8::from(mode & 0xC0 == 0xC0)];
+            if self.mpeg_header.replace(header).is_some_and(|previous| previous != header) {
+                self.codec = codecs::make(&self.name, &self.params)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Padding at the end of a packet, in frames. MPEG streams without a LAME tag have an estimated length, which must not
+    /// cut anything off.
+    fn padding(&self, packet: &Packet, rate: u32) -> usize {
+        if codecs::is_mpeg_audio(self.params.codec) && self.track.delay.is_none() {
+            return 0;
+        }
+        let ticks = i64::try_from(packet.trim_end.get()).unwrap_or(i64::MAX);
+        self.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
+    }
+
+    /// Raw frames at the start that are not to be heard. Known once the first packet was read.
+    pub(super) fn delay(&self, rate: u32) -> u64 {
+        let edit = self.edits.iter().find(|edit| edit.track_id == self.track.id && edit.timescale > 0);
+        if codecs::is_opus(self.params.codec)
+            && let Some(skip) = self.params.extra_data.as_deref().and_then(opus_pre_skip)
+        {
+            return skip;
+        }
+        if let Some(edit) = edit {
+            return u64::try_from(
+                u128::from(edit.media_time) * u128::from(rate) / u128::from(edit.timescale),
+            )
+            .unwrap_or(0);
+        }
+        let lead_in = self.clock.lead_in(rate);
+        if self.clock.is_exact(rate) {
+            lead_in.max(self.announced_delay.unwrap_or(0))
+        } else {
+            codecs::known_delay(self.params.codec, lead_in, rate)
+        }
+    }
+
+    /// Frames that are to be heard, where the container is exact about it, and that or the best guess in seconds.
+    pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
+        let format = self.format.format_info().format;
+        let delay = self.delay(rate) as i64;
+        let hidden = delay + self.clock.first();
+        let counted = self
+            .track
+            .num_frames
+            .filter(|&frames| frames > 0 && self.params.sample_rate == Some(rate))
+            .and_then(|frames| i64::try_from(frames).ok()?.checked_sub(hidden))
+            .and_then(|frames| u64::try_from(frames).ok());
+        let exact = match format {
+            FORMAT_ID_ISOMP4 if self.fragmented => None,
+            FORMAT_ID_ISOMP4 => match (self.tags().itunes_gapless, counted) {
+                (Some((_, length)), Some(counted)) => Some(length.min(counted)),
+                (_, counted) => counted,
+            },
+            FORMAT_ID_CAF => counted,
+            _ => None,
+        };
+        let seconds = |frames: u64| frames as f64 / f64::from(rate);
+        let claimed = exact.or(counted).map(seconds).or_else(|| {
+            let ticks = |duration: Option<Duration>, base: Option<symphonia::core::units::TimeBase>| {
+                Some(base?.calc_duration(duration?)?.as_secs_f64())
+            };
+            let media = self.format.media_info();
+            let whole = ticks(self.track.duration, self.track.time_base)
+                .filter(|&s| s > 0.0)
+                .or_else(|| ticks(media.duration, media.time_base))?;
+            Some(whole - seconds(delay as u64))
+        });
+        (exact, claimed.filter(|s| *s > 0.0 && *s <= LIMITS.claimed_duration_max))
+    }
+
+    /// Title, artist and the like.
+    pub(super) fn tags(&mut self) -> Tags {
+        let mut tags = Tags::default();
+        let track = u64::from(self.track.id);
+        let mut metadata = self.format.metadata();
+        let mut read = |container: &MetadataContainer| {
+            for tag in &container.tags {
+                match &tag.std {
+                    Some(StandardTag::TrackTitle(title)) => tags.title = Some(title.to_string()),
+                    Some(StandardTag::Artist(artist)) => tags.artist = Some(artist.to_string()),
+                    Some(StandardTag::ReplayGainTrackGain(text)) => tags.loudness.replay_gain(false, text),
+                    Some(StandardTag::ReplayGainAlbumGain(text)) => tags.loudness.replay_gain(true, text),
+                    _ if tag.raw.key.eq_ignore_ascii_case("R128_TRACK_GAIN") => {
+                        tags.loudness.r128(false, &tag.raw.value.to_string());
+                    }
+                    _ if tag.raw.key.eq_ignore_ascii_case("R128_ALBUM_GAIN") => {
+                        tags.loudness.r128(true, &tag.raw.value.to_string());
+                    }
+                    _ if tag.raw.key.ends_with("iTunSMPB") => {
+                        tags.itunes_gapless = parse_itun_smpb(&tag.raw.value.to_string());
+                    }
+                    _ => {}
+                }
+            }
+        };
+        // Oldest first, so that the newest word counts.
+        loop {
+            if let Some(revision) = metadata.current() {
+                revision
+                    .per_track
+                    .iter()
+                    .filter(|per| per.track_id == track)
+                    .for_each(|per| read(&per.metadata));
+                read(&revision.media);
+            }
+            if metadata.pop().is_none() {
+                break;
+            }
+        }
+        tags
+    }
+
+    /// Moves to a packet at or before a raw frame, by the pre-roll of the codec. False where the container or its clock
+    /// cannot; the reader is then of no more use than to be opened again.
+    pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
+        let early = raw - codecs::pre_roll(self.params.codec, rate);
+        // The Ogg demuxer never returns from a jump among several streams.
+        let lost = self.format.format_info().format == FORMAT_ID_OGG && self.format.tracks().len() > 1;
+        if early <= 0 || lost || self.links > 0 || !self.clock.is_usable(rate) {
+            return Ok(false);
+        }
+        let Some(ticks) = self.clock.ticks_before(early, rate) else { return Ok(false) };
+        let to = SeekTo::Timestamp { ts: Timestamp::new(ticks), track_id: self.track.id };
+        let format = &mut self.format;
+        if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
+            return Ok(false);
+        }
+        // A new decoder instead of a reset one: AAC's noise generator lives on through a reset, and the same jump must always
+        // give the same samples.
+        self.codec = codecs::make(&self.name, &self.params)?;
+        self.demuxer_failures = 0;
+        self.empty_in_a_row = 0;
+        Ok(true)
+    }
+
+    /// Packets that could not be read or decoded.
+    pub(super) fn skipped(&self) -> u64 {
+        self.skipped
+    }
+
+    /// Short descriptions of the container and the codec.
+    pub(super) fn describe(&self) -> (String, String) {
+        let container = self.format.format_info().long_name;
+        (container.into(), self.codec.codec_info().long_name.into())
+    }
+
+    /// Channels of the last packet, before the down-mix.
+    pub(super) fn channels(&self) -> usize {
+        self.downmix.as_ref().map_or(0, |(_, downmix)| downmix.channels())
+    }
+
+    /// The error for a stream that cannot be decoded (any further).
+    pub(super) fn damaged(&self, what: &str) -> DecodeError {
+        DecodeError::Damaged { name: self.name.clone(), what: what.into() }
+    }
+}
+
+fn mix(
+    name: &str,
+    buffer: &GenericAudioBufferRef<'_>,
+    downmix: &mut Option<(Channels, Downmix)>,
+    planes: &mut Vec<Vec<f32>>,
+    out: &mut Vec<StereoFrame>,
+) -> Result<(), DecodeError> {
+    let (spec, frames) = (buffer.spec(), buffer.frames());
+    if frames > LIMITS.packet_frames_max {
+        return Err(DecodeError::OverLimit {
+            name: name.into(),
+            what: format!("a packet of {frames} frames"),
+            limit: format!("{} frames", LIMITS.packet_frames_max),
+        });
+    }
+    if !downmix.as_ref().is_some_and(|(channels, _)| channels == spec.channels()) {
+        let channels = spec.channels();
+        sniff::check(name, channels.count(), spec.rate())?;
+        *downmix = Some((channels.clone(), Downmix::new(channels)));
+    }
+    buffer.copy_to_vecs_planar::<f32>(planes);
+    if let Some((_, downmix)) = downmix {
+        downmix.mix(planes, frames, out);
+    }
+    Ok(())
+}
+
+type Chosen = (Track, AudioCodecParameters, Box<dyn AudioDecoder>);
+
+fn choose_track(name: &str, format: &dyn FormatReader) -> Result<Chosen, DecodeError> {
+    let mut tracks: Vec<&Track> = format.tracks().iter().collect();
+    tracks.sort_by_key(|track| !track.flags.contains(TrackFlags::DEFAULT));
+    let mut refusal = None;
+    for track in tracks {
+        let made = match &track.codec_params {
+            Some(CodecParameters::Audio(params)) => codecs::make(name, params).map(|codec| (params, codec)),
+            // A codec that the demuxer does not know may be one of sound.
+            None => Err(DecodeError::UnsupportedCodec {
+                name: name.into(),
+                codec: "a codec that is not known here".into(),
+            }),
+            Some(_) => continue,
+        };
+        match made {
+            Ok((params, _)) if params.codec == CODEC_ID_NULL_AUDIO => {}
+            Ok((params, codec)) => return Ok((track.clone(), params.clone(), codec)),
+            Err(error) => refusal = refusal.or(Some(error)),
+        }
+    }
+    Err(refusal.unwrap_or(DecodeError::NoAudioTrack { name: name.into() }))
+}

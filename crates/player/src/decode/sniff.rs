@@ -1,0 +1,150 @@
+//! A look at the first bytes of what the demuxers refuse, so that the error can say what it is.
+
+use crate::limits::LIMITS;
+
+use super::error::DecodeError;
+
+/// How many bytes from the start are looked at.
+pub(super) const SNIFF_BYTES: usize = 4096;
+
+/// Containers of sound or video that are known but not supported: offset, mark, name.
+const FOREIGN_MEDIA: &[(usize, &[u8], &str)] = &[
+    (0, b"\x30\x26\xB2\x75\x8E\x66\xCF\x11", "a Windows Media file (WMA, ASF)"),
+    (8, b"AVI ", "an AVI file"),
+    (0, b"MAC ", "a Monkey's Audio file"),
+    (0, b"wvpk", "a WavPack file"),
+    (0, b"MPCK", "a Musepack file"),
+    (0, b"MP+", "a Musepack file"),
+    (0, b"TTA1", "a True Audio file"),
+    (0, b"DSD ", "a DSD file"),
+    (0, b"FRM8", "a DSD file"),
+    (0, b"MThd", "a MIDI file"),
+    (0, b".RMF", "a RealMedia file"),
+    (0, b"FLV\x01", "a Flash video"),
+    (0, b"#!AMR", "an AMR file"),
+    (0, b"\x00\x00\x01\xBA", "an MPEG program stream"),
+];
+
+/// Other files that are often taken for sound by mistake.
+const OTHER_FILES: &[(usize, &[u8], &str)] = &[
+    (0, b"\x89PNG", "it is a PNG picture"),
+    (0, b"\xFF\xD8\xFF", "it is a JPEG picture"),
+    (0, b"GIF8", "it is a GIF picture"),
+    (8, b"WEBP", "it is a WebP picture"),
+    (0, b"%PDF", "it is a PDF document"),
+    (0, b"PK\x03\x04", "it is a zip archive"),
+    (0, b"\x1F\x8B", "it is a gzip archive"),
+    (0, b"\x7FELF", "it is a program"),
+    (0, b"#EXTM3U", "it is a playlist, not the sound itself"),
+];
+
+fn marked(head: &[u8], marks: &[(usize, &[u8], &'static str)]) -> Option<&'static str> {
+    marks
+        .iter()
+        .find(|(offset, mark, _)| head.get(*offset..).is_some_and(|rest| rest.starts_with(mark)))
+        .map(|(_, _, name)| *name)
+}
+
+/// The error for a stream that begins like something that is no supported sound.
+pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
+    if let Some(what) = marked(head, FOREIGN_MEDIA) {
+        return Some(DecodeError::UnsupportedFormat { name: name.into(), what: what.into() });
+    }
+    marked(head, OTHER_FILES).map(|what| DecodeError::NotAudio { name: name.into(), what: what.into() })
+}
+
+/// The error for a stream whose header claims more channels or another rate than the limits allow.
+pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
+    let (channels, rate) = wave_format(head).or_else(|| aiff_format(head))?;
+    check(name, channels, rate).err()
+}
+
+/// Holds a channel count and a sample rate against the limits.
+pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), DecodeError> {
+    let over = |what: String, limit: String| DecodeError::OverLimit { name: name.into(), what, limit };
+    if channels > usize::from(LIMITS.channels_max) {
+        return Err(over(format!("{channels} channels"), format!("{} channels", LIMITS.channels_max)));
+    }
+    if !(mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max)
+        .contains(&rate)
+    {
+        return Err(over(
+            format!("a sample rate of {rate} Hz"),
+            format!(
+                "{} to {} Hz",
+                mariana_music::limits::LIMITS.sample_rate_min,
+                mariana_music::limits::LIMITS.sample_rate_max
+            ),
+        ));
+    }
+    Ok(())
+}
+
+fn find_chunk<'a>(head: &'a [u8], id: &[u8; 4], length: fn([u8; 4]) -> u32) -> Option<&'a [u8]> {
+    let mut at = 12usize;
+    loop {
+        let (kind, size) = head.get(at..at.checked_add(8)?)?.split_first_chunk::<4>()?;
+        let body = at + 8;
+        if kind == id {
+            return head.get(body..);
+        }
+        let size = length(size.try_into().ok()?) as usize;
+        at = body.checked_add(size)?.checked_add(size & 1)?;
+    }
+}
+
+fn wave_format(head: &[u8]) -> Option<(usize, u32)> {
+    if !head.starts_with(b"RIFF") || head.get(8..12)? != b"WAVE" {
+        return None;
+    }
+    match find_chunk(head, b"fmt ", u32::from_le_bytes)? {
+        [_, _, c0, c1, r0, r1, r2, r3, ..] => {
+            Some((usize::from(u16::from_le_bytes([*c0, *c1])), u32::from_le_bytes([*r0, *r1, *r2, *r3])))
+        }
+        _ => None,
+    }
+}
+
+fn aiff_format(head: &[u8]) -> Option<(usize, u32)> {
+    if !head.starts_with(b"FORM") || !matches!(head.get(8..12)?, b"AIFF" | b"AIFC") {
+        return None;
+    }
+    let comm = find_chunk(head, b"COMM", u32::from_be_bytes)?;
+    let channels = u16::from_be_bytes([*comm.first()?, *comm.get(1)?]);
+    // The rate is an 80-bit float: sign and exponent in 16 bits, then 64 bits with the leading one.
+    let exponent = u16::from_be_bytes([*comm.get(8)?, *comm.get(9)?]) & 0x7FFF;
+    let mantissa = u64::from_be_bytes(comm.get(10..18)?.try_into().ok()?);
+    let rate = mantissa as f64 * (f64::from(exponent) - 16_383.0 - 63.0).exp2();
+    Some((usize::from(channels), rate as u32))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_over_the_limits_are_told() {
+        let mut wave = b"RIFF\x00\x00\x00\x00WAVEfmt \x10\x00\x00\x00\x01\x00\x40\x00".to_vec();
+        wave.extend_from_slice(&48_000u32.to_le_bytes());
+        assert!(over_limit("a.wav", &wave).unwrap().to_string().contains("64 channels"));
+        wave[22] = 2;
+        assert!(over_limit("a.wav", &wave).is_none());
+        wave[24..28].fill(0);
+        assert!(over_limit("a.wav", &wave).unwrap().to_string().contains("0 Hz"));
+        for end in 0..wave.len() {
+            over_limit("a.wav", &wave[..end]);
+        }
+        let mut aiff =
+            b"FORM\x00\x00\x00\x00AIFFCOMM\x00\x00\x00\x12\x00\x02\x00\x00\x00\x00\x00\x10".to_vec();
+        aiff.extend_from_slice(&[0x40, 0x0E, 0xAC, 0x44, 0, 0, 0, 0, 0, 0]);
+        assert_eq!(aiff_format(&aiff), Some((2, 44_100)));
+    }
+
+    #[test]
+    fn marks_are_known() {
+        assert!(matches!(foreign("a", b"\x89PNG\r\n"), Some(DecodeError::NotAudio { .. })));
+        assert!(matches!(foreign("a", b"RIFF....AVI LIST"), Some(DecodeError::UnsupportedFormat { .. })));
+        assert!(foreign("a", b"fLaC").is_none());
+        assert!(foreign("a", b"").is_none());
+    }
+}

@@ -1,0 +1,358 @@
+//! What output and input devices have in common: how one is found and opened, and what each of cpal's errors means.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use cpal::traits::{DeviceTrait, HostTrait};
+use cpal::{ErrorKind, SupportedBufferSize};
+
+use super::error::{DeviceError, Direction};
+use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, monitor_id};
+use super::roster::RosterEntry;
+use super::server_connection::ServerConnection;
+
+/// The rate for which sizes of buffers are meant, in hertz.
+const BUFFER_RATE: u32 = 48_000;
+
+/// How long a stream's creation may take, where the host can limit it.
+pub(crate) const BUILD_LIMIT: Duration = Duration::from_secs(2);
+
+/// Which device.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Target {
+    /// The system's default of the direction; followed when it changes.
+    Default,
+    /// What the default output plays, as an input; followed when the default changes.
+    Monitor,
+    /// The one with this id or name, or whose id or name contains it.
+    Named(String),
+    /// The input that records what such an output plays.
+    MonitorOf(String),
+}
+
+/// One direction of sound as the [`Supervisor`](super::supervisor::Supervisor) sees it.
+pub(crate) trait Port: Sized + Send + 'static {
+    /// The other end of a stream's callback.
+    type Link: Send + 'static;
+    /// What readers want to know of what is open.
+    type Note: Clone + Default + Send + 'static;
+    /// What works in the place of a device.
+    type StandIn: Send + 'static;
+
+    /// Which way the sound goes.
+    const DIRECTION: Direction;
+    /// What stands in, in words.
+    const STAND_IN: &'static str;
+
+    /// What opens and starts a device, on a thread of its own; it may block.
+    fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
+    /// The note of a link.
+    fn note(link: &Self::Link) -> Self::Note;
+    /// A device is open and its status is told.
+    fn ready(&mut self, link: Self::Link);
+    /// Starts what stands in for a device.
+    fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;
+    /// It stands in and its status is told.
+    fn stood_in(&mut self);
+}
+
+/// A device that is open and runs.
+pub(crate) struct Opened<L> {
+    pub(crate) link: L,
+    pub(crate) entry: RosterEntry,
+    pub(crate) description: String,
+    /// How often it has called: its sign of life.
+    pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
+    /// The connection that it alone plays on, to be ended should it not close.
+    pub(crate) connection: Option<ServerConnection>,
+}
+
+/// A stream, to be dropped where it was made.
+pub(crate) struct Running {
+    // In this order: the connection is free when the stream is gone.
+    pub(crate) _stream: cpal::Stream,
+    pub(crate) _connection: Option<PlaybackConnection>,
+}
+
+/// A stream and the rest; or why there is none.
+pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
+
+/// Why a running stream failed.
+pub(crate) struct Failure {
+    /// What the system says.
+    pub(crate) reason: String,
+    pub(crate) kind: ErrorKind,
+}
+
+/// Is told of the failure of a stream, once.
+pub(crate) type OnFailure = Arc<dyn Fn(Failure) + Send + Sync>;
+
+/// How long to wait after an error before the device is tried again, if nothing changes meanwhile: a change of the
+/// devices that are there is answered at once.
+pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
+    match kind {
+        // It only has to be built anew, for another rate for instance.
+        ErrorKind::StreamInvalidated | ErrorKind::DeviceChanged => Duration::ZERO,
+        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable | ErrorKind::Xrun => {
+            Duration::from_millis(500)
+        }
+        ErrorKind::DeviceBusy | ErrorKind::RealtimeDenied => Duration::from_secs(1),
+        // The system is short of something, or does not say what is wrong.
+        ErrorKind::ResourceExhausted | ErrorKind::BackendError => Duration::from_secs(2),
+        // Somebody has to do something about it.
+        _ => Duration::from_secs(5),
+    }
+}
+
+/// The callback for errors of a running stream: what the stream survives is counted or ignored, the first of the rest
+/// is told.
+pub(crate) fn error_callback(
+    on_failure: OnFailure,
+    xruns: impl Fn() + Send + 'static,
+) -> impl FnMut(cpal::Error) + Send + 'static {
+    // A dead server may report its death a million times.
+    let reported = AtomicBool::new(false);
+    move |error| match error.kind() {
+        ErrorKind::Xrun => xruns(),
+        // The stream goes on.
+        ErrorKind::DeviceChanged | ErrorKind::RealtimeDenied => {}
+        _ if reported.swap(true, Ordering::Relaxed) => {}
+        kind => on_failure(Failure { reason: sentence(&error), kind }),
+    }
+}
+
+/// What the system says, to be put into a sentence.
+pub(crate) fn sentence(error: &cpal::Error) -> String {
+    error.to_string().trim_end_matches('.').to_owned()
+}
+
+/// What an error at opening means for the user.
+pub(crate) fn refusal(
+    direction: Direction,
+    device: &str,
+    target: &Target,
+    error: &cpal::Error,
+) -> DeviceError {
+    let device = device.to_owned();
+    match error.kind() {
+        ErrorKind::DeviceBusy => DeviceError::Busy { direction, device },
+        ErrorKind::PermissionDenied => DeviceError::Denied { direction, device },
+        ErrorKind::UnsupportedConfig => DeviceError::Format { direction, device, format: "unusual".into() },
+        // A default device may be a name with nothing behind it.
+        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable if *target == Target::Default => {
+            DeviceError::NoDevice(direction)
+        }
+        _ => DeviceError::Open { direction, device, reason: sentence(error) },
+    }
+}
+
+/// The device of a target.
+pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device, (DeviceError, ErrorKind)> {
+    let none = |error| (error, ErrorKind::DeviceNotAvailable);
+    let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));
+    match target {
+        Target::Default => hosts()
+            .find_map(|(_, host)| match direction {
+                Direction::Output => host.default_output_device(),
+                Direction::Input => host.default_input_device(),
+            })
+            .ok_or_else(|| none(DeviceError::NoDevice(direction))),
+        Target::Monitor => monitor().ok_or_else(|| none(DeviceError::NoLoopback)),
+        Target::Named(name) | Target::MonitorOf(name) => {
+            let monitors_only = matches!(target, Target::MonitorOf(_));
+            let devices = hosts().filter_map(|(_, host)| host.devices().ok()).flatten();
+            let fitting = devices.filter(|device| match direction {
+                Direction::Output => device.supports_output(),
+                Direction::Input => {
+                    device.supports_input() && (!monitors_only || RosterEntry::of(device).is_monitor())
+                }
+            });
+            best_match(fitting.collect(), name, RosterEntry::of)
+                .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))
+        }
+    }
+}
+
+/// The one whose id or name is `wanted`, or else contains it: those that are no monitors first.
+fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> RosterEntry) -> Option<T> {
+    let wanted = wanted.to_lowercase();
+    let rank = |device: &T| {
+        let entry = entry_of(device);
+        let texts = [entry.id.to_lowercase(), entry.name.to_lowercase()];
+        match (texts.contains(&wanted), texts.iter().any(|text| text.contains(&wanted))) {
+            (true, _) => Some(0),
+            (false, true) => Some(1 + u8::from(entry.is_monitor())),
+            (false, false) => None,
+        }
+    };
+    let ranked = devices.into_iter().filter_map(|device| Some((rank(&device)?, device)));
+    // The first of the best ones.
+    ranked.min_by_key(|(rank, _)| *rank).map(|(_, device)| device)
+}
+
+/// The input that records what the default output plays.
+fn monitor() -> Option<cpal::Device> {
+    let hosts = hosts_by_preference();
+    if let Some(server) = hosts.iter().copied().find(|id| is_server(*id)) {
+        let host = host(server).ok()?;
+        let wanted = monitor_id(&host.default_output_device()?.id().ok()?.to_string());
+        return host
+            .input_devices()
+            .ok()?
+            .find(|device| device.id().is_ok_and(|id| id.to_string() == wanted));
+    }
+    // Elsewhere (Windows, macOS) an input stream on an output device records what it plays.
+    if cfg!(target_os = "linux") { None } else { host(*hosts.first()?).ok()?.default_output_device() }
+}
+
+/// Whether the device is the sound server's, which converts to whatever is asked for.
+pub(crate) fn converts(device: &cpal::Device) -> bool {
+    device.id().is_ok_and(|id| is_server(id.host()))
+}
+
+/// The rate to ask a device for: its own, or where a sound server converts, the nearest within the limits.
+pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
+    let (min, max) =
+        (mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max);
+    if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
+}
+
+/// Frames per callback to ask for: `frames` at 44.1 and 48 kHz, scaled by the nearest power of two at other rates, within
+/// what the device supports.
+pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSize) -> u32 {
+    let scale = (f64::from(rate.max(1)) / f64::from(BUFFER_RATE)).log2().round().clamp(-3.0, 4.0);
+    let frames = (f64::from(frames) * scale.exp2()) as u32;
+    match supported {
+        SupportedBufferSize::Range { min, max } => frames.min(max).max(min).max(1),
+        SupportedBufferSize::Unknown => frames,
+    }
+}
+
+/// Calls a function that is generic over the type of samples with the type of a format; none for a format that is no
+/// plain number.
+macro_rules! with_sample_type {
+    ($format:expr, $function:ident($($argument:expr),*)) => {{
+        use cpal::{I24, SampleFormat, U24};
+        match $format {
+            SampleFormat::F32 => Some($function::<f32>($($argument),*)),
+            SampleFormat::I16 => Some($function::<i16>($($argument),*)),
+            SampleFormat::I32 => Some($function::<i32>($($argument),*)),
+            SampleFormat::I24 => Some($function::<I24>($($argument),*)),
+            SampleFormat::U8 => Some($function::<u8>($($argument),*)),
+            SampleFormat::I8 => Some($function::<i8>($($argument),*)),
+            SampleFormat::U16 => Some($function::<u16>($($argument),*)),
+            SampleFormat::U24 => Some($function::<U24>($($argument),*)),
+            SampleFormat::U32 => Some($function::<u32>($($argument),*)),
+            SampleFormat::I64 => Some($function::<i64>($($argument),*)),
+            SampleFormat::U64 => Some($function::<u64>($($argument),*)),
+            SampleFormat::F64 => Some($function::<f64>($($argument),*)),
+            _ => None,
+        }
+    }};
+}
+pub(crate) use with_sample_type;
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicU64;
+
+    use super::*;
+
+    #[test]
+    fn the_buffer_fits_the_rate_and_the_device() {
+        let range = |min, max| SupportedBufferSize::Range { min, max };
+        for (rate, supported, frames) in [
+            (48_000, SupportedBufferSize::Unknown, 1024),
+            (44_100, range(1, 100_000), 1024),
+            (96_000, range(1, 100_000), 2048),
+            (48_000, range(1, 512), 512),
+            (48_000, range(4096, 8192), 4096),
+            (48_000, range(0, 0), 1),
+            (0, SupportedBufferSize::Unknown, 128),
+        ] {
+            assert_eq!(buffer_frames(1024, rate, supported), frames, "{rate} Hz, {supported:?}");
+        }
+    }
+
+    #[test]
+    fn a_failure_is_reported_once_and_a_glitch_is_counted() {
+        let failures = Arc::new(std::sync::Mutex::new(Vec::new()));
+        let list = failures.clone();
+        let xruns = Arc::new(AtomicU64::new(0));
+        let counted = xruns.clone();
+        let on_failure: OnFailure =
+            Arc::new(move |failure| list.lock().expect("no panic").push((failure.reason, failure.kind)));
+        let mut report = error_callback(on_failure, move || {
+            counted.fetch_add(1, Ordering::Relaxed);
+        });
+        for kind in [ErrorKind::Xrun, ErrorKind::DeviceChanged, ErrorKind::RealtimeDenied, ErrorKind::Xrun] {
+            report(cpal::Error::new(kind));
+        }
+        assert!(failures.lock().expect("no panic").is_empty());
+        (0..1000).for_each(|_| report(cpal::Error::with_message(ErrorKind::StreamInvalidated, "gone.")));
+        assert_eq!(*failures.lock().expect("no panic"), [("gone".to_owned(), ErrorKind::StreamInvalidated)]);
+        assert_eq!(xruns.load(Ordering::Relaxed), 2);
+    }
+
+    #[test]
+    fn every_kind_of_error_has_a_sentence_that_says_what_to_do_and_a_time_to_try_again() {
+        use ErrorKind::*;
+        let kinds = [
+            DeviceBusy,
+            DeviceChanged,
+            DeviceNotAvailable,
+            HostUnavailable,
+            InvalidInput,
+            PermissionDenied,
+            RealtimeDenied,
+            ResourceExhausted,
+            StreamInvalidated,
+            UnsupportedConfig,
+            UnsupportedOperation,
+            Xrun,
+            BackendError,
+            Other,
+        ];
+        for kind in kinds {
+            for direction in [Direction::Output, Direction::Input] {
+                let error =
+                    refusal(direction, "'Box'", &Target::Named("box".into()), &cpal::Error::new(kind));
+                let text = error.to_string();
+                assert!(text.contains("'Box'") && text.contains(&direction.to_string()), "{kind:?}: {text}");
+                assert!(text.contains("choose") || text.contains("allow"), "{kind:?} without advice: {text}");
+            }
+            assert!(wait_before_retry(kind) <= Duration::from_secs(5), "{kind:?}");
+        }
+        // What only has to be built anew is back within a second.
+        assert_eq!(wait_before_retry(StreamInvalidated), Duration::ZERO);
+    }
+
+    #[test]
+    fn a_name_means_what_it_names_best() {
+        let entry = |id: &str, name: &str| RosterEntry { id: id.into(), name: name.into() };
+        let devices = || {
+            vec![
+                entry("p:usb.monitor", "Monitor of USB"),
+                entry("p:usb_mic", "USB Mic"),
+                entry("p:usb", "Headset"),
+            ]
+        };
+        let found = |wanted| best_match(devices(), wanted, RosterEntry::clone).map(|entry| entry.id);
+        assert_eq!(found("headset").as_deref(), Some("p:usb"));
+        assert_eq!(found("P:USB").as_deref(), Some("p:usb"));
+        assert_eq!(found("usb").as_deref(), Some("p:usb_mic"));
+        assert_eq!(found("monitor").as_deref(), Some("p:usb.monitor"));
+        assert_eq!(found("nothing"), None);
+    }
+
+    #[test]
+    fn odd_rates_are_converted_by_a_server_and_refused_elsewhere() {
+        assert_eq!((usable_rate(48_000, true), usable_rate(48_000, false)), (Some(48_000), Some(48_000)));
+        assert_eq!(
+            (usable_rate(1, true), usable_rate(1, false)),
+            (Some(mariana_music::limits::LIMITS.sample_rate_min), None)
+        );
+    }
+}

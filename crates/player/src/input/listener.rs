@@ -1,0 +1,313 @@
+//! The listening thread: frames of the input in, moments for the window out.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+
+use rtrb::Producer;
+
+use super::tap::TapLink;
+use mariana_music::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
+
+/// How long the thread sleeps if no callback wakes it.
+const PATIENCE: Duration = Duration::from_millis(50);
+
+/// When no frames have come for so long, silence takes their place, in seconds.
+const GAP: f64 = 0.1;
+
+/// How much silence is analysed after the last frame, in seconds: until every feature has come to rest.
+const REST: f64 = 20.0;
+
+/// A signal moves by more than this within a batch of frames: -80 dB. An offset is no signal.
+pub(super) const FLAT: f32 = 1e-4;
+
+/// The features of a moment of the input.
+#[derive(Debug, Clone)]
+pub(super) struct Heard {
+    /// Number of the stream: it grows with each device that is opened.
+    pub(super) stream: u64,
+    /// Number of the sample in the stream.
+    pub(super) position: u64,
+    /// At the time when that sample came in, in seconds since the listener's epoch. Its number grows over all streams.
+    pub(super) heard: TimedFeatures,
+}
+
+/// What the listening thread tells besides.
+pub(super) struct Ear {
+    /// What times count from.
+    pub(super) epoch: Instant,
+    pub(super) stop: AtomicBool,
+    /// When something was last heard that is a signal, and when the present stream began, in nanoseconds since the epoch.
+    signal_ns: AtomicU64,
+    began_ns: AtomicU64,
+}
+
+impl Ear {
+    pub(super) fn new() -> Self {
+        let (signal_ns, began_ns) = (AtomicU64::new(0), AtomicU64::new(0));
+        Self { epoch: Instant::now(), stop: AtomicBool::new(false), signal_ns, began_ns }
+    }
+
+    /// Seconds since the epoch.
+    pub(super) fn now(&self) -> f64 {
+        self.epoch.elapsed().as_secs_f64()
+    }
+
+    /// For how many seconds the present stream has had no signal.
+    pub(super) fn flat_for(&self) -> f64 {
+        let last = self.signal_ns.load(Ordering::Relaxed).max(self.began_ns.load(Ordering::Relaxed));
+        self.now() - last as f64 / 1e9
+    }
+
+    fn note(&self, what: &AtomicU64) {
+        what.store(self.epoch.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+}
+
+/// The thread's state.
+pub(super) struct Listener {
+    ear: Arc<Ear>,
+    moments: Producer<Heard>,
+    link: Option<TapLink>,
+    analyzer: Analyzer,
+    gain: Gain,
+    stream: u64,
+    /// Added to the numbers of the stream's moments: so many hops had passed when it began.
+    first_number: u64,
+    last_number: u64,
+    /// When the last frames came, or the last silence was made, in seconds since the epoch.
+    last: f64,
+    /// How much silence is still to be analysed, in seconds.
+    rest: f64,
+    /// Of the last moment.
+    last_time: f64,
+    /// Frames of the stream that have come.
+    position: u64,
+    /// Nothing is analysed: there is no signal, and every feature has come to rest.
+    resting: bool,
+    batch: Vec<StereoFrame>,
+}
+
+impl Listener {
+    pub(super) fn new(ear: Arc<Ear>, moments: Producer<Heard>, gain: Gain) -> Self {
+        let analyzer = Analyzer::with_gain(48_000, Alignment::Trailing, gain);
+        Self {
+            ear,
+            moments,
+            link: None,
+            analyzer,
+            gain,
+            stream: 0,
+            first_number: 0,
+            last_number: 0,
+            last: 0.0,
+            rest: 0.0,
+            last_time: 0.0,
+            position: 0,
+            resting: false,
+            batch: Vec::new(),
+        }
+    }
+
+    /// Works until it is told to stop.
+    pub(super) fn run(mut self, links: &Receiver<Option<TapLink>>) {
+        while !self.ear.stop.load(Ordering::Relaxed) {
+            for link in links.try_iter() {
+                self.attach(link);
+            }
+            self.listen();
+            std::thread::park_timeout(PATIENCE);
+        }
+    }
+
+    /// Listens to another input, or to none.
+    fn attach(&mut self, link: Option<TapLink>) {
+        if let Some(link) = &link {
+            self.stream += 1;
+            (self.position, self.resting) = (0, false);
+            if self.analyzer.sample_rate() == link.rate {
+                self.analyzer.restart(0);
+            } else {
+                self.analyzer = Analyzer::with_gain(link.rate, Alignment::Trailing, self.gain);
+            }
+            let hop = self.analyzer.hop() as f64 / f64::from(self.analyzer.sample_rate());
+            self.first_number = ((self.ear.now() / hop) as u64).max(self.last_number + 1);
+            self.ear.note(&self.ear.began_ns);
+            (self.last, self.rest) = (self.ear.now(), REST);
+        }
+        self.link = link;
+    }
+
+    /// Analyses what has come.
+    fn listen(&mut self) {
+        let now = self.ear.now();
+        self.batch.clear();
+        if let Some(link) = &mut self.link {
+            let count = link.ring.slots();
+            if let Ok(chunk) = link.ring.read_chunk(count) {
+                let (front, back) = chunk.as_slices();
+                self.batch.extend_from_slice(front);
+                self.batch.extend_from_slice(back);
+                chunk.commit_all();
+            }
+        }
+        if !self.batch.is_empty() {
+            if has_signal(&self.batch) {
+                self.ear.note(&self.ear.signal_ns);
+            }
+            (self.last, self.rest) = (now, REST);
+        } else if now - self.last > GAP && self.rest > 0.0 {
+            // Nothing comes: the picture sinks into silence as it would after a song.
+            let missing = now - self.last;
+            self.batch.resize((missing * f64::from(self.analyzer.sample_rate())) as usize, [0.0; 2]);
+            self.rest -= missing;
+            self.last = now;
+        }
+        self.analyse(now);
+    }
+
+    /// Analyses the batch, whose last frame came at `now`.
+    fn analyse(&mut self, now: f64) {
+        let was_resting = std::mem::replace(&mut self.resting, self.ear.flat_for() > REST);
+        if was_resting && !self.resting {
+            self.analyzer.restart(self.position);
+        }
+        let Self { batch, analyzer, moments, stream, last_time, first_number, last_number, .. } = self;
+        self.position += batch.len() as u64;
+        if self.resting {
+            return;
+        }
+        let (end, rate) = (self.position, f64::from(analyzer.sample_rate()));
+        analyzer.push(batch, &mut |moment| {
+            let position = (moment.time * rate).round() as u64;
+            let age = end.saturating_sub(position) as f64 / rate;
+            // Batches come unevenly; time does not step back for that.
+            let time = (now - age).max(*last_time + 1e-6);
+            *last_time = time;
+            *last_number = *first_number + moment.number;
+            let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
+            // Full while nobody looks: then nobody misses it.
+            let _ = moments.push(Heard { stream: *stream, position, heard });
+        });
+    }
+}
+
+/// Whether the frames move by more than [`FLAT`].
+pub(super) fn has_signal(frames: &[StereoFrame]) -> bool {
+    (0..2).any(|side| {
+        let samples = || frames.iter().map(|frame| frame[side]).filter(|sample| sample.is_finite());
+        let (least, most) =
+            samples().fold((f32::MAX, f32::MIN), |(a, b), sample| (a.min(sample), b.max(sample)));
+        most - least > FLAT
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::Tap;
+    use rtrb::{Consumer, RingBuffer};
+
+    fn listener() -> (Listener, Consumer<Heard>) {
+        let (moments, heard) = RingBuffer::new(1024);
+        (Listener::new(Arc::new(Ear::new()), moments, Gain::Off), heard)
+    }
+
+    fn all(heard: &mut Consumer<Heard>) -> Vec<Heard> {
+        std::iter::from_fn(|| heard.pop().ok()).collect()
+    }
+
+    fn tone(frames: usize) -> Vec<f32> {
+        (0..frames).map(|n| (n as f32 * 0.1).sin()).collect()
+    }
+
+    #[test]
+    fn every_hop_becomes_a_moment_with_its_sample_and_its_time() {
+        let (mut listener, mut heard) = listener();
+        let (mut tap, link) = Tap::new(48_000, std::thread::current());
+        listener.attach(Some(link));
+        for size in [700, 30, 1300, 9_000] {
+            tap.take(&tone(size), 1, None);
+            listener.listen();
+        }
+        let moments = all(&mut heard);
+        let positions: Vec<u64> = moments.iter().map(|moment| moment.position).collect();
+        let wanted: Vec<u64> = (0..positions.len() as u64).map(|n| 512 * n).collect();
+        assert_eq!(positions, wanted);
+        assert!(positions.len() as u64 >= 11_030 / 512);
+        assert!(moments.is_sorted_by(|a, b| a.heard.time < b.heard.time && a.heard.number < b.heard.number));
+        assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
+        // Another device: another stream, from its first sample on.
+        let (mut tap, link) = Tap::new(96_000, std::thread::current());
+        listener.attach(Some(link));
+        tap.take(&tone(5_000), 1, None);
+        listener.listen();
+        let moments = all(&mut heard);
+        assert_eq!((moments[0].stream, moments[0].position, moments[1].position), (2, 0, 1024));
+    }
+
+    #[test]
+    fn features_sink_into_silence_when_nothing_comes_any_more_and_then_rest() {
+        let (mut listener, mut heard) = listener();
+        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        listener.attach(Some(link));
+        tap.take(&tone(4_000), 1, None);
+        listener.listen();
+        assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
+        listener.attach(None);
+        // As if time had passed.
+        let mut made = 0;
+        for _ in 0..2 * REST as usize {
+            listener.last -= 0.6;
+            listener.listen();
+            let moments = all(&mut heard);
+            made += moments.len();
+            if let Some(last) = moments.last() {
+                assert!(last.heard.features.volume[0] < 0.5);
+            }
+        }
+        assert_eq!(listener.batch.len(), 0, "it never rests");
+        assert!(made > 10 && listener.rest <= 0.0);
+    }
+
+    #[test]
+    fn long_silence_is_not_analysed_and_the_next_sound_is_at_its_place() {
+        let (mut listener, mut heard) = listener();
+        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        listener.attach(Some(link));
+        tap.take(&tone(1_000), 1, None);
+        listener.listen();
+        // As if that had been long ago.
+        listener.ear =
+            Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
+        assert!(!all(&mut heard).is_empty());
+        tap.take(&[0.0; 1_000], 1, None);
+        listener.listen();
+        assert!(all(&mut heard).is_empty(), "silence was analysed");
+        tap.take(&tone(1_000), 1, None);
+        listener.listen();
+        let moments = all(&mut heard);
+        let hop = listener.analyzer.hop() as u64;
+        assert_eq!(moments.first().map(|moment| moment.position), Some(2_000_u64.next_multiple_of(hop)));
+        assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
+    }
+
+    #[test]
+    fn an_offset_is_no_signal() {
+        assert!(!has_signal(&[[0.5, -0.5]; 100]));
+        assert!(!has_signal(&[]));
+        assert!(!has_signal(&[[f32::NAN; 2], [0.0; 2]]));
+        assert!(has_signal(&[[0.0, 0.0], [0.0, 0.001]]));
+        let (mut listener, _heard) = listener();
+        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        listener.attach(Some(link));
+        std::thread::sleep(Duration::from_millis(30));
+        tap.take(&[0.3_f32; 500], 1, None);
+        listener.listen();
+        assert!(listener.ear.flat_for() >= 0.03, "{}", listener.ear.flat_for());
+        tap.take(&tone(500), 1, None);
+        listener.listen();
+        assert!(listener.ear.flat_for() < 0.03, "{}", listener.ear.flat_for());
+    }
+}

@@ -1,0 +1,141 @@
+//! The input's side of the supervisor: opens devices for a [`Tap`].
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::Sender;
+use std::thread::Thread;
+
+use cpal::traits::{DeviceTrait, StreamTrait};
+use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
+
+use super::tap::{Tap, TapCounters, TapLink};
+use crate::device::{
+    BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
+    error_callback, find, refusal, usable_rate, with_sample_type,
+};
+use crate::error::{DeviceError, Direction};
+use crate::hosts::hush_sound_library;
+use crate::roster::RosterEntry;
+
+/// Frames per callback that are asked for at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller ones bring nothing sooner,
+/// as features come with the hops, and each costs the client of PulseAudio some 0.1 ms.
+const BUFFER_FRAMES: u32 = 512;
+
+/// Most channels that a sound server is trusted to mix down to two.
+const MIXED_CHANNELS_MAX: u16 = 8;
+
+/// Hands the links of inputs to the listening thread.
+pub(super) struct InputPort {
+    /// None stands for no input.
+    pub(super) links: Sender<Option<TapLink>>,
+    pub(super) listener: Thread,
+}
+
+impl InputPort {
+    fn send(&self, link: Option<TapLink>) {
+        // If the listening thread has ended, nobody listens.
+        let _ = self.links.send(link);
+        self.listener.unpark();
+    }
+}
+
+impl Port for InputPort {
+    type Link = TapLink;
+    type Note = Option<Arc<TapCounters>>;
+    type StandIn = ();
+
+    const DIRECTION: Direction = Direction::Input;
+    const STAND_IN: &'static str = "silence";
+
+    fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<TapLink> + Send + 'static {
+        let listener = self.listener.clone();
+        move |target, on_failure| open(&target, &listener, &on_failure)
+    }
+
+    fn note(link: &TapLink) -> Self::Note {
+        Some(link.counters.clone())
+    }
+
+    fn ready(&mut self, link: TapLink) {
+        self.send(Some(link));
+    }
+
+    fn stand_in(&mut self) -> io::Result<(Option<()>, Self::Note)> {
+        Ok((None, None))
+    }
+
+    fn stood_in(&mut self) {
+        self.send(None);
+    }
+}
+
+/// Opens and starts an input. Blocks as long as the sound system likes, until the first samples come at least.
+pub(super) fn open(target: &Target, listener: &Thread, on_failure: &OnFailure) -> OpenResult<TapLink> {
+    hush_sound_library();
+    let direction = Direction::Input;
+    let device = find(direction, target)?;
+    let entry = RosterEntry::of(&device);
+    let name = format!("'{}'", entry.name);
+    let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
+    let converted = converts(&device);
+    let supported = if device.supports_input() {
+        device.default_input_config().map_err(refused)?
+    } else {
+        // What an output plays.
+        device.default_output_config().map_err(refused)?
+    };
+    let told_rate = supported.sample_rate();
+    let rate = usable_rate(told_rate, converted).ok_or_else(|| {
+        let error = DeviceError::Rate { direction, device: name.clone(), rate: told_rate };
+        (error, ErrorKind::UnsupportedConfig)
+    })?;
+    let frames = buffer_frames(BUFFER_FRAMES, rate, *supported.buffer_size());
+    // A server mixes the channels down whose places it knows; more than 8 are mostly numbered only.
+    let mixed = converted && supported.channels() <= MIXED_CHANNELS_MAX;
+    let channels = if mixed { 2 } else { supported.channels() };
+    let format = if converted { SampleFormat::F32 } else { supported.sample_format() };
+    let mut last_error = None;
+    for buffer_size in [BufferSize::Fixed(frames), BufferSize::Default] {
+        let config = StreamConfig { channels, sample_rate: rate, buffer_size };
+        let (tap, link) = Tap::new(rate, listener.clone());
+        let glitches = link.counters.clone();
+        let on_error = error_callback(on_failure.clone(), move || {
+            glitches.lost.fetch_add(1, Ordering::Relaxed);
+        });
+        let Some(built) = with_sample_type!(format, build(&device, config, tap, on_error)) else {
+            let error = DeviceError::Format { direction, device: name, format: format.to_string() };
+            return Err((error, ErrorKind::UnsupportedConfig));
+        };
+        match built.and_then(|stream| stream.play().map(|()| stream)) {
+            Ok(stream) => {
+                let host = device.id().map_or("unknown host", |id| id.host().name());
+                let description = format!("{host}: {name}, {rate} Hz, {channels} channels, {format}");
+                let counters = link.counters.clone();
+                let calls = Box::new(move || counters.calls.load(Ordering::Relaxed));
+                let running = Running { _stream: stream, _connection: None };
+                return Ok((running, Opened { link, entry, description, calls, connection: None }));
+            }
+            Err(error) => last_error = Some(error),
+        }
+    }
+    let none = (DeviceError::NoDevice(direction), ErrorKind::DeviceNotAvailable);
+    Err(last_error.map_or(none, refused))
+}
+
+fn build<T: SizedSample>(
+    device: &cpal::Device,
+    config: StreamConfig,
+    mut tap: Tap,
+    on_error: impl FnMut(cpal::Error) + Send + 'static,
+) -> Result<cpal::Stream, cpal::Error>
+where
+    f32: FromSample<T>,
+{
+    let channels = usize::from(config.channels);
+    let callback = move |data: &[T], info: &cpal::InputCallbackInfo| {
+        let stamps = info.timestamp();
+        tap.take(data, channels, stamps.callback.checked_duration_since(stamps.capture));
+    };
+    device.build_input_stream(config, callback, on_error, Some(BUILD_LIMIT))
+}

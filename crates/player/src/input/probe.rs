@@ -1,0 +1,128 @@
+//! Looks for an input that has signal, while the present one has none.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+use super::listener::has_signal;
+use super::port::open;
+use crate::device::Target;
+use crate::roster::RosterEntry;
+use crate::worker::Worker;
+
+/// How long an input is listened to.
+const LISTENING: Duration = Duration::from_millis(400);
+
+/// How long an answer is waited for, opening included.
+const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
+
+/// Most inputs that are listened to at once.
+const CANDIDATES_MAX: usize = 8;
+
+/// Time to the next search after one without success; it doubles up to [`PAUSE_MAX`].
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// See [`PAUSE`].
+const PAUSE_MAX: Duration = Duration::from_secs(30);
+
+/// The search and what it found.
+pub(super) struct Prober {
+    search: Option<(Worker, Receiver<Option<RosterEntry>>)>,
+    found: Option<RosterEntry>,
+    /// Whether the answer of the search does not count any more.
+    stale: bool,
+    next: Option<Instant>,
+    pause: Duration,
+}
+
+impl Prober {
+    pub(super) fn new() -> Self {
+        Self { search: None, found: None, stale: false, next: None, pause: PAUSE }
+    }
+
+    /// Forgets what was found.
+    pub(super) fn reset(&mut self) {
+        // The answer of a search that is on its way is for what was listened to before.
+        self.stale = self.search.is_some();
+        (self.found, self.next, self.pause) = (None, None, PAUSE);
+    }
+
+    /// An input with signal, if one was found; searches among `candidates` from time to time. Returns at once.
+    pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<RosterEntry>) -> Option<&RosterEntry> {
+        if let Some((worker, answer)) = &self.search {
+            if let Ok(found) = answer.try_recv() {
+                self.found = found.filter(|_| !std::mem::take(&mut self.stale));
+                self.next = Some(Instant::now() + self.pause);
+                self.pause = (2 * self.pause).min(PAUSE_MAX);
+            }
+            if !worker.has_ended() {
+                return self.found.as_ref();
+            }
+            (self.search, self.stale) = (None, false);
+        }
+        if self.next.is_none_or(|next| next <= Instant::now()) {
+            let candidates = candidates();
+            let (answer, answers) = channel();
+            let worker = Worker::spawn("sound search", move || search(candidates, &answer));
+            self.search = worker.ok().map(|worker| (worker, answers));
+        }
+        self.found.as_ref()
+    }
+}
+
+/// Answers with the first of the inputs that has signal. Ends when all that it opened is closed again: one that hangs holds
+/// up the next search, so that they do not pile up.
+fn search(mut candidates: Vec<RosterEntry>, found: &Sender<Option<RosterEntry>>) {
+    candidates.truncate(CANDIDATES_MAX);
+    let (answer, answers) = channel();
+    let mut workers: Vec<Worker> = candidates
+        .iter()
+        .enumerate()
+        .filter_map(|(index, entry)| {
+            let (id, answer) = (entry.id.clone(), answer.clone());
+            Worker::spawn("sound probe", move || probe(&id, index, &answer)).ok()
+        })
+        .collect();
+    drop(answer);
+    let start = Instant::now();
+    let mut best = None;
+    while let Ok((index, heard)) = answers.recv_timeout(ANSWER_LIMIT.saturating_sub(start.elapsed())) {
+        if heard && best.is_none_or(|best| index < best) {
+            best = Some(index);
+        }
+    }
+    // Who asked may be gone.
+    let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
+    for worker in &mut workers {
+        while !worker.has_ended() {
+            worker.join_within(ANSWER_LIMIT);
+        }
+    }
+}
+
+/// Listens to one input, and answers whether it has signal.
+fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
+    let heard = match open(&Target::Named(id.to_owned()), &std::thread::current(), &(Arc::new(|_| {}) as _)) {
+        Ok((stream, mut opened)) => {
+            let start = Instant::now();
+            let mut heard = false;
+            while !heard && start.elapsed() < LISTENING {
+                std::thread::park_timeout(LISTENING.saturating_sub(start.elapsed()));
+                let ring = &mut opened.link.ring;
+                if let Ok(chunk) = ring.read_chunk(ring.slots()) {
+                    let (front, back) = chunk.as_slices();
+                    heard = has_signal(front) || has_signal(back);
+                    chunk.commit_all();
+                }
+            }
+            drop(stream);
+            heard
+        }
+        Err((error, _)) => {
+            tracing::debug!("{error}");
+            false
+        }
+    };
+    // Too late is too late.
+    let _ = answer.send((index, heard));
+}

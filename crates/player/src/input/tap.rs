@@ -1,0 +1,145 @@
+//! What the audio callback of an input does: copy frames into a ring and count them.
+//!
+//! It never locks, allocates, frees, logs or panics. It wakes the listening thread, which no lock is needed for.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread::Thread;
+use std::time::Duration;
+
+use cpal::{FromSample, Sample};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use mariana_music::StereoFrame;
+
+/// Frames handled at a time.
+const CHUNK: usize = 256;
+
+/// What the ring holds, in seconds: as long as the listening thread may be kept from working.
+const RING: f64 = 0.5;
+
+/// What the callback counts.
+#[derive(Default)]
+pub struct TapCounters {
+    /// Calls.
+    pub calls: AtomicU64,
+    /// Frames taken from the device.
+    pub frames: AtomicU64,
+    /// Frames that found no room in the ring, and glitches that the device told.
+    pub lost: AtomicU64,
+    /// How old the first frame of the last buffer was when it came, in nanoseconds, as the device tells.
+    pub age_ns: AtomicU64,
+}
+
+/// The listening thread's end of a [`Tap`].
+pub struct TapLink {
+    /// Frames per second of the device.
+    pub rate: u32,
+    /// What the callback counts.
+    pub counters: Arc<TapCounters>,
+    /// The frames.
+    pub ring: Consumer<StereoFrame>,
+}
+
+/// Takes the buffers of one input device. See the module.
+pub struct Tap {
+    counters: Arc<TapCounters>,
+    ring: Producer<StereoFrame>,
+    listener: Thread,
+    chunk: [StereoFrame; CHUNK],
+}
+
+impl Tap {
+    /// A tap of a device with `rate` frames per second, and its link. `listener` is woken after each buffer.
+    pub fn new(rate: u32, listener: Thread) -> (Self, TapLink) {
+        let (producer, ring) = RingBuffer::new(((RING * f64::from(rate)) as usize).max(CHUNK));
+        let counters = Arc::new(TapCounters::default());
+        let link = TapLink { rate: rate.max(1), counters: counters.clone(), ring };
+        (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
+    }
+
+    /// A device's callback: takes `data` (`channels` interleaved), whose first frame is `age` old if the device tells.
+    ///
+    /// One channel is left and right at once; of more than two the first two are left and right. A rest that is no whole
+    /// frame is left out. Frames that find no room are lost and counted.
+    pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
+    where
+        f32: FromSample<T>,
+    {
+        let channels = channels.max(1);
+        for block in data.chunks(CHUNK * channels) {
+            let mut count = 0;
+            for (frame, samples) in self.chunk.iter_mut().zip(block.chunks_exact(channels)) {
+                *frame = match samples {
+                    [mono] => [f32::from_sample(*mono); 2],
+                    [left, right, ..] => [f32::from_sample(*left), f32::from_sample(*right)],
+                    [] => [0.0; 2],
+                };
+                count += 1;
+            }
+            let (_, lost) = self.ring.push_partial_slice(&self.chunk[..count]);
+            self.counters.lost.fetch_add(lost.len() as u64, Ordering::Relaxed);
+        }
+        let counters = &*self.counters;
+        counters.frames.fetch_add((data.len() / channels) as u64, Ordering::Relaxed);
+        counters.calls.fetch_add(1, Ordering::Relaxed);
+        if let Some(age) = age {
+            counters.age_ns.store(age.as_nanos().min(u128::from(u64::MAX)) as u64, Ordering::Relaxed);
+        }
+        self.listener.unpark();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn tap(rate: u32) -> (Tap, TapLink) {
+        Tap::new(rate, std::thread::current())
+    }
+
+    fn heard(link: &mut TapLink) -> Vec<StereoFrame> {
+        std::iter::from_fn(|| link.ring.pop().ok()).collect()
+    }
+
+    #[test]
+    fn every_layout_of_channels_becomes_left_and_right() {
+        let (mut tap, mut link) = tap(48_000);
+        tap.take(&[0.25_f32, -0.5], 1, None);
+        assert_eq!(heard(&mut link), [[0.25; 2], [-0.5; 2]]);
+        tap.take(&[0.1_f32, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7], 3, None);
+        assert_eq!(heard(&mut link), [[0.1, 0.2], [0.4, 0.5]]);
+        tap.take(&[i16::MIN, 16_384], 2, None);
+        assert_eq!(heard(&mut link), [[-1.0, 0.5]]);
+        tap.take(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
+        assert_eq!(heard(&mut link), [[-1.0, 0.0]]);
+        // No device has none.
+        tap.take(&[0.5_f32], 0, None);
+        assert_eq!(heard(&mut link), [[0.5; 2]]);
+        assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);
+        assert_eq!(link.counters.calls.load(Ordering::Relaxed), 5);
+        assert_eq!(link.counters.age_ns.load(Ordering::Relaxed), 3_000_000);
+    }
+
+    proptest! {
+        /// Frames come out once and in order, whatever the sizes, and what finds no room is counted.
+        #[test]
+        fn nothing_is_lost_without_being_counted(sizes in prop::collection::vec((0_usize..3000, any::<bool>()), 1..40)) {
+            let (mut tap, mut link) = tap(8_000);
+            let (mut sent, mut got) = (0_u32, Vec::new());
+            for (size, read) in sizes {
+                let data: Vec<f32> = (0..size).map(|n| (sent + n as u32) as f32).collect();
+                sent += size as u32;
+                tap.take(&data, 1, None);
+                if read {
+                    got.extend(heard(&mut link).into_iter().map(|frame| frame[0] as u32));
+                }
+            }
+            got.extend(heard(&mut link).into_iter().map(|frame| frame[0] as u32));
+            prop_assert!(got.is_sorted_by(|a, b| a < b));
+            let lost = link.counters.lost.load(Ordering::Relaxed);
+            prop_assert_eq!(got.len() as u64 + lost, u64::from(sent));
+        }
+    }
+}

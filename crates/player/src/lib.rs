@@ -1,0 +1,52 @@
+//! Sound: decoding, playback, and what is audible now.
+//!
+//! ```text
+//! FrameSource ─► decoding thread ─┬─ resampler ─► ring of frames ─► Feeder (the callback) ─► device or silent clock
+//!                                 │                                    │ spans: what sounds when (lock-free)
+//!                                 └─ analysis thread ─► Timeline ◄─────┴── Player::now: song time and features
+//! ```
+//!
+//! | module | what it does | runs on |
+//! |---|---|---|
+//! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
+//! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
+//! | [`player`] | the handle of the window, and the decoding and analysis threads | |
+//! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
+//! | [`clock`] | from the callback's timestamps to the frame that is audible now, through changes of device, too | written by the callback |
+//! | [`output`] | the callback itself, devices, the silent clock, the supervisor | |
+//! | [`devices`] | the list of devices | caller |
+//!
+//! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change
+//! of device. A loop does not end it, nor does the track that follows: within a segment each track is a **passage**. Everything that flows is keyed by the segment's number, so nothing of
+//! before a seek is ever taken for what comes after.
+
+pub mod clock;
+pub mod decode;
+mod device;
+pub mod devices;
+mod error;
+mod hosts;
+pub mod input;
+pub mod limits;
+pub mod output;
+pub mod player;
+pub mod playlist;
+#[cfg(target_os = "linux")]
+mod quiet_stderr;
+pub mod resample;
+pub mod roster;
+#[cfg(target_os = "linux")]
+mod server_connection;
+#[cfg(not(target_os = "linux"))]
+#[path = "no_server_connection.rs"]
+mod server_connection;
+pub mod song;
+pub mod source;
+mod supervisor;
+pub mod timeline;
+pub mod track;
+mod worker;
+
+pub use device::Target;
+pub use error::{DeviceError, Direction, PlayerError};
+pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard};

@@ -1,0 +1,533 @@
+//! What the audio callback does: copy frames from a ring into the device's buffer.
+//!
+//! It never locks, allocates, frees, logs or panics. Every change of what is heard is ramped, so that nothing clicks:
+//! volume and mute over 10 ms, pause, seeks and underruns over 5 ms.
+//!
+//! A seek hands over a new [`Segment`] through a small ring; the feeder fades the old one out, takes the new one
+//! and gives the old one back through another ring, to be freed elsewhere. A segment that takes over from another device
+//! is told when it is due: frames that come too late for that are dropped, so that the song is where it would be anyway.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use cpal::{FromSample, Sample};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use crate::clock::{Span, SpanHistory, SpanWriter};
+use mariana_music::StereoFrame;
+
+/// Frames handled at a time.
+const CHUNK: usize = 256;
+
+/// Time of a ramp of the volume over its whole range, in seconds.
+const VOLUME_RAMP: f32 = 0.010;
+
+/// Time of a fade in or out, in seconds.
+const FADE: f32 = 0.005;
+
+/// After an underrun the sound goes on when this much is there, in seconds (or a quarter of the ring if less).
+const REFILL: f64 = 0.020;
+
+/// What comes later than this after it was due is played nevertheless, in seconds: the process stood still.
+const LATE_MAX: f64 = 3.0;
+
+/// Longest latency of a device that is believed.
+const LATENCY_MAX: Duration = Duration::from_secs(5);
+
+/// Largest sample handed out: the device's integer formats end just below 1.
+const SAMPLE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// What the window sets and the callback reads.
+pub struct Controls {
+    volume: AtomicU32,
+    muted: AtomicBool,
+    paused: AtomicBool,
+}
+
+impl Controls {
+    /// `volume` is 0 to 1; others are clamped.
+    pub fn new(volume: f32, paused: bool) -> Self {
+        let controls = Self {
+            volume: AtomicU32::new(0),
+            muted: AtomicBool::new(false),
+            paused: AtomicBool::new(paused),
+        };
+        controls.set_volume(volume);
+        controls
+    }
+
+    /// The volume, 0 to 1.
+    pub fn volume(&self) -> f32 {
+        f32::from_bits(self.volume.load(Ordering::Relaxed))
+    }
+
+    /// Sets the volume, clamped to 0 to 1; not a number is 0.
+    pub fn set_volume(&self, volume: f32) {
+        let volume = if volume.is_nan() { 0.0 } else { volume.clamp(0.0, 1.0) };
+        self.volume.store(volume.to_bits(), Ordering::Relaxed);
+    }
+
+    /// Whether the sound is muted (it still runs).
+    pub fn muted(&self) -> bool {
+        self.muted.load(Ordering::Relaxed)
+    }
+
+    /// Mutes or unmutes.
+    pub fn set_muted(&self, muted: bool) {
+        self.muted.store(muted, Ordering::Relaxed);
+    }
+
+    /// Whether the sound stands still.
+    pub fn paused(&self) -> bool {
+        self.paused.load(Ordering::Relaxed)
+    }
+
+    /// Stops or lets run.
+    pub fn set_paused(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Relaxed);
+    }
+
+    /// Factor of the samples. The third power makes equal steps of the volume sound about equal; 1 stays 1.
+    fn gain(&self) -> f32 {
+        if self.muted() { 0.0 } else { self.volume().powi(3) }
+    }
+}
+
+/// Places of the histogram of loads, a percent each.
+const LOADS: usize = 64;
+
+/// What the callback counts, over all outputs of a playback.
+pub struct Counters {
+    /// Calls.
+    pub callbacks: AtomicU64,
+    /// Frames written to devices.
+    pub frames: AtomicU64,
+    /// Stretches of silence because decoding, or the device's own thread, came too late.
+    pub underruns: AtomicU64,
+    /// Longest time of a call relative to the duration of its buffer, in millionths.
+    pub worst_load_millionths: AtomicU64,
+    /// How many calls took so many percent of their buffer's duration; the last place holds all above.
+    loads: [AtomicU64; LOADS],
+}
+
+impl Default for Counters {
+    fn default() -> Self {
+        Self {
+            callbacks: AtomicU64::new(0),
+            frames: AtomicU64::new(0),
+            underruns: AtomicU64::new(0),
+            worst_load_millionths: AtomicU64::new(0),
+            loads: std::array::from_fn(|_| AtomicU64::new(0)),
+        }
+    }
+}
+
+impl Counters {
+    /// What a share of the calls (0.999 is all but one of a thousand) stays below: the time of a call relative to the
+    /// duration of its buffer, in steps of 0.01. Infinite if that is beyond what is counted.
+    pub fn load_of(&self, share: f64) -> f64 {
+        let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
+        let wanted = share * counts.iter().sum::<u64>() as f64;
+        let mut sum = 0;
+        let place = counts.iter().position(|count| {
+            sum += count;
+            sum as f64 >= wanted
+        });
+        place.filter(|place| place + 1 < LOADS).map_or(f64::INFINITY, |place| (place + 1) as f64 / 100.0)
+    }
+}
+
+/// An unbroken run of frames; see [`crate::audio`].
+pub struct Segment {
+    id: u64,
+    ring: Consumer<StereoFrame>,
+    /// Index of the next frame to be played.
+    next: u64,
+    /// Number of its frames once no more come, before that `u64::MAX`.
+    end: Arc<AtomicU64>,
+    /// When its first frame is due; none if that does not matter, or no more.
+    due: Option<Instant>,
+}
+
+impl Segment {
+    /// Segment `id` with room for `frames` frames: the callback's end and the decoding thread's.
+    pub fn new(id: u64, frames: usize) -> (Producer<StereoFrame>, Arc<AtomicU64>, Self) {
+        let (producer, ring) = RingBuffer::new(frames);
+        let end = Arc::new(AtomicU64::new(u64::MAX));
+        (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
+    }
+
+    /// The same, whose first frame is to be audible at `moment`: it begins with the frame that is due when it is first
+    /// played, or after silence if that is early.
+    pub fn due_at(self, moment: Instant) -> Self {
+        Self { due: Some(moment), ..self }
+    }
+
+    fn drained(&self) -> bool {
+        // The end is read first: what is seen of it was pushed before.
+        let end = self.end.load(Ordering::Acquire);
+        self.next >= end
+    }
+
+    /// Whether there is enough for a device that takes all at once what it was said to take.
+    fn is_well_fed(&self) -> bool {
+        let ended = self.end.load(Ordering::Acquire) != u64::MAX;
+        ended || self.ring.slots() >= self.ring.buffer().capacity() / 4
+    }
+
+    fn can_go_on(&self, rate: u32) -> bool {
+        let enough = ((REFILL * f64::from(rate)) as usize).min(self.ring.buffer().capacity() / 4).max(1);
+        let ended = self.end.load(Ordering::Acquire) != u64::MAX;
+        let there = self.ring.slots();
+        there >= enough || (ended && there > 0)
+    }
+}
+
+/// The decoding thread's end of a [`Feeder`].
+pub struct FeederLink {
+    /// Frames per second of the device.
+    pub rate: u32,
+    /// Frames that one call may ask for, as far as the device tells.
+    pub buffer_frames: usize,
+    /// What is audible.
+    pub history: Arc<SpanHistory>,
+    incoming: Producer<Segment>,
+    outgoing: Consumer<Segment>,
+    retired: Arc<AtomicBool>,
+}
+
+impl FeederLink {
+    /// Hands over a segment to follow the present one; gives it back while the one before is not taken yet.
+    pub fn offer(&mut self, segment: Segment) -> Result<(), Segment> {
+        self.incoming.push(segment).map_err(|rtrb::PushError::Full(segment)| segment)
+    }
+
+    /// Frees what the callback is done with.
+    pub fn clean_up(&mut self) {
+        while self.outgoing.pop().is_ok() {}
+    }
+}
+
+impl Drop for FeederLink {
+    /// Without its link a feeder falls silent, should its device come back to life.
+    fn drop(&mut self) {
+        self.retired.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Fills the buffers of one output device. See the module.
+pub struct Feeder {
+    rate: u32,
+    controls: Arc<Controls>,
+    counters: Arc<Counters>,
+    retired: Arc<AtomicBool>,
+    spans: SpanWriter,
+    incoming: Consumer<Segment>,
+    outgoing: Producer<Segment>,
+    segment: Option<Segment>,
+    /// No frames are there: sounds when it is fed again.
+    starved: bool,
+    gain: f32,
+    /// Place in a fade, in frames: 0 is silence, `fade_frames` is full.
+    fade: u32,
+    fade_frames: u32,
+    last: StereoFrame,
+    chunk: [StereoFrame; CHUNK],
+    /// The span being built, not pushed yet.
+    open_span: Option<Span>,
+}
+
+impl Feeder {
+    /// A feeder of a device with `rate` frames per second and calls of about `buffer_frames`, and its link.
+    pub fn new(
+        rate: u32,
+        buffer_frames: usize,
+        controls: Arc<Controls>,
+        counters: Arc<Counters>,
+    ) -> (Self, FeederLink) {
+        let (spans, history) = SpanHistory::new(rate);
+        let (incoming_in, incoming) = RingBuffer::new(1);
+        let (outgoing, outgoing_out) = RingBuffer::new(4);
+        let retired = Arc::new(AtomicBool::new(false));
+        let gain = controls.gain();
+        let link = FeederLink {
+            rate: rate.max(1),
+            buffer_frames,
+            history,
+            incoming: incoming_in,
+            outgoing: outgoing_out,
+            retired: retired.clone(),
+        };
+        let feeder = Self {
+            rate: rate.max(1),
+            controls,
+            counters,
+            retired,
+            spans,
+            incoming,
+            outgoing,
+            segment: None,
+            starved: false,
+            gain,
+            fade: 0,
+            fade_frames: ((FADE * rate as f32) as u32).max(1),
+            last: [0.0; 2],
+            chunk: [[0.0; 2]; CHUNK],
+            open_span: None,
+        };
+        (feeder, link)
+    }
+
+    /// Whether a segment waits to be taken.
+    #[cfg(test)]
+    pub(crate) fn is_offered(&self) -> bool {
+        !self.incoming.is_empty()
+    }
+
+    /// Whether as much is there for the next call as usual, or about to be.
+    #[cfg(test)]
+    pub(crate) fn is_fed(&self) -> bool {
+        let is_half_full = |segment: &Segment| segment.ring.slots() >= segment.ring.buffer().capacity() / 2;
+        self.is_offered() || self.segment.as_ref().is_some_and(is_half_full)
+    }
+
+    /// A device's callback: fills `data` (`channels` interleaved) and keeps the figures. `latency` is the time from
+    /// now until the buffer's first frame is heard, if the device tells one that can be believed.
+    pub fn serve<T: Sample + FromSample<f32>>(
+        &mut self,
+        data: &mut [T],
+        channels: usize,
+        latency: Option<Duration>,
+    ) {
+        self.serve_at(data, channels, Instant::now(), latency);
+    }
+
+    /// The same for a call that was due at `called_at`.
+    pub(super) fn serve_at<T: Sample + FromSample<f32>>(
+        &mut self,
+        data: &mut [T],
+        channels: usize,
+        called_at: Instant,
+        latency: Option<Duration>,
+    ) {
+        let begun = Instant::now();
+        self.fill(data, channels, called_at, latency);
+        let frames = data.len() / channels.max(1);
+        let counters = &*self.counters;
+        counters.callbacks.fetch_add(1, Ordering::Relaxed);
+        counters.frames.fetch_add(frames as u64, Ordering::Relaxed);
+        if frames > 0 {
+            let load = begun.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
+            counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
+            // Never out of range; asked for in a way that cannot panic.
+            if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
+                count.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Fills `data` as a call at `called_at`. See [`Feeder::serve`].
+    ///
+    /// One channel gets the mean of left and right; of more than two the first two get left and right, the others
+    /// silence. Samples are finite and within -1..1.
+    pub fn fill<T: Sample + FromSample<f32>>(
+        &mut self,
+        data: &mut [T],
+        channels: usize,
+        called_at: Instant,
+        latency: Option<Duration>,
+    ) {
+        let channels = channels.max(1);
+        let frames = data.len() / channels;
+        let (whole, rest) = data.split_at_mut(frames * channels);
+        rest.fill(T::EQUILIBRIUM);
+        if frames == 0 {
+            return;
+        }
+        // Without the device's word: it still plays what it was given last.
+        let of_one_buffer = Duration::from_nanos(self.spans.duration_ns(frames) as u64);
+        let latency = latency.filter(|&latency| latency < LATENCY_MAX);
+        let start_ns = self.spans.place(called_at, latency.unwrap_or(of_one_buffer), frames);
+        let mut done = 0;
+        while done < frames {
+            let count = self.next_run((frames - done).min(CHUNK), start_ns, done);
+            for (frame, out) in
+                self.chunk[..count].iter().zip(whole[done * channels..].chunks_exact_mut(channels))
+            {
+                write_frame(*frame, out);
+            }
+            done += count;
+        }
+        self.close_span();
+    }
+
+    /// Makes up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on, and returns
+    /// how many (at least 1).
+    fn next_run(&mut self, wanted: usize, start_ns: u64, offset: usize) -> usize {
+        let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
+        if switching && (self.fade == 0 || self.segment.is_none()) {
+            self.take_segment();
+        } else if self.starved
+            && self.fade == 0
+            && self.segment.as_ref().is_some_and(|segment| segment.can_go_on(self.rate))
+        {
+            self.starved = false;
+        }
+        if let Some(count) = self.await_due(wanted, start_ns, offset) {
+            return count;
+        }
+        let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
+        let halted = self.controls.paused() || self.retired.load(Ordering::Relaxed);
+        let silent = halted || switching || self.starved || self.segment.is_none();
+        let target = if silent { 0 } else { self.fade_frames };
+        if silent && self.fade == 0 {
+            self.be_silent(wanted);
+            self.note(start_ns, offset, 0, wanted);
+            return wanted;
+        }
+        let fading = self.fade.abs_diff(target) as usize;
+        let run = if fading == 0 { wanted } else { wanted.min(fading) };
+        let taken = self.take_frames(run);
+        if taken == 0 {
+            // Nothing is there: the last frame is held while it fades out.
+            self.chunk[..run].fill(self.last);
+        }
+        let count = if taken == 0 { run } else { taken };
+        let gain = self.controls.gain();
+        let full = self.fade_frames as f32;
+        let gain_step = 1.0 / (VOLUME_RAMP * self.rate as f32).max(1.0);
+        let target = if taken == 0 { 0 } else { target };
+        if let Some(&last) = self.chunk[..count].last() {
+            self.last = last;
+        }
+        for frame in &mut self.chunk[..count] {
+            self.fade =
+                if self.fade < target { self.fade + 1 } else { self.fade.saturating_sub(1).max(target) };
+            self.gain = approach(self.gain, gain, gain_step);
+            let factor = self.gain * (self.fade as f32 / full);
+            *frame = [frame[0] * factor, frame[1] * factor];
+        }
+        self.note(start_ns, offset, taken, count);
+        count
+    }
+
+    /// Brings a segment that is due at some moment to the frame that is due now, at `offset` of a buffer that is
+    /// audible from `start_ns` on. How many frames of silence take its place, if it cannot be played yet; nothing of
+    /// it is noted until then.
+    fn await_due(&mut self, wanted: usize, start_ns: u64, offset: usize) -> Option<usize> {
+        let halted = self.controls.paused();
+        let segment = self.segment.as_mut()?;
+        let due = segment.due?;
+        let early_ns =
+            self.spans.nanoseconds(due) as f64 - (start_ns as f64 + self.spans.duration_ns(offset));
+        let rate = f64::from(self.rate);
+        let late = (-early_ns * 1e-9 * rate).round() - segment.next as f64;
+        let mut begins = halted || late > LATE_MAX * rate;
+        if !begins && late >= 0.0 {
+            let count = segment.ring.slots().min(late as usize);
+            if let Ok(chunk) = segment.ring.read_chunk(count) {
+                chunk.commit_all();
+                segment.next += count as u64;
+            }
+            begins = segment.drained() || (count as f64 == late && segment.is_well_fed());
+        }
+        if begins {
+            segment.due = None;
+            return None;
+        }
+        let silence = if late < 0.0 { wanted.min(-late as usize) } else { wanted };
+        self.be_silent(silence);
+        Some(silence)
+    }
+
+    /// Makes `count` frames of silence in `chunk`.
+    fn be_silent(&mut self, count: usize) {
+        self.chunk[..count].fill([0.0; 2]);
+        self.last = [0.0; 2];
+        self.gain = self.controls.gain();
+    }
+
+    /// Takes up to `count` frames of the segment into `chunk`; notices where it runs dry or ends.
+    fn take_frames(&mut self, count: usize) -> usize {
+        let Some(segment) = self.segment.as_mut().filter(|_| !self.starved) else { return 0 };
+        // Read before the ring: frames seen after it cannot be missed.
+        let drained = segment.drained();
+        let (filled, _) = segment.ring.pop_partial_slice(&mut self.chunk[..count]);
+        let taken = filled.len();
+        segment.next += taken as u64;
+        if taken == 0 {
+            self.starved = true;
+            if !drained && !segment.drained() {
+                self.counters.underruns.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+        taken
+    }
+
+    fn take_segment(&mut self) {
+        let Ok(next) = self.incoming.pop() else { return };
+        if let Some(old) = self.segment.replace(next) {
+            // There is room: it was asked for before. Were there none, forgetting is the one way not to free here.
+            if let Err(rtrb::PushError::Full(old)) = self.outgoing.push(old) {
+                std::mem::forget(old);
+            }
+        }
+        self.starved = false;
+        self.fade = 0;
+    }
+
+    /// Notes for the clock that `frames` at `offset` of the buffer play the last `taken` frames of the segment
+    /// (0: it stands still).
+    fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
+        let Some(segment) = &self.segment else { return };
+        let moving = taken > 0;
+        // The song goes on elsewhere.
+        if !moving && self.retired.load(Ordering::Relaxed) {
+            return;
+        }
+        let id = segment.id;
+        let frame = segment.next - taken as u64;
+        if let Some(open) = self.open_span.as_mut() {
+            let expected = open.frame + if open.moving { u64::from(open.frames) } else { 0 };
+            if open.segment == id && open.moving == moving && frame == expected {
+                open.frames = open.frames.saturating_add(frames as u32);
+                return;
+            }
+        }
+        self.close_span();
+        let start_ns = start_ns + self.spans.duration_ns(offset) as u64;
+        self.open_span = Some(Span { start_ns, segment: id, frame, frames: frames as u32, moving });
+    }
+
+    fn close_span(&mut self) {
+        if let Some(span) = self.open_span.take() {
+            self.spans.push(span);
+        }
+    }
+}
+
+fn approach(value: f32, target: f32, step: f32) -> f32 {
+    if value < target { (value + step).min(target) } else { (value - step).max(target) }
+}
+
+fn write_frame<T: Sample + FromSample<f32>>(frame: StereoFrame, out: &mut [T]) {
+    match out {
+        [mono] => *mono = to_device((frame[0] + frame[1]) * 0.5),
+        [left, right, others @ ..] => {
+            *left = to_device(frame[0]);
+            *right = to_device(frame[1]);
+            others.fill(T::EQUILIBRIUM);
+        }
+        [] => {}
+    }
+}
+
+fn to_device<T: Sample + FromSample<f32>>(sample: f32) -> T {
+    let finite = if sample.is_finite() { sample } else { 0.0 };
+    T::from_sample(finite.clamp(-1.0, SAMPLE_MAX))
+}
+
+#[cfg(test)]
+#[path = "feeder_tests.rs"]
+mod tests;

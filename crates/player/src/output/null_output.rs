@@ -1,0 +1,62 @@
+//! The silent clock: takes frames in real time as a device would, and throws them away.
+//!
+//! What it takes is stamped with the moment at which it was due, so that the song's pace does not depend on when its
+//! thread has its turn.
+
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::feeder::Feeder;
+use crate::worker::Worker;
+
+/// Time between two takes.
+const PERIOD: Duration = Duration::from_millis(10);
+
+/// After a longer gap (the machine slept, the process was stopped) the clock starts anew instead of catching up: no more
+/// than this is surely in the ring.
+const GAP_MAX: Duration = Duration::from_millis(250);
+
+/// A running silent clock. Ends when dropped.
+pub(crate) struct NullOutput {
+    stop: Arc<AtomicBool>,
+    worker: Worker,
+}
+
+impl NullOutput {
+    /// Starts taking `rate` frames per second from `feeder`.
+    pub(crate) fn start(mut feeder: Feeder, rate: u32) -> io::Result<Self> {
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let worker = Worker::spawn("silent clock", move || {
+            let mut buffer = Vec::new();
+            let mut start = Instant::now();
+            let mut taken = 0_u64;
+            while !stopped.load(Ordering::Relaxed) {
+                let passed = start.elapsed();
+                // Counted from the start, so that errors of the sleep do not add up.
+                let due = (passed.as_nanos() * u128::from(rate) / 1_000_000_000) as u64;
+                let frames = due.saturating_sub(taken);
+                if frames > (GAP_MAX.as_secs_f64() * f64::from(rate)) as u64 {
+                    (start, taken) = (Instant::now(), 0);
+                    continue;
+                }
+                buffer.resize(2 * frames as usize, 0.0_f32);
+                let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
+                feeder.serve_at(&mut buffer, 2, due_at, Some(Duration::ZERO));
+                taken = due;
+                let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
+                std::thread::sleep(next.saturating_sub(start.elapsed()));
+            }
+        })?;
+        Ok(Self { stop, worker })
+    }
+}
+
+impl Drop for NullOutput {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        self.worker.join_within(Duration::from_millis(500));
+    }
+}

@@ -1,0 +1,357 @@
+//! Playback of tracks: the handle that the window holds.
+//!
+//! Every method returns at once: what takes time happens on the threads that [`Player::start`] starts.
+
+mod analysis;
+mod decoding;
+mod filling;
+mod listing;
+mod unheard;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::mpsc::{Sender, channel, sync_channel};
+use std::time::{Duration, Instant};
+
+use super::clock::{Audible, Clock};
+use super::error::PlayerError;
+pub use super::output::OutputChoice;
+use super::output::{Controls, Counters, OutputRequest, Supervisor};
+use super::roster::RosterEntry;
+use super::source::FrameSource;
+use super::timeline::SharedTimeline;
+use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
+use super::worker::Worker;
+use crate::limits::LIMITS;
+use decoding::{Command, Decoding};
+pub use listing::Troubles;
+use listing::{Request, SharedTroubles};
+use mariana_music::{Features, Gain, Sound};
+pub use unheard::Unheard;
+use unheard::UnheardWatch;
+
+/// How long the end of each thread is waited for.
+const END_LIMIT: Duration = Duration::from_secs(1);
+
+/// Pieces that may wait for the analysis.
+const ANALYSIS_QUEUE: usize = 32;
+
+/// How to play.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlayerOptions {
+    /// Id or name (or a part of one) of the output device; none is the default device.
+    pub device: Option<String>,
+    /// What follows the last track, and each one; the list must know.
+    pub repeat: Repeat,
+    /// Whether the order is random; the list must know.
+    pub shuffled: bool,
+    /// 0 to 1.
+    pub volume: f32,
+    /// Start paused.
+    pub paused: bool,
+    /// A device or the silent clock.
+    pub output: OutputChoice,
+    /// Whether quiet and loud songs move a picture alike.
+    pub gain: Gain,
+}
+
+impl Default for PlayerOptions {
+    fn default() -> Self {
+        Self {
+            device: None,
+            repeat: Repeat::All,
+            shuffled: false,
+            volume: 1.0,
+            paused: false,
+            output: OutputChoice::Auto,
+            gain: Gain::Auto,
+        }
+    }
+}
+
+/// How playback stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlayerStatus {
+    /// The audible track.
+    pub track: Arc<TrackInfo>,
+    /// Audible place of it, in seconds.
+    pub position: f64,
+    /// What follows the last track, and each one.
+    pub repeat: Repeat,
+    /// Whether the order is random.
+    pub shuffled: bool,
+    /// Stands still on demand.
+    pub paused: bool,
+    /// 0 to 1.
+    pub volume: f32,
+    /// Runs without sound on demand.
+    pub muted: bool,
+    /// The last frame was heard (and shown, with a shift) and nothing follows.
+    pub ended: bool,
+    /// The output in words.
+    pub output: String,
+    /// The output device, if one is open.
+    pub device: Option<RosterEntry>,
+    /// Why there is no sound, if the song runs on the silent clock.
+    pub silent: Option<String>,
+    /// Stretches of silence because samples came too late.
+    pub underruns: u64,
+    /// Calls of the callback.
+    pub callbacks: u64,
+    /// Longest call relative to the duration of its buffer: 0.1 is a tenth.
+    pub worst_callback_load: f64,
+    /// What all but one of a thousand calls stay below, in steps of 0.01.
+    pub usual_callback_load: f64,
+    /// What went wrong with tracks.
+    pub troubles: Troubles,
+    /// What of the song nobody heard, as devices went and came.
+    pub unheard: Unheard,
+}
+
+/// What is audible at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Place of the track, in seconds.
+    pub song_time: f64,
+    /// Its features.
+    pub features: Features,
+    /// Grows with each seek and each change of device; the song time goes on through the latter.
+    pub segment: u64,
+    /// How often a track began within the segment before.
+    pub lap: u32,
+}
+
+/// Tracks that play. Dropping it ends the sound and the threads, within a limit.
+pub struct Player {
+    controls: Arc<Controls>,
+    counters: Arc<Counters>,
+    timeline: SharedTimeline,
+    commands: Sender<Command>,
+    /// Taken when dropped.
+    supervisor: Option<Supervisor>,
+    decoding: Worker,
+    analysis: Worker,
+    /// Ends when the decoding does.
+    listing: Worker,
+    /// The track that was last audible.
+    track: Arc<TrackInfo>,
+    repeat: Repeat,
+    shuffled: bool,
+    troubles: SharedTroubles,
+    /// For the position, and for the picture, which may be shifted.
+    position_clock: Clock,
+    picture_clock: Clock,
+    unheard: UnheardWatch,
+    position: f64,
+    moment: Moment,
+    /// What was audible then, and how far ahead of it that is, in seconds.
+    heard: Option<(Audible, f64)>,
+    /// How much later the sound was said to be heard, in seconds, when the picture last asked.
+    shift: f64,
+}
+
+impl Player {
+    /// Starts to play `first`, and then what `list` gives. The device opens meanwhile; should it fail, the song runs on
+    /// the silent clock and [`PlayerStatus::silent`] says why.
+    ///
+    /// # Errors
+    /// If the track's rate is beyond the limits or a thread cannot be started.
+    pub fn start(
+        first: Track,
+        list: Box<dyn TrackList>,
+        options: PlayerOptions,
+    ) -> Result<Self, PlayerError> {
+        let rate = first.source.sample_rate();
+        let (min, max) =
+            (mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max);
+        if !(min..=max).contains(&rate) {
+            return Err(PlayerError::SampleRate { rate, min, max });
+        }
+        let track = first.info.clone();
+        let controls = Arc::new(Controls::new(options.volume, options.paused));
+        let counters = Arc::new(Counters::default());
+        let timeline = SharedTimeline::default();
+        let troubles = SharedTroubles::default();
+        let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
+        let (notes, gain) = (timeline.clone(), options.gain);
+        let analysis = Worker::spawn("analysis", move || analysis::run(&analysis_inbox, rate, gain, &notes))?;
+        let (commands, inbox) = channel();
+        let (to_list, requests) = channel::<Request>();
+        let (answers, told) = (commands.clone(), troubles.clone());
+        let listing = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
+        let work = Decoding::new(first, to_list, timeline.clone(), to_analysis, troubles.clone());
+        let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
+        let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
+        let outputs = commands.clone();
+        // If the decoding thread has ended, so has the playback.
+        let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
+        let supervisor = Some(Supervisor::start(request, controls.clone(), counters.clone(), deliver)?);
+        Ok(Self {
+            controls,
+            counters,
+            timeline,
+            commands,
+            supervisor,
+            decoding,
+            analysis,
+            listing,
+            track,
+            repeat: options.repeat,
+            shuffled: options.shuffled,
+            troubles,
+            position_clock: Clock::default(),
+            picture_clock: Clock::default(),
+            unheard: UnheardWatch::default(),
+            position: 0.0,
+            moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
+            heard: None,
+            shift: 0.0,
+        })
+    }
+
+    /// Starts to play a source that is not of a list.
+    ///
+    /// # Errors
+    /// See [`Player::start`].
+    pub fn start_alone(source: Box<dyn FrameSource>, options: PlayerOptions) -> Result<Self, PlayerError> {
+        Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
+    }
+
+    /// Pauses (true) or goes on (false).
+    pub fn set_paused(&self, paused: bool) {
+        self.controls.set_paused(paused);
+    }
+
+    /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet; not beyond the
+    /// track's start. Past the end is what follows. What is not finite is ignored.
+    pub fn seek_by(&self, seconds: f64) {
+        self.send(Command::SeekBy(seconds));
+    }
+
+    /// Seeks to a time of the track, in seconds; clamped like [`Player::seek_by`].
+    pub fn seek_to(&self, seconds: f64) {
+        self.send(Command::SeekTo(seconds));
+    }
+
+    /// Goes to the next track, or to the one before; later than 3 s in a track back to its own start.
+    pub fn skip(&self, forward: bool) {
+        self.send(Command::Skip { forward });
+    }
+
+    /// Plays these files, folders or lists instead of what is played, if something in them can be.
+    pub fn play_files(&self, files: Vec<PathBuf>) {
+        self.send(Command::Files(files));
+    }
+
+    /// Changes what follows what.
+    pub fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
+        (self.repeat, self.shuffled) = (repeat, shuffled);
+        self.send(Command::Order(repeat, shuffled));
+    }
+
+    /// Changes the volume by `delta`; it stays within 0 to 1.
+    pub fn change_volume(&self, delta: f32) {
+        self.controls.set_volume(self.controls.volume() + delta);
+    }
+
+    /// Sets the volume, 0 to 1; it stays within.
+    pub fn set_volume(&self, volume: f32) {
+        self.controls.set_volume(volume);
+    }
+
+    /// Mutes or unmutes; the song runs on.
+    pub fn toggle_mute(&self) {
+        self.controls.set_muted(!self.controls.muted());
+    }
+
+    /// How playback stands now.
+    pub fn status(&mut self) -> PlayerStatus {
+        let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
+        let timeline = self.timeline.lock();
+        let now = Instant::now();
+        let carry = |from, to| timeline.carry(from, to);
+        let audible = self.position_clock.at(output.history.as_ref(), now, 0.0, carry);
+        // The picture ends the song: with a shift it is later than the device.
+        let shown = self.picture_clock.at(output.history.as_ref(), now, self.shift, carry);
+        let ended = shown.is_some_and(|shown| timeline.is_end(shown));
+        if let Some(history) = self.position_clock.history() {
+            self.unheard.look(history, carry);
+        }
+        if let Some(audible) = audible {
+            self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
+            self.track = timeline.track(audible).unwrap_or_else(|| self.track.clone());
+        }
+        drop(timeline);
+        PlayerStatus {
+            track: self.track.clone(),
+            position: self.position,
+            repeat: self.repeat,
+            shuffled: self.shuffled,
+            paused: self.controls.paused(),
+            volume: self.controls.volume(),
+            muted: self.controls.muted(),
+            ended,
+            output: output.description,
+            device: output.device,
+            silent: output.silent,
+            underruns: self.counters.underruns.load(Ordering::Relaxed),
+            callbacks: self.counters.callbacks.load(Ordering::Relaxed),
+            worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,
+            usual_callback_load: self.counters.load_of(0.999),
+            troubles: self.troubles.get(),
+            unheard: self.unheard.told(),
+        }
+    }
+
+    /// What is audible now. `latency_shift` seconds (within the limits' `latency_ms_max`) are added to the latency
+    /// that the device tells: more than 0 where the sound is heard later than the device knows. Less than 0
+    /// looks ahead, as far as is decoded (0.3 to 0.4 s).
+    pub fn now(&mut self, latency_shift: f64) -> Moment {
+        let limit = LIMITS.latency_ms_max / 1000.0;
+        let shift = if latency_shift.is_finite() { latency_shift.clamp(-limit, limit) } else { 0.0 };
+        self.shift = shift.max(0.0);
+        let history = self.supervisor.as_ref().and_then(Supervisor::history);
+        let timeline = self.timeline.lock();
+        let carry = |from, to| timeline.carry(from, to);
+        if let Some(audible) = self.picture_clock.at(history.as_ref(), Instant::now(), self.shift, carry)
+            && let Some(place) = timeline.place(audible, (-shift).max(0.0))
+        {
+            let segment = audible.segment;
+            self.moment =
+                Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
+            self.heard = Some((audible, (-shift).max(0.0)));
+        }
+        drop(timeline);
+        self.moment
+    }
+
+    /// The sound of what [`Player::now`] told last, with its tables.
+    pub fn sound(&self) -> Sound {
+        let sound = self.heard.and_then(|(audible, ahead)| self.timeline.lock().sound(audible, ahead));
+        sound.unwrap_or_else(|| self.moment.features.into())
+    }
+
+    fn send(&self, command: Command) {
+        // If the decoding thread has ended there is nothing to seek in.
+        let _ = self.commands.send(command);
+    }
+}
+
+impl Drop for Player {
+    fn drop(&mut self) {
+        self.send(Command::Quit);
+        self.supervisor = None;
+        let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
+        if !decoded || !self.listing.join_within(END_LIMIT) {
+            tracing::warn!("the decoding of the song does not end; it is left behind");
+        }
+    }
+}
+
+#[cfg(test)]
+mod device_tests;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod track_tests;

@@ -1,0 +1,248 @@
+//! Devices that are lost, found and changed, with callbacks and a time in the test's hands.
+
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, mpsc};
+use std::time::{Duration, Instant};
+
+use super::analysis::AnalysisInput;
+use super::decoding::{Command, Decoding};
+use super::listing;
+use super::listing::SharedTroubles;
+use super::tests::{RATE, Ramp, Ramps};
+use crate::clock::{Clock, SpanHistory};
+use crate::output::{Controls, Feeder};
+use crate::timeline::SharedTimeline;
+use crate::track::Repeat;
+use crate::worker::Worker;
+
+/// Time between two looks at the clock, in milliseconds.
+const LOOK_MS: u64 = 5;
+
+/// The largest step of the clock besides the time that passed, in seconds.
+const STEP_MAX: f64 = 0.05;
+
+/// A device whose callback is called when its time comes.
+struct Device {
+    feeder: Feeder,
+    history: Arc<SpanHistory>,
+    rate: u32,
+    buffer: usize,
+    latency: Duration,
+    next_call: Instant,
+    /// The last buffer's first frame: when it is audible, and its place in the song, in seconds, if it is not faded.
+    heard: Option<(Instant, f64)>,
+}
+
+impl Device {
+    /// Calls the callback as often as it is due at `now`.
+    fn run(&mut self, now: Instant, fed: bool) {
+        while self.next_call <= now {
+            let waiting = Instant::now();
+            while fed && !self.feeder.is_fed() {
+                assert!(waiting.elapsed() < Duration::from_secs(20), "the decoding thread does nothing");
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            let mut data = vec![0.0_f32; 2 * self.buffer];
+            self.feeder.fill(&mut data, 2, self.next_call, Some(self.latency));
+            let place = |frame: usize| f64::from(data[2 * frame]) * f64::from(1 << 24) / f64::from(RATE);
+            let lasts = place(self.buffer - 1) - place(0);
+            let clear = (lasts * f64::from(self.rate) / (self.buffer - 1) as f64 - 1.0).abs() < 0.05;
+            self.heard = clear.then_some((self.next_call + self.latency, place(0)));
+            self.next_call += Duration::from_secs_f64(self.buffer as f64 / f64::from(self.rate));
+        }
+    }
+}
+
+/// The decoding thread, the device that is open, and a clock that is looked at.
+struct Evening {
+    commands: Sender<Command>,
+    timeline: SharedTimeline,
+    worker: Worker,
+    device: Device,
+    /// The one before, until it is closed.
+    before: Option<(Device, Instant)>,
+    now: Instant,
+    clock: Clock,
+    last: f64,
+    looks: u32,
+    /// How long the clock has stood still, and did at most.
+    still: Duration,
+    stillest: Duration,
+}
+
+impl Evening {
+    fn new() -> Self {
+        let list = Ramps::new(vec![Ramp::new(1 << 24)], Repeat::All);
+        let (timeline, troubles) = (SharedTimeline::default(), SharedTroubles::default());
+        let (to_analysis, inbox) = mpsc::sync_channel(1);
+        std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
+        let (commands, inbox) = mpsc::channel();
+        let (to_list, requests) = mpsc::channel();
+        let work = Decoding::new(list.track(0), to_list, timeline.clone(), to_analysis, troubles.clone());
+        let answers = commands.clone();
+        std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &troubles));
+        let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
+        // Later than anything real, so that no waiting for a thread overtakes it.
+        let now = Instant::now() + Duration::from_secs(3600);
+        let device = open(&commands, now, Duration::ZERO, RATE, 512, Duration::from_millis(20));
+        Self {
+            commands,
+            timeline,
+            worker,
+            device,
+            before: None,
+            now,
+            clock: Clock::default(),
+            last: 0.0,
+            looks: 0,
+            still: Duration::ZERO,
+            stillest: Duration::ZERO,
+        }
+    }
+
+    /// Another output takes over; it calls for the first time `first_call` later. The one before goes on for `closing`.
+    fn change(
+        &mut self,
+        closing: Duration,
+        first_call: Duration,
+        rate: u32,
+        buffer: usize,
+        latency: Duration,
+    ) {
+        let device = open(&self.commands, self.now, first_call, rate, buffer, latency);
+        self.before = Some((std::mem::replace(&mut self.device, device), self.now + closing));
+    }
+
+    /// Lets time pass and looks at the clock; the device calls unless it is `lost`.
+    fn pass(&mut self, ms: u64, lost: bool) {
+        for _ in 0..ms / LOOK_MS {
+            self.now += Duration::from_millis(LOOK_MS);
+            if let Some((before, _)) = self.before.as_mut().filter(|(_, until)| *until > self.now) {
+                before.run(self.now, false);
+            }
+            if !lost {
+                self.device.run(self.now, true);
+            }
+            self.look();
+        }
+    }
+
+    fn look(&mut self) {
+        let timeline = self.timeline.lock();
+        let carry = |from, to| timeline.carry(from, to);
+        let audible = self.clock.at(Some(&self.device.history), self.now, 0.0, carry);
+        let Some(place) = audible.and_then(|audible| timeline.place(audible, 0.0)) else { return };
+        let passed = LOOK_MS as f64 / 1000.0;
+        let step = place.song_time - self.last;
+        if self.looks > 0 {
+            assert!(step >= 0.0, "back by {} s at {} s, look {}", -step, self.last, self.looks);
+            assert!((step - passed).abs() <= STEP_MAX, "a step of {step} s at {} s", self.last);
+        }
+        self.still = if step > 0.0 { Duration::ZERO } else { self.still + Duration::from_millis(LOOK_MS) };
+        self.stillest = self.stillest.max(self.still);
+        self.last = place.song_time;
+        self.looks += 1;
+    }
+
+    /// How far the clock is ahead of what is heard, in seconds.
+    fn ahead(&self) -> f64 {
+        let (at, place) = self.device.heard.expect("something is heard");
+        let since = |moment: Instant| {
+            if self.now >= moment {
+                (self.now - moment).as_secs_f64()
+            } else {
+                -(moment - self.now).as_secs_f64()
+            }
+        };
+        self.last - (place + since(at))
+    }
+}
+
+impl Drop for Evening {
+    fn drop(&mut self) {
+        let _ = self.commands.send(Command::Quit);
+        assert!(self.worker.join_within(Duration::from_secs(5)) || std::thread::panicking());
+    }
+}
+
+/// An output that came at `now`, once the song is there for it.
+fn open(
+    commands: &Sender<Command>,
+    now: Instant,
+    first_call: Duration,
+    rate: u32,
+    buffer: usize,
+    latency: Duration,
+) -> Device {
+    let (feeder, link) = Feeder::new(rate, buffer, Arc::new(Controls::new(1.0, false)), Arc::default());
+    let history = link.history.clone();
+    commands.send(Command::Output { link, at: now }).expect("the thread runs");
+    let waiting = Instant::now();
+    while !feeder.is_offered() {
+        assert!(waiting.elapsed() < Duration::from_secs(20), "nothing is decoded for the output");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Device { feeder, history, rate, buffer, latency, next_call: now + first_call, heard: None }
+}
+
+const MS: Duration = Duration::from_millis(1);
+
+#[test]
+fn the_position_jumped_and_stood_while_a_device_was_lost() {
+    let mut evening = Evening::new();
+    evening.pass(3000, false);
+    let from = (evening.last, evening.now);
+    evening.stillest = Duration::ZERO;
+    // Lost, noticed after 1.1 s; the silent clock takes over, late itself.
+    evening.pass(1100, true);
+    evening.change(Duration::ZERO, 180 * MS, RATE, 480, Duration::ZERO);
+    evening.pass(700, false);
+    assert!(evening.ahead().abs() < 0.002, "{} s ahead on the silent clock", evening.ahead());
+    // Found again, with a long way to the ear.
+    evening.change(3 * MS, 250 * MS, 44_100, 1024, 230 * MS);
+    evening.pass(1500, false);
+    assert!(evening.ahead().abs() < 0.002, "{} s ahead on the new device", evening.ahead());
+    let drift = evening.last - from.0 - (evening.now - from.1).as_secs_f64();
+    assert!(drift.abs() < 0.002, "the song is {drift} s from where it would be");
+    assert!(evening.stillest.is_zero(), "it stood still for {:?}", evening.stillest);
+}
+
+#[test]
+fn the_position_stepped_when_devices_came_and_went_in_a_storm() {
+    let mut evening = Evening::new();
+    evening.pass(1000, false);
+    evening.stillest = Duration::ZERO;
+    let mut state = 11_u32;
+    let mut random = |limit: u64| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        u64::from(state >> 8) % limit
+    };
+    for _ in 0..60 {
+        let rate = [RATE, 44_100, 96_000][random(3) as usize];
+        let buffer = [240, 512, 1024, 4096][random(4) as usize];
+        let latency = Duration::from_millis(random(250));
+        let first_call = Duration::from_millis(random(400));
+        match random(4) {
+            // Lost, and noticed late.
+            0 => {
+                evening.pass(random(1100), true);
+                evening.change(Duration::ZERO, first_call, rate, buffer, latency);
+            }
+            // Another one, while the one before still plays.
+            1 => evening.change(Duration::from_millis(random(120)), first_call, rate, buffer, latency),
+            // It falls silent for a while, and goes on.
+            2 => {
+                evening.pass(random(900), true);
+                evening.device.next_call = evening.now;
+            }
+            // Its way to the ear changes.
+            _ => evening.device.latency = latency,
+        }
+        evening.pass(random(1200), false);
+    }
+    assert!(evening.looks > 5000, "{} looks", evening.looks);
+    assert!(evening.stillest <= Duration::from_millis(100), "it stood still for {:?}", evening.stillest);
+    // Whatever was between: in the end it is where the sound is.
+    evening.pass(12_000, false);
+    assert!(evening.ahead().abs() < 0.002, "{} s ahead of what is heard", evening.ahead());
+}

@@ -1,0 +1,65 @@
+//! The list thread: finds and opens tracks while others play, so that a slow disk or a list of missing files keeps
+//! nothing waiting.
+
+use std::sync::mpsc::{Receiver, Sender};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use super::decoding::Command;
+use crate::track::{Repeat, TrackList, Wanted};
+
+/// What the decoding thread asks for.
+pub(crate) enum Request {
+    /// Find a track; the answer bears `id`.
+    Find { id: u64, wanted: Wanted },
+    /// Change what follows what; a new random order begins with entry `current`.
+    Order { repeat: Repeat, shuffled: bool, current: usize },
+}
+
+/// Works until the decoding thread ends.
+pub(crate) fn run(
+    mut list: Box<dyn TrackList>,
+    inbox: &Receiver<Request>,
+    answers: &Sender<Command>,
+    troubles: &SharedTroubles,
+) {
+    for request in inbox {
+        match request {
+            Request::Order { repeat, shuffled, current } => list.set_order(repeat, shuffled, current),
+            Request::Find { id, wanted } => {
+                let found = list.find(&wanted, &mut |trouble| troubles.tell(trouble));
+                // If the decoding thread has ended, nothing is to be found any more.
+                let _ = answers.send(Command::Found { id, found });
+            }
+        }
+    }
+}
+
+/// What went wrong with tracks, for the window to tell.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Troubles {
+    /// How many there were.
+    pub count: u64,
+    /// The last one: a sentence.
+    pub last: Option<String>,
+}
+
+/// [`Troubles`] shared by threads.
+#[derive(Clone, Default)]
+pub(crate) struct SharedTroubles(Arc<Mutex<Troubles>>);
+
+impl SharedTroubles {
+    pub(crate) fn tell(&self, trouble: String) {
+        tracing::debug!("{trouble}");
+        let mut troubles = self.lock();
+        troubles.count += 1;
+        troubles.last = Some(trouble);
+    }
+
+    pub(crate) fn get(&self) -> Troubles {
+        self.lock().clone()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Troubles> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,125 @@
+//! What of the song nobody heard, as devices went and came.
+//!
+//! The song does not wait for a device. What passed between the last frame of one and the first of the next, the time on
+//! the silent clock included, was not heard, and is told once there is sound again. What a lost device still had in its
+//! buffer counts as heard, as nobody can know.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::clock::{Audible, SpanHistory};
+
+/// What is shorter than this is not told, in seconds.
+const TOLD_FROM: f64 = 0.05;
+
+/// Stretches of the song that were not heard; in words the last one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Unheard {
+    /// How many there were.
+    pub count: u64,
+    /// How long the last one was, in seconds.
+    pub seconds: f64,
+}
+
+impl fmt::Display for Unheard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let decimals = if self.seconds < 1.0 { 2 } else { 1 };
+        write!(f, "{:.decimals$} s of the song were not heard", self.seconds)
+    }
+}
+
+/// Looks at the outputs one after the other.
+#[derive(Default)]
+pub(super) struct UnheardWatch {
+    history: Option<Arc<SpanHistory>>,
+    /// Since there was sound last, in seconds; none before there was any.
+    pending: Option<f64>,
+    told: Unheard,
+}
+
+impl UnheardWatch {
+    /// Takes note of the output that sounds now. `carry` says at which frame of a segment a place in an earlier one is, if
+    /// no seek or other track is between them.
+    pub(super) fn look(
+        &mut self,
+        history: &Arc<SpanHistory>,
+        carry: impl FnOnce(Audible, u64) -> Option<f64>,
+    ) {
+        if self.history.as_ref().is_some_and(|before| Arc::ptr_eq(before, history)) {
+            return;
+        }
+        if let Some(before) = self.history.replace(history.clone()) {
+            let gap = before.end().zip(history.first()).and_then(|(end, first)| {
+                Some((first.frame - carry(end, first.segment)?) / f64::from(history.rate()))
+            });
+            let gap = gap.map_or(0.0, |seconds| seconds.max(0.0));
+            let silent = if before.is_silent() { before.moved() } else { 0.0 };
+            let heard_before = self.pending.is_some() || !before.is_silent();
+            self.pending = heard_before.then(|| self.pending.unwrap_or(0.0) + silent + gap);
+        }
+        if history.is_silent() {
+            return;
+        }
+        if let Some(seconds) = self.pending.replace(0.0).filter(|seconds| *seconds >= TOLD_FROM) {
+            self.told = Unheard { count: self.told.count + 1, seconds };
+        }
+    }
+
+    /// What there is to tell.
+    pub(super) fn told(&self) -> Unheard {
+        self.told
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clock::{Span, SpanWriter};
+
+    /// A history that begins with `frame` of `segment`, in thousandths of a second of a song, and lasts `frames`.
+    fn output(segment: u64, frame: u64, frames: u32, moving: bool) -> (SpanWriter, Arc<SpanHistory>) {
+        let (mut writer, history) = SpanHistory::new(1000);
+        writer.push(Span { start_ns: 0, segment, frame, frames, moving });
+        (writer, history)
+    }
+
+    /// All segments count the same frames.
+    fn together(from: Audible, _: u64) -> Option<f64> {
+        Some(from.frame)
+    }
+
+    #[test]
+    fn what_nobody_heard_between_two_devices_is_told_once_there_is_sound() {
+        let mut watch = UnheardWatch::default();
+        let (_first, first) = output(1, 0, 2000, true);
+        let (_silent, silent) = output(2, 2100, 1000, true);
+        silent.set_silent();
+        let (_second, second) = output(3, 3300, 2000, true);
+        watch.look(&first, together);
+        watch.look(&silent, together);
+        assert_eq!(watch.told().count, 0);
+        watch.look(&second, together);
+        watch.look(&second, together);
+        assert_eq!(watch.told().count, 1);
+        assert_eq!(watch.told().to_string(), "1.3 s of the song were not heard");
+        // A change without a gap, in a pause or with a seek is no loss.
+        let (_third, third) = output(4, 5320, 500, false);
+        let (_fourth, fourth) = output(5, 5320, 500, true);
+        let (_fifth, fifth) = output(6, 90_000, 500, true);
+        watch.look(&third, together);
+        watch.look(&fourth, together);
+        watch.look(&fifth, |_, _| None);
+        assert_eq!(watch.told().count, 1);
+    }
+
+    #[test]
+    fn a_song_that_begins_without_a_device_has_lost_nothing_when_one_comes() {
+        let mut watch = UnheardWatch::default();
+        let (_silent, silent) = output(1, 0, 1000, true);
+        silent.set_silent();
+        let (_first, first) = output(2, 1500, 1000, true);
+        watch.look(&silent, together);
+        watch.look(&first, together);
+        assert_eq!(watch.told(), Unheard::default());
+    }
+}

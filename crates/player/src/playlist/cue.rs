@@ -1,0 +1,132 @@
+//! Cue sheets: the tracks of files that hold a whole disc.
+//!
+//! Read are `FILE "name" TYPE`, `TRACK n AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and `PERFORMER`. A track
+//! goes from its index 01 to that of the next track of the same file, so what lies before a track (index 00) is heard at
+//! the end of the one before, as on a disc.
+
+use std::path::Path;
+
+use super::lists::{Cut, Item};
+use super::text::{decode, resolve};
+
+/// Frames of a disc in a second.
+pub const DISC_FRAMES: u64 = 75;
+
+/// Highest count of minutes that is believed.
+const MINUTES_MAX: u64 = 100_000;
+
+/// What the sheet in the folder `base` names; none where it names no file.
+pub fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
+    let mut items: Vec<Item> = Vec::new();
+    let (mut file, mut track) = (None, Track::default());
+    let mut disc_artist = None;
+    let mut within_track = false;
+    for line in lines {
+        let (word, rest) = split_word(line);
+        match word.to_ascii_uppercase().as_slice() {
+            b"FILE" => {
+                // What the name stands in quotes for, or else all but the type.
+                let name =
+                    quoted(rest).or_else(|| Some(rest.rsplitn(2, |byte| *byte == b' ').last()?.to_vec()));
+                file = Some(resolve(base, name?.trim_ascii()));
+            }
+            b"TRACK" => {
+                within_track = rest.to_ascii_uppercase().ends_with(b"AUDIO");
+                track = Track::default();
+            }
+            b"TITLE" if within_track => track.title = text(rest),
+            b"PERFORMER" if within_track => track.artist = text(rest),
+            b"PERFORMER" if file.is_none() => disc_artist = text(rest),
+            b"INDEX" if within_track => {
+                let (number, time) = split_word(rest);
+                let start = disc_time(time).filter(|_| decode(number).parse() == Ok(1_u32));
+                let (Some(start), Some(reference)) = (start, file.clone()) else { continue };
+                if let Some(before) = items.last_mut().filter(|item| item.reference == reference)
+                    && let Some(cut) = before.cut.as_mut()
+                {
+                    cut.end = Some(start.max(cut.start));
+                }
+                items.push(Item {
+                    reference,
+                    cut: Some(Cut { start, end: None }),
+                    title: track.title.take(),
+                    artist: track.artist.take().or_else(|| disc_artist.clone()),
+                });
+            }
+            _ => {}
+        }
+    }
+    file.is_some().then_some(items)
+}
+
+#[derive(Default)]
+struct Track {
+    title: Option<String>,
+    artist: Option<String>,
+}
+
+fn split_word(line: &[u8]) -> (&[u8], &[u8]) {
+    let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
+    let (word, rest) = line.split_at(end);
+    (word, rest.trim_ascii())
+}
+
+fn quoted(text: &[u8]) -> Option<Vec<u8>> {
+    let rest = text.strip_prefix(b"\"")?;
+    let end = rest.iter().position(|byte| *byte == b'"').unwrap_or(rest.len());
+    Some(rest.get(..end)?.to_vec())
+}
+
+fn text(bytes: &[u8]) -> Option<String> {
+    let text = decode(&quoted(bytes).unwrap_or_else(|| bytes.to_vec()));
+    (!text.is_empty()).then_some(text)
+}
+
+/// `minutes:seconds:frames` in frames of a disc.
+fn disc_time(text: &[u8]) -> Option<u64> {
+    let text = decode(text);
+    let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
+    let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
+    let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
+    // Not before it is known to be sound: anything can stand there.
+    sound.then(|| (minutes * 60 + seconds) * DISC_FRAMES + frames)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::playlist::text::lines;
+
+    #[test]
+    fn tracks_follow_each_other_within_their_files() {
+        let sheet =
+            b"REM made by hand\nPERFORMER \"The Band\"\nTITLE \"The Disc\"\nFILE \"disc 1.flac\" WAVE\n\
+            TRACK 01 AUDIO\nTITLE \"One\"\nINDEX 01 00:00:00\nTRACK 02 AUDIO\nTITLE \"Two\"\n\
+            PERFORMER \"Guest\"\nINDEX 00 03:59:00\nINDEX 01 04:01:30\n\
+            FILE b.wav WAVE\nTRACK 03 AUDIO\nINDEX 01 99:99:99\nINDEX 01 00:00:01\n";
+        let items = read(Path::new("/m"), &lines(sheet).unwrap()).unwrap();
+        let told: Vec<_> = items
+            .iter()
+            .map(|item| (item.cut.unwrap(), item.title.as_deref(), item.artist.as_deref()))
+            .collect();
+        let second = (4 * 60 + 1) * 75 + 30;
+        assert_eq!(
+            told,
+            [
+                (Cut { start: 0, end: Some(second) }, Some("One"), Some("The Band")),
+                (Cut { start: second, end: None }, Some("Two"), Some("Guest")),
+                (Cut { start: 1, end: None }, None, Some("The Band")),
+            ]
+        );
+        assert_eq!(items[2].reference, resolve(Path::new("/m"), b"b.wav"));
+        assert_eq!(items[0].reference, resolve(Path::new("/m"), b"disc 1.flac"));
+    }
+
+    #[test]
+    fn a_time_of_more_minutes_than_any_number_holds_is_none() {
+        assert_eq!(disc_time(b"9999555555555555555:50:0"), None);
+        assert_eq!(disc_time(format!("{}:59:74", u64::MAX).as_bytes()), None);
+        assert_eq!(disc_time(b"100001:0:0"), None);
+        assert_eq!(disc_time(b"100000:0:1"), Some(100_000 * 60 * 75 + 1));
+    }
+}

@@ -1,0 +1,221 @@
+//! From what a user names (files, folders, lists) to the entries of one list.
+
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::error::{PlaylistError, name_of};
+use super::lists::{Cut, Item, Kind};
+use super::natural;
+use super::text::Reference;
+use crate::limits::LIMITS;
+use crate::song::Song;
+
+/// The ends of the names of files that are taken from a folder.
+const AUDIO_EXTENSIONS: &[&str] = &[
+    "aac", "aif", "aifc", "aiff", "alac", "caf", "flac", "m4a", "m4b", "mka", "mkv", "mp1", "mp2", "mp3",
+    "mp4", "oga", "ogg", "opus", "wav", "wave", "webm",
+];
+
+/// Sentences that are kept of what could not be taken.
+const TROUBLES_KEPT: usize = 20;
+
+/// A track that was not opened yet.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// Where its sound is.
+    pub song: Song,
+    /// The part of it that is played.
+    pub cut: Option<Cut>,
+    /// The title of that part.
+    pub title: Option<String>,
+    /// Who made that part.
+    pub artist: Option<String>,
+}
+
+impl From<Song> for Entry {
+    fn from(song: Song) -> Self {
+        Self { song, cut: None, title: None, artist: None }
+    }
+}
+
+/// What was found, and what was in the way.
+#[derive(Debug, Default)]
+pub struct Gathered {
+    /// The tracks in order, at most the limits' `playlist_tracks_max`.
+    pub entries: Vec<Entry>,
+    /// What could not be taken: the first sentences.
+    pub troubles: Vec<PlaylistError>,
+    /// Lists and folders that are being read: one that is met again within itself is circular.
+    open: Vec<PathBuf>,
+    /// Folders that were read, each once, as links may lead to one by many ways.
+    folders: BTreeSet<PathBuf>,
+    lists: usize,
+    looked_at: usize,
+    full: bool,
+}
+
+/// Whether `path` leads to more than a track: it is a folder or a list.
+pub fn is_many(path: &Path) -> bool {
+    path.is_dir() || Kind::of(path).is_some()
+}
+
+/// Gathers what `paths` name: files as they are, lists with what they name, folders with the audio files in them and in
+/// their folders, by natural order.
+pub fn gather(paths: &[PathBuf]) -> Gathered {
+    let mut gathered = Gathered::default();
+    for path in paths {
+        gathered.folders.clear();
+        gathered.add(path, None);
+    }
+    gathered
+}
+
+impl Gathered {
+    fn tell(&mut self, trouble: PlaylistError) {
+        if self.troubles.len() < TROUBLES_KEPT {
+            self.troubles.push(trouble);
+        }
+    }
+
+    /// Whether there is room for more; tells once when there is not.
+    fn has_room(&mut self) -> bool {
+        let (tracks, looks) = (LIMITS.playlist_tracks_max, LIMITS.playlist_looks_max);
+        let over = if self.entries.len() >= tracks {
+            Some(("tracks", tracks))
+        } else {
+            (self.looked_at >= looks).then_some(("files and entries to look at", looks))
+        };
+        if let (Some((what, limit)), false) = (over, self.full) {
+            self.full = true;
+            // First, so that it is kept.
+            self.troubles.insert(0, PlaylistError::TooMany { what, limit });
+        }
+        self.looked_at += 1;
+        over.is_none()
+    }
+
+    /// Takes what is at `path`, which a user or (as `item`) a list names.
+    fn add(&mut self, path: &Path, item: Option<&Item>) {
+        if !self.has_room() {
+            return;
+        }
+        if path.is_dir() {
+            return self.add_folder(path);
+        }
+        if let Some(kind) = Kind::of(path).filter(|_| path.exists()) {
+            return self.add_list(path, kind);
+        }
+        // Whatever is wrong with it is told when its turn comes.
+        let song = Song::File(path.to_owned());
+        self.entries.push(match item {
+            Some(item) => {
+                Entry { song, cut: item.cut, title: item.title.clone(), artist: item.artist.clone() }
+            }
+            None => song.into(),
+        });
+    }
+
+    /// Notes that the list or folder at `path` is being read; false where that would not end.
+    fn enter(&mut self, path: &Path) -> bool {
+        let limit = LIMITS.playlist_depth_max;
+        let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if self.open.contains(&real) {
+            self.tell(PlaylistError::Circular { name: name_of(path) });
+            return false;
+        }
+        if self.open.len() >= limit {
+            self.tell(PlaylistError::TooDeep { name: name_of(path), limit });
+            return false;
+        }
+        self.open.push(real);
+        true
+    }
+
+    fn add_list(&mut self, path: &Path, kind: Kind) {
+        let limit = LIMITS.playlist_lists_max;
+        if self.lists >= limit {
+            return self.tell(PlaylistError::TooMany { what: "lists", limit });
+        }
+        self.lists += 1;
+        if !self.enter(path) {
+            return;
+        }
+        match read_bounded(path).and_then(|bytes| kind.read(path, &bytes)) {
+            Err(error) => self.tell(error),
+            Ok(items) => {
+                for item in &items {
+                    if self.full {
+                        break;
+                    }
+                    match &item.reference {
+                        Reference::Path(path) => self.add(path, Some(item)),
+                        Reference::Address(address) => {
+                            let address = crate::song::one_line(address);
+                            self.tell(PlaylistError::Address { address, list: name_of(path) });
+                        }
+                    }
+                }
+            }
+        }
+        self.open.pop();
+    }
+
+    fn add_folder(&mut self, path: &Path) {
+        let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if !self.folders.insert(real) || !self.enter(path) {
+            return;
+        }
+        let before = self.entries.len();
+        match fs::read_dir(path) {
+            Err(source) => self.tell(PlaylistError::Unreadable { path: path.to_owned(), source }),
+            Ok(children) => {
+                let mut found = Vec::new();
+                // What cannot be looked at is not there.
+                for child in children.flatten() {
+                    if !self.has_room() {
+                        break;
+                    }
+                    let path = child.path();
+                    let hidden = child.file_name().as_encoded_bytes().first() == Some(&b'.');
+                    if !hidden && (path.is_dir() || (is_audio(&path) && path.is_file())) {
+                        found.push((child.file_name().to_string_lossy().into_owned(), path));
+                    }
+                }
+                found.sort_by(|(a, x), (b, y)| natural::compare(a, b).then_with(|| x.cmp(y)));
+                found.iter().for_each(|(_, path)| self.add(path, None));
+            }
+        }
+        self.open.pop();
+        if self.open.is_empty() && self.entries.len() == before && self.troubles.is_empty() {
+            self.tell(PlaylistError::Empty { name: name_of(path) });
+        }
+    }
+}
+
+fn is_audio(path: &Path) -> bool {
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+    AUDIO_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
+}
+
+/// The bytes of a list.
+fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
+    let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
+    // Asked before it is opened: to open a pipe waits for its writer.
+    if !fs::metadata(path).map_err(unreadable)?.is_file() {
+        return Err(PlaylistError::NotAFile { path: path.to_owned() });
+    }
+    let limit = LIMITS.playlist_bytes_max;
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 > limit {
+        return Err(PlaylistError::TooLarge { name: name_of(path), limit });
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+#[path = "gather_tests.rs"]
+mod tests;

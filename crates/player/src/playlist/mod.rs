@@ -1,0 +1,233 @@
+//! Playlists: what a user names becomes a list of entries, in an order, opened one after the other.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | [`gather`](mod@gather) | files, folders and lists to entries, within the limits |
+//! | [`lists`], [`cue`], [`text`] | the formats of lists and the encodings they come in |
+//! | [`natural`] | the order of names |
+//! | [`excerpt`] | a part of a file as a track |
+//! | [`order`] | what follows what: shuffle and repeat |
+
+mod cue;
+mod error;
+mod excerpt;
+mod gather;
+mod lists;
+mod natural;
+mod order;
+mod text;
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+pub use error::PlaylistError;
+use excerpt::Excerpt;
+use gather::{Entry, gather, is_many};
+pub use lists::{Cut, Item, Kind};
+use order::Order;
+pub use text::Reference;
+
+use super::song::{Song, one_line, track_name};
+use super::source::SourceError;
+use super::track::{Found, Repeat, Track, TrackList, Wanted};
+
+/// Sentences that are kept of what is wrong before the first track that can be played, and the last one.
+const TROUBLES_KEPT: usize = 20;
+
+/// A list of entries and where it goes from each.
+pub struct Playlist {
+    entries: Vec<Entry>,
+    order: Order,
+    /// What was told of entries last: the same is not told again.
+    told: HashMap<usize, String>,
+}
+
+/// A playlist with its first track, and what had to be skipped on the way to it.
+pub struct Opened {
+    /// The list.
+    pub list: Playlist,
+    /// The first track that can be played; silence if none can.
+    pub first: Track,
+    /// A sentence for each trouble, the first ones.
+    pub troubles: Vec<String>,
+    /// Whether there is a track.
+    pub playable: bool,
+    /// What follows the last track, and each one.
+    pub repeat: Repeat,
+    /// Whether the order is random.
+    pub shuffled: bool,
+}
+
+impl Playlist {
+    /// The list of what `paths` name.
+    ///
+    /// # Errors
+    /// The only file named cannot be played, or there is no track at all. Where there are several and none can be played
+    /// the first track is silence.
+    pub fn open(paths: &[PathBuf], repeat: Repeat, shuffled: bool) -> Result<Opened, PlaylistError> {
+        if let [path] = paths
+            && (!is_many(path) || !path.exists())
+        {
+            // Of the file itself the whole of its error is told.
+            Song::File(path.clone()).open()?;
+        }
+        let gathered = gather(paths);
+        let troubles = gathered.troubles.iter().map(ToString::to_string).collect();
+        Self::begin(gathered.entries, troubles, repeat, shuffled).ok_or_else(|| {
+            let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
+            gathered.troubles.into_iter().next().unwrap_or(PlaylistError::Empty { name })
+        })
+    }
+
+    /// The list of one song.
+    ///
+    /// # Errors
+    /// It cannot be played.
+    pub fn of_song(song: Song, repeat: Repeat) -> Result<Opened, PlaylistError> {
+        song.open()?;
+        Self::begin(vec![song.into()], Vec::new(), repeat, false)
+            .ok_or(PlaylistError::Empty { name: String::new() })
+    }
+
+    /// Looks for the first track that can be played; none if there is no track.
+    fn begin(
+        entries: Vec<Entry>,
+        mut troubles: Vec<String>,
+        repeat: Repeat,
+        shuffled: bool,
+    ) -> Option<Opened> {
+        let mut list = Self::new(entries);
+        list.order.set(repeat, shuffled, None);
+        let first = list.order.first()?;
+        let mut more = 0;
+        let mut last = None;
+        let found = list.search(first, true, None, &mut |trouble| {
+            more += usize::from(troubles.len() > TROUBLES_KEPT && last.is_some());
+            let earlier = last.replace(trouble);
+            troubles.extend(earlier.filter(|_| more == 0));
+        });
+        if more > 0 {
+            troubles.push(format!("{more} more tracks cannot be played; check the list"));
+        }
+        troubles.extend(last);
+        let (first, playable) = match found {
+            Found::Track(track) => (track, true),
+            _ => (Track::silence(first, list.entries.len()), false),
+        };
+        Some(Opened { list, first, troubles, playable, repeat, shuffled })
+    }
+
+    fn new(entries: Vec<Entry>) -> Self {
+        let order = Order::new(entries.len());
+        Self { entries, order, told: HashMap::new() }
+    }
+
+    fn open_entry(&self, index: usize) -> Result<Track, SourceError> {
+        let entry = self.entries.get(index).ok_or("there is no such track")?;
+        let decoder = entry.song.open()?;
+        let mut track = Track::of_decoder(decoder, index, self.entries.len());
+        if let Some(cut) = entry.cut {
+            let Track { source, info } = track;
+            let source = Box::new(Excerpt::new(source, cut)?);
+            let title = entry.title.as_deref().map(one_line).or_else(|| info.title.clone());
+            let artist = entry.artist.as_deref().map(one_line).or_else(|| info.artist.clone());
+            let mut info = info.as_ref().clone();
+            info.duration = super::source::FrameSource::duration(&*source);
+            info.name = track_name(artist.as_deref(), title.as_deref(), &info.name);
+            (info.title, info.artist) = (title, artist);
+            track = Track { source, info: Arc::new(info) };
+        }
+        Ok(track)
+    }
+
+    /// Opens entry `first` or the nearest one after (or before) it that can be, around the end where the list repeats;
+    /// not `open`, which is open already.
+    fn search(
+        &mut self,
+        first: usize,
+        forward: bool,
+        open: Option<usize>,
+        tell: &mut dyn FnMut(String),
+    ) -> Found {
+        let around = self.order.repeat() != Repeat::Off;
+        let count = self.entries.len();
+        let mut next = Some(first);
+        let mut failed = Vec::new();
+        for _ in 0..count {
+            let Some(entry) = next else { break };
+            if Some(entry) == open {
+                return Found::Again;
+            }
+            match self.open_entry(entry) {
+                Ok(track) => return Found::Track(track),
+                Err(error) => {
+                    let error = error.to_string();
+                    if self.told.insert(entry, error.clone()).as_ref() != Some(&error) {
+                        tell(error.clone());
+                    }
+                    failed.push(error);
+                }
+            }
+            next = self.order.beside(entry, forward, around);
+        }
+        if failed.len() > 1 && failed.len() == count {
+            let last = failed.pop().unwrap_or_default();
+            tell(PlaylistError::NothingPlayable { count, last }.to_string());
+        }
+        if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
+    }
+}
+
+impl TrackList for Playlist {
+    fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found {
+        match *wanted {
+            Wanted::Following { anew: false, .. } if self.order.repeat() == Repeat::One => Found::Again,
+            Wanted::Following { after, anew } => {
+                let first = match self.order.repeat() {
+                    Repeat::One => Some(after),
+                    repeat => self.order.beside(after, true, repeat == Repeat::All),
+                };
+                let open = (!anew).then_some(after);
+                first.map_or(Found::End, |first| self.search(first, true, open, tell))
+            }
+            Wanted::Skip { from, steps } => {
+                let around = self.order.repeat() != Repeat::Off;
+                let forward = steps > 0;
+                let mut entry = from;
+                for _ in 0..steps.unsigned_abs() as usize % self.entries.len().max(1) {
+                    match self.order.beside(entry, forward, around) {
+                        Some(beside) => entry = beside,
+                        None if entry == from => return Found::End,
+                        None => break,
+                    }
+                }
+                self.search(entry, forward, None, tell)
+            }
+            Wanted::Files(ref paths) => self.replace(paths, tell),
+        }
+    }
+
+    fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: usize) {
+        self.order.set(repeat, shuffled, Some(current));
+    }
+}
+
+impl Playlist {
+    /// Takes other files for its entries, if one of them can be played.
+    fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
+        let gathered = gather(paths);
+        gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));
+        let mut list = Self::new(gathered.entries);
+        list.order = self.order.of(list.entries.len());
+        let Some(first) = list.order.first() else { return Found::Nothing };
+        let found = list.search(first, true, None, tell);
+        if matches!(found, Found::Track(_)) {
+            *self = list;
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests;

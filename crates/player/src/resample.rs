@@ -1,0 +1,367 @@
+//! Sample rate conversion of a stereo stream, for the decoding thread (never for the callback).
+//!
+//! The filter's delay is cut off at the start and drained at the end, so output frame `m` is the signal at
+//! input time `m * from / to`, and `n` input frames become `round(n * to / from)` output frames.
+//!
+//! Rates with a large common divisor (all usual ones) go through rubato's FFT resampler. Its block spans an
+//! even number of periods of the ratio, so its delay is a whole number of frames on both sides. For odd
+//! ratios such a block would hold seconds of sound; they go through the windowed-sinc resampler, whose delay
+//! is made up for to within half an output frame.
+
+use rubato::audioadapter_buffers::direct::InterleavedSlice;
+use rubato::{
+    Async, Fft, FixedAsync, FixedSync, Indexing, SincInterpolationParameters, SincInterpolationType,
+    WindowFunction, calculate_cutoff,
+};
+
+use mariana_music::StereoFrame;
+
+/// Input frames per FFT block that are aimed at: long enough for a steep filter, short enough to stay quick
+/// after a seek (23 ms at 44.1 kHz).
+const BLOCK_FRAMES: usize = 1024;
+
+/// Longest FFT block, in input frames, before the sinc resampler is the better choice.
+const BLOCK_FRAMES_MAX: usize = 16_384;
+
+/// Length of the windowed sinc for odd ratios, in input frames.
+const SINC_LENGTH: usize = 256;
+
+/// Why frames could not be converted.
+#[derive(Debug, thiserror::Error)]
+pub enum ResampleError {
+    /// A rate outside the limits.
+    #[error("cannot convert from {from} Hz to {to} Hz: rates go from {} to {} Hz; choose another device rate or file", mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max)]
+    Rate {
+        /// Rate of the input, in hertz.
+        from: u32,
+        /// Rate of the output, in hertz.
+        to: u32,
+    },
+    /// The library refused; this is a bug here, not in the input.
+    #[error("the conversion from {from} Hz to {to} Hz failed: {message}; please report it")]
+    Library {
+        /// Rate of the input, in hertz.
+        from: u32,
+        /// Rate of the output, in hertz.
+        to: u32,
+        /// What the library said.
+        message: String,
+    },
+}
+
+/// A streaming sample rate converter for stereo frames.
+pub struct Resampler {
+    from: u32,
+    to: u32,
+    /// `None` where the rates are equal: frames pass through.
+    engine: Option<Engine>,
+}
+
+struct Engine {
+    inner: Box<dyn rubato::Resampler<f32>>,
+    /// Input that does not fill a block yet.
+    waiting: Vec<StereoFrame>,
+    /// One block of output.
+    block: Vec<StereoFrame>,
+    /// The filter's delay, in output frames.
+    delay: usize,
+    /// Leading output frames that are still the filter's delay.
+    delay_left: usize,
+    frames_in: u64,
+    frames_out: u64,
+}
+
+impl Resampler {
+    /// A converter from `from` to `to`, both in hertz within [`LIMITS`].
+    pub fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
+        let allowed =
+            mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max;
+        if !allowed.contains(&from) || !allowed.contains(&to) {
+            return Err(ResampleError::Rate { from, to });
+        }
+        let engine = if from == to { None } else { Some(Engine::new(from, to)?) };
+        Ok(Self { from, to, engine })
+    }
+
+    /// Rate of the input, in hertz.
+    pub fn from_hz(&self) -> u32 {
+        self.from
+    }
+
+    /// Rate of the output, in hertz.
+    pub fn to_hz(&self) -> u32 {
+        self.to
+    }
+
+    /// True where the rates are equal and every frame comes out as it went in.
+    pub fn is_pass_through(&self) -> bool {
+        self.engine.is_none()
+    }
+
+    /// Takes `input` and appends to `output` what is ready.
+    pub fn process(
+        &mut self,
+        input: &[StereoFrame],
+        output: &mut Vec<StereoFrame>,
+    ) -> Result<(), ResampleError> {
+        let (from, to) = (self.from, self.to);
+        match &mut self.engine {
+            None => output.extend_from_slice(input),
+            Some(engine) => {
+                engine.waiting.extend_from_slice(input);
+                engine.frames_in += input.len() as u64;
+                engine.run(output).map_err(|message| ResampleError::Library { from, to, message })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Appends what the filter still holds, so that the output is as long as the input was, and starts
+    /// afresh for the next stream.
+    pub fn finish(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
+        let (from, to) = (self.from, self.to);
+        if let Some(engine) = &mut self.engine {
+            let total =
+                (u128::from(engine.frames_in) * u128::from(to) + u128::from(from) / 2) / u128::from(from);
+            engine.drain(total as u64, output).map_err(|message| ResampleError::Library {
+                from,
+                to,
+                message,
+            })?;
+        }
+        self.reset();
+        Ok(())
+    }
+
+    /// Forgets everything taken so far, as after a seek.
+    pub fn reset(&mut self) {
+        if let Some(engine) = &mut self.engine {
+            engine.inner.reset();
+            engine.waiting.clear();
+            engine.delay_left = engine.delay;
+            engine.frames_in = 0;
+            engine.frames_out = 0;
+        }
+    }
+}
+
+impl Engine {
+    fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
+        let library = |e: rubato::ResamplerConstructionError| ResampleError::Library {
+            from,
+            to,
+            message: e.to_string(),
+        };
+        // Two periods of the ratio are the shortest block whose half is whole on both sides.
+        let unit = 2 * (from / gcd(from, to)) as usize;
+        let (inner, delay): (Box<dyn rubato::Resampler<f32>>, usize) = if unit <= BLOCK_FRAMES_MAX {
+            let chunk = unit * BLOCK_FRAMES.div_ceil(unit);
+            let window = WindowFunction::BlackmanHarris2;
+            let fft = Fft::new_custom(from as usize, to as usize, chunk, 1, 2, window, FixedSync::Both)
+                .map_err(library)?;
+            let delay = rubato::Resampler::<f32>::output_delay(&fft);
+            (Box::new(fft), delay)
+        } else {
+            let window = WindowFunction::BlackmanHarris2;
+            let parameters = SincInterpolationParameters {
+                sinc_len: SINC_LENGTH,
+                f_cutoff: Some(calculate_cutoff(SINC_LENGTH, window)),
+                interpolation: SincInterpolationType::Cubic,
+                oversampling_factor: 256,
+                window,
+            };
+            let ratio = f64::from(to) / f64::from(from);
+            let sinc = Async::<f32>::new_sinc(ratio, 1.0, &parameters, BLOCK_FRAMES, 2, FixedAsync::Input)
+                .map_err(library)?;
+            // Measured: the first output lies one output frame into the filter, and the delay that the library
+            // tells is cut to a whole number.
+            let delay = (SINC_LENGTH as f64 / 2.0 * ratio - 1.0).round().max(0.0);
+            (Box::new(sinc), delay as usize)
+        };
+        let block = vec![[0.0; 2]; inner.output_frames_max()];
+        Ok(Self { inner, waiting: Vec::new(), block, delay, delay_left: delay, frames_in: 0, frames_out: 0 })
+    }
+
+    /// Converts every full block that waits.
+    fn run(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), String> {
+        let mut taken = 0;
+        while self.waiting.len() - taken >= self.inner.input_frames_next() {
+            taken += self.convert(taken, None, u64::MAX, output)?;
+        }
+        self.waiting.drain(..taken);
+        Ok(())
+    }
+
+    /// Feeds silence until `total` frames have come out.
+    fn drain(&mut self, total: u64, output: &mut Vec<StereoFrame>) -> Result<(), String> {
+        while self.frames_out < total {
+            let rest = self.waiting.len();
+            self.convert(0, Some(rest), total, output)?;
+            self.waiting.clear();
+        }
+        Ok(())
+    }
+
+    /// Converts one block from `waiting[offset..]` (`partial` frames, then silence, where given), drops what
+    /// is left of the delay and what lies past `total`, and returns the input frames that were taken.
+    fn convert(
+        &mut self,
+        offset: usize,
+        partial: Option<usize>,
+        total: u64,
+        output: &mut Vec<StereoFrame>,
+    ) -> Result<usize, String> {
+        let input = &self.waiting[offset..];
+        let room = self.block.len();
+        let source =
+            InterleavedSlice::new(input.as_flattened(), 2, input.len()).map_err(|e| e.to_string())?;
+        let mut sink =
+            InterleavedSlice::new_mut(self.block.as_flattened_mut(), 2, room).map_err(|e| e.to_string())?;
+        let indexing = partial.map(|frames| Indexing::new().partial_len(frames));
+        let (taken, made) = self
+            .inner
+            .process_into_buffer(&source, &mut sink, indexing.as_ref())
+            .map_err(|e| e.to_string())?;
+        let skip = self.delay_left.min(made);
+        self.delay_left -= skip;
+        let keep = ((made - skip) as u64).min(total.saturating_sub(self.frames_out)) as usize;
+        output.extend_from_slice(&self.block[skip..skip + keep]);
+        self.frames_out += keep as u64;
+        Ok(taken)
+    }
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn sine(hz: f64, rate: u32, frames: usize) -> Vec<StereoFrame> {
+        (0..frames)
+            .map(|n| {
+                let phase = TAU * hz * n as f64 / f64::from(rate);
+                [(0.5 * phase.sin()) as f32, (0.5 * phase.cos()) as f32]
+            })
+            .collect()
+    }
+
+    /// Converts in uneven pieces, as packets come.
+    fn convert(from: u32, to: u32, input: &[StereoFrame]) -> Vec<StereoFrame> {
+        let mut resampler = Resampler::new(from, to).unwrap();
+        let mut output = Vec::new();
+        let mut rest = input;
+        for size in [1usize, 1152, 7, 4096, 576].iter().cycle() {
+            if rest.is_empty() {
+                break;
+            }
+            let (piece, after) = rest.split_at((*size).min(rest.len()));
+            resampler.process(piece, &mut output).unwrap();
+            rest = after;
+        }
+        resampler.finish(&mut output).unwrap();
+        output
+    }
+
+    /// Level of the best fitting sine against 0.5, and of everything else against that sine, both in dB.
+    fn level_and_residue(channel: &[f64], hz: f64, rate: u32) -> (f64, f64) {
+        let n = channel.len() as f64;
+        let (mut s, mut c) = (0.0, 0.0);
+        for (i, x) in channel.iter().enumerate() {
+            let phase = TAU * hz * i as f64 / f64::from(rate);
+            s += x * phase.sin();
+            c += x * phase.cos();
+        }
+        let (s, c) = (2.0 * s / n, 2.0 * c / n);
+        let residue: f64 = channel
+            .iter()
+            .enumerate()
+            .map(|(i, x)| {
+                let phase = TAU * hz * i as f64 / f64::from(rate);
+                (x - s * phase.sin() - c * phase.cos()).powi(2)
+            })
+            .sum::<f64>()
+            / n;
+        let power = (s * s + c * c) / 2.0;
+        (10.0 * (power / 0.125).log10(), 10.0 * (residue / power).log10())
+    }
+
+    #[test]
+    fn a_sine_keeps_its_level_and_gains_no_distortion() {
+        for (from, to) in [(44_100, 48_000), (48_000, 44_100), (96_000, 48_000), (22_050, 48_000)] {
+            let output = convert(from, to, &sine(1000.0, from, from as usize * 2));
+            // One second from the middle: whole periods, away from the ends.
+            let start = to as usize / 2;
+            for side in 0..2 {
+                let middle: Vec<f64> =
+                    output[start..start + to as usize].iter().map(|f| f64::from(f[side])).collect();
+                let (level, residue) = level_and_residue(&middle, 1000.0, to);
+                assert!(level.abs() < 0.01, "{from} to {to}: level {level} dB");
+                assert!(residue < -90.0, "{from} to {to}: residue {residue} dB");
+            }
+        }
+    }
+
+    #[test]
+    fn output_time_is_input_time() {
+        // The output must be the sine itself at the new instants: a shift by one frame at 1 kHz would leave
+        // an error of about 0.06.
+        for (from, to, tolerance) in [
+            (44_100, 48_000, 1e-4),
+            (48_000, 44_100, 1e-4),
+            (8_000, 48_000, 1e-3),
+            (44_100, 44_101, 0.05),
+            (44_101, 48_000, 0.05),
+        ] {
+            let output = convert(from, to, &sine(1000.0, from, from as usize));
+            let wanted = sine(1000.0, to, to as usize);
+            assert_eq!(output.len(), to as usize, "{from} to {to}");
+            for m in to as usize / 4..to as usize * 3 / 4 {
+                for side in 0..2 {
+                    let error = (output[m][side] - wanted[m][side]).abs();
+                    assert!(error < tolerance, "{from} to {to}, frame {m}: off by {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lengths_follow_the_ratio() {
+        for frames in [0usize, 1, 10, 1000, 44_101] {
+            let output = convert(44_100, 48_000, &vec![[0.25; 2]; frames]);
+            assert_eq!(output.len(), (frames as f64 * 48.0 / 44.1).round() as usize, "{frames} frames");
+        }
+    }
+
+    #[test]
+    fn equal_rates_pass_through() {
+        let input = sine(440.0, 48_000, 5000);
+        assert_eq!(convert(48_000, 48_000, &input), input);
+        assert!(Resampler::new(48_000, 48_000).unwrap().is_pass_through());
+    }
+
+    #[test]
+    fn a_reset_forgets_the_past() {
+        let input = sine(440.0, 44_100, 20_000);
+        let mut resampler = Resampler::new(44_100, 48_000).unwrap();
+        let mut output = Vec::new();
+        resampler.process(&vec![[0.9; 2]; 5000], &mut output).unwrap();
+        resampler.reset();
+        output.clear();
+        resampler.process(&input, &mut output).unwrap();
+        resampler.finish(&mut output).unwrap();
+        assert_eq!(output, convert(44_100, 48_000, &input));
+    }
+
+    #[test]
+    fn rates_outside_the_limits_are_refused() {
+        for (from, to) in
+            [(0, 48_000), (48_000, 0), (mariana_music::limits::LIMITS.sample_rate_max + 1, 48_000)]
+        {
+            assert!(matches!(Resampler::new(from, to), Err(ResampleError::Rate { .. })));
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! What is played: a file of the user's, or a track inside the program.
+
+use std::path::PathBuf;
+
+use super::decode::{DecodeError, Decoder};
+
+/// A song that can be opened any number of times.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Song {
+    /// A track inside the program.
+    Embedded {
+        /// What a file of it would be called.
+        name: &'static str,
+        /// Its encoded bytes.
+        bytes: &'static [u8],
+    },
+    /// A file.
+    File(PathBuf),
+}
+
+impl Song {
+    /// Opens it for decoding from its start.
+    ///
+    /// # Errors
+    /// What [`Decoder::open`] says about the file.
+    pub fn open(&self) -> Result<Decoder, DecodeError> {
+        match self {
+            Song::Embedded { name, bytes } => Decoder::from_bytes(name, bytes),
+            Song::File(path) => Decoder::open(path),
+        }
+    }
+}
+
+/// What a song is called: artist and title where the file tells them, else the file's name.
+pub fn display_name(decoder: &Decoder) -> String {
+    let info = decoder.info();
+    track_name(info.artist.as_deref(), info.title.as_deref(), &info.name)
+}
+
+/// What to call a track of that artist and title in a file of that name.
+pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) -> String {
+    let tag = |tag: Option<&str>| tag.map(one_line).filter(|tag| !tag.is_empty());
+    match (tag(artist), tag(title)) {
+        (Some(artist), Some(title)) => format!("{artist} - {title}"),
+        (None, Some(title)) => title,
+        _ => one_line(file),
+    }
+}
+
+/// The text without control characters, which files may hold: a title with a NUL stops window systems.
+pub(super) fn one_line(text: &str) -> String {
+    let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    plain.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    #[test]
+    fn a_nul_or_an_escape_in_a_tag_reaches_no_title() {
+        assert_eq!(one_line("AAA\0BBBB"), "AAA BBBB");
+        assert_eq!(one_line(" \u{1b}[31mred\r\nline "), "[31mred line");
+        assert_eq!(one_line("\0\n"), "");
+    }
+}

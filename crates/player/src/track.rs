@@ -1,0 +1,185 @@
+//! Tracks, and what a player asks of the list that they come from.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::decode::Decoder;
+use super::song::display_name;
+use super::source::{FrameSource, SourceError};
+use mariana_music::StereoFrame;
+
+/// Rate of [`Track::silence`], in hertz.
+const SILENCE_RATE: u32 = 48_000;
+/// Frames of silence that come at a time.
+const SILENCE_BLOCK: usize = 1024;
+
+/// What is known about a track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackInfo {
+    /// Its index in the list that it comes from.
+    pub entry: usize,
+    /// How many tracks that list has.
+    pub count: usize,
+    /// What to call it: artist and title, or the file's name.
+    pub name: String,
+    /// Title, where the file tells one.
+    pub title: Option<String>,
+    /// Who made it, where the file tells.
+    pub artist: Option<String>,
+    /// Length in seconds, if known.
+    pub duration: Option<f64>,
+    /// What its samples are multiplied by before they are analysed, so that quiet and loud tracks drive a scene alike.
+    pub scene_gain: f32,
+}
+
+/// A track that is open and stands at its start.
+pub struct Track {
+    /// Its frames.
+    pub source: Box<dyn FrameSource>,
+    /// What is known about it.
+    pub info: Arc<TrackInfo>,
+}
+
+impl Track {
+    /// The track that a decoder yields, as entry `entry` of `count`.
+    pub fn of_decoder(decoder: Decoder, entry: usize, count: usize) -> Self {
+        let about = decoder.info();
+        let info = TrackInfo {
+            entry,
+            count,
+            name: display_name(&decoder),
+            title: about.title.clone(),
+            artist: about.artist.clone(),
+            duration: about.duration,
+            scene_gain: about.scene_gain,
+        };
+        Self { source: Box::new(decoder), info: Arc::new(info) }
+    }
+
+    /// A source without a list.
+    pub fn alone(source: Box<dyn FrameSource>) -> Self {
+        let info = TrackInfo {
+            entry: 0,
+            count: 1,
+            name: String::new(),
+            title: None,
+            artist: None,
+            duration: source.duration(),
+            scene_gain: 1.0,
+        };
+        Self { source, info: Arc::new(info) }
+    }
+
+    /// Silence without end, in place of entry `entry` of `count`: what is played when nothing can be.
+    pub fn silence(entry: usize, count: usize) -> Self {
+        let mut track = Self::alone(Box::new(Silence { position: 0 }));
+        let info = Arc::make_mut(&mut track.info);
+        (info.entry, info.count, info.name) = (entry, count, "nothing to play".into());
+        track
+    }
+}
+
+/// Multiplies frames before they are analysed, live and offline alike; see [`TrackInfo::scene_gain`].
+pub fn scale(frames: &mut [StereoFrame], gain: f32) {
+    for frame in frames {
+        *frame = frame.map(|sample| sample * gain);
+    }
+}
+
+struct Silence {
+    position: u64,
+}
+
+impl FrameSource for Silence {
+    fn sample_rate(&self) -> u32 {
+        SILENCE_RATE
+    }
+
+    fn duration(&self) -> Option<f64> {
+        None
+    }
+
+    fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError> {
+        out.extend([[0.0; 2]; SILENCE_BLOCK]);
+        self.position += SILENCE_BLOCK as u64;
+        Ok(SILENCE_BLOCK)
+    }
+
+    fn seek(&mut self, seconds: f64) -> Result<f64, SourceError> {
+        self.position = (seconds.max(0.0) * f64::from(SILENCE_RATE)).round() as u64;
+        Ok(self.position as f64 / f64::from(SILENCE_RATE))
+    }
+}
+
+/// What follows the last track, and each one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Repeat {
+    /// After the last track the first one.
+    #[default]
+    All,
+    /// After each track the same again.
+    One,
+    /// After the last track nothing.
+    Off,
+}
+
+/// What is wanted of a list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Wanted {
+    /// What comes when entry `after` has played to its end. `anew`: it cannot begin again as it is open.
+    Following {
+        /// The entry.
+        after: usize,
+        /// Whether the entry itself would have to be opened again.
+        anew: bool,
+    },
+    /// So many tracks forward from entry `from`, or back.
+    Skip {
+        /// The entry.
+        from: usize,
+        /// More than 0 is forward.
+        steps: i32,
+    },
+    /// The first track of these files, which become the list.
+    Files(Vec<PathBuf>),
+}
+
+/// What a list has found.
+pub enum Found {
+    /// This track.
+    Track(Track),
+    /// The same track once more, which is open already.
+    Again,
+    /// Nothing comes: it was the last track.
+    End,
+    /// There are tracks, but none of them can be played.
+    Nothing,
+}
+
+/// A list of tracks. It is asked on a thread of its own, so it may take its time.
+pub trait TrackList: Send {
+    /// Finds and opens a track. What had to be skipped is told to `tell`, a sentence each.
+    fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found;
+
+    /// Changes what follows what. A new random order begins with entry `current`.
+    fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: usize);
+}
+
+/// A list of the one track that is open, which repeats in any way but [`Repeat::Off`].
+pub struct OneTrack(pub Repeat);
+
+impl TrackList for OneTrack {
+    fn find(&mut self, wanted: &Wanted, _: &mut dyn FnMut(String)) -> Found {
+        match wanted {
+            Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
+            Wanted::Following { anew: false, .. } => Found::End,
+            Wanted::Skip { .. } => Found::Again,
+            // It is known by nothing but its source.
+            Wanted::Following { .. } | Wanted::Files(_) => Found::Nothing,
+        }
+    }
+
+    fn set_order(&mut self, repeat: Repeat, _: bool, _: usize) {
+        self.0 = repeat;
+    }
+}

@@ -1,0 +1,733 @@
+//! Decoding by the public API, of files that ffmpeg makes here from a known signal.
+//!
+//! The signal is a function of time, so it can be evaluated at any rate and compared with what comes out: left and right
+//! differ, are broad-band (so that a shift shows) and stay below 8 kHz (so that lossy codecs keep them).
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{Arc, LazyLock, Mutex};
+use std::time::{Duration, Instant};
+
+use mariana_player::decode::{DecodeError, Decoder};
+use mariana_player::source::FrameSource;
+use mariana_testing::wave::write_wav;
+
+type Frame = [f32; 2];
+
+const SECONDS: f64 = 4.0;
+
+/// Sweeps and tone bursts, left and right at `t` seconds; never above 0.7.
+fn signal(t: f64) -> Frame {
+    let sweep = |from: f64, to: f64, period: f64| {
+        let u = t.rem_euclid(period);
+        (TAU * (from * u + (to - from) * u * u / (2.0 * period))).sin()
+    };
+    let burst = |every: f64, hz: f64| {
+        let u = t.rem_euclid(every) - every / 2.0;
+        (-(u * 400.0).powi(2)).exp() * (TAU * hz * u).cos()
+    };
+    let left = 0.3 * sweep(100.0, 6000.0, 1.7) + 0.35 * burst(0.25, 2500.0);
+    let right = 0.3 * sweep(5000.0, 200.0, 1.3) + 0.35 * burst(0.4, 1500.0);
+    [left as f32, right as f32]
+}
+
+fn reference(rate: u32, frames: usize) -> Vec<Frame> {
+    (0..frames).map(|n| signal(n as f64 / f64::from(rate))).collect()
+}
+
+fn ffmpeg(args: &[&str], output: &Path) {
+    let run = Command::new("ffmpeg")
+        .args(["-v", "error", "-nostdin", "-y"])
+        .args(args)
+        .arg(output)
+        .output()
+        .expect("ffmpeg is needed to make the test media: install it");
+    assert!(run.status.success(), "ffmpeg {args:?}: {}", String::from_utf8_lossy(&run.stderr));
+}
+
+struct Case {
+    file: &'static str,
+    args: &'static [&'static str],
+    /// Rate of the decoded stream.
+    rate: u32,
+    /// Largest error of a sample against the signal (lossless), or 0 for lossy codecs.
+    lossless: f32,
+    /// Largest difference of a sample after a seek from that of a straight run.
+    seek: f32,
+    /// Frames at the end that may be missing or too many.
+    tail: usize,
+    /// Encoder delay that ffmpeg does not write into this container, in frames.
+    untold: usize,
+}
+
+const fn case(
+    file: &'static str,
+    args: &'static [&'static str],
+    rate: u32,
+    lossless: f32,
+    seek: f32,
+    tail: usize,
+) -> Case {
+    Case { file, args, rate, lossless, seek, tail, untold: 0 }
+}
+
+const fn untold(case: Case, frames: usize) -> Case {
+    Case { untold: frames, ..case }
+}
+
+/// AAC without noise substitution: that noise is drawn at random, so it differs after a seek.
+const CASES: &[Case] = &[
+    case("s16.wav", &["-c:a", "pcm_s16le"], 44_100, 6e-5, 0.0, 0),
+    case("s24.wav", &["-c:a", "pcm_s24le"], 44_100, 4e-7, 0.0, 0),
+    case("f32.wav", &["-c:a", "pcm_f32le"], 44_100, 1e-7, 0.0, 0),
+    case("u8.wav", &["-c:a", "pcm_u8"], 44_100, 0.017, 0.0, 0),
+    case("s16.aiff", &["-c:a", "pcm_s16be"], 44_100, 6e-5, 0.0, 0),
+    case("s16.caf", &["-c:a", "pcm_s16le"], 44_100, 6e-5, 0.0, 0),
+    case("alac.caf", &["-c:a", "alac"], 44_100, 6e-5, 0.0, 0),
+    case("a.flac", &["-c:a", "flac", "-sample_fmt", "s16"], 44_100, 6e-5, 0.0, 0),
+    case("flac.ogg", &["-c:a", "flac", "-sample_fmt", "s16"], 44_100, 6e-5, 0.0, 0),
+    case("alac.m4a", &["-c:a", "alac", "-sample_fmt", "s16p"], 44_100, 6e-5, 0.0, 0),
+    case("cbr.mp3", &["-c:a", "libmp3lame", "-b:a", "192k"], 44_100, 0.0, 1e-5, 0),
+    case("vbr.mp3", &["-c:a", "libmp3lame", "-q:a", "2"], 44_100, 0.0, 1e-5, 0),
+    case("low.mp3", &["-c:a", "libmp3lame", "-b:a", "64k"], 44_100, 0.0, 1e-5, 0),
+    case("vorbis.ogg", &["-c:a", "libvorbis", "-q:a", "6"], 44_100, 0.0, 1e-5, 0),
+    case("a.opus", &["-c:a", "libopus", "-b:a", "128k"], 48_000, 0.0, 1e-4, 0),
+    case("aac.m4a", &["-c:a", "aac", "-aac_pns", "0", "-b:a", "192k"], 44_100, 0.0, 1e-5, 0),
+    case(
+        "aac.mp4",
+        &[
+            "-f",
+            "lavfi",
+            "-i",
+            "testsrc=s=64x64:d=4",
+            "-map",
+            "1:v",
+            "-map",
+            "0:a",
+            "-c:v",
+            "mpeg4",
+            "-c:a",
+            "aac",
+            "-aac_pns",
+            "0",
+            "-b:a",
+            "192k",
+        ],
+        44_100,
+        0.0,
+        1e-5,
+        0,
+    ),
+    case(
+        "fragmented.mp4",
+        &[
+            "-c:a",
+            "aac",
+            "-aac_pns",
+            "0",
+            "-b:a",
+            "192k",
+            "-movflags",
+            "+frag_keyframe+delay_moov",
+            "-frag_duration",
+            "500000",
+        ],
+        44_100,
+        0.0,
+        1e-5,
+        1024,
+    ),
+    case("pcm.mkv", &["-c:a", "pcm_s16le"], 44_100, 6e-5, 0.0, 0),
+    case("flac.mkv", &["-c:a", "flac", "-sample_fmt", "s16"], 44_100, 6e-5, 0.0, 0),
+    case("opus.mkv", &["-c:a", "libopus", "-b:a", "128k"], 48_000, 0.0, 1e-4, 960),
+    case(
+        "opus.webm",
+        &[
+            "-f",
+            "lavfi",
+            "-i",
+            "testsrc=s=64x64:d=4",
+            "-map",
+            "1:v",
+            "-map",
+            "0:a",
+            "-c:v",
+            "libvpx",
+            "-c:a",
+            "libopus",
+            "-b:a",
+            "128k",
+        ],
+        48_000,
+        0.0,
+        1e-4,
+        960,
+    ),
+    case("vorbis.mkv", &["-c:a", "libvorbis", "-q:a", "6"], 44_100, 0.0, 0.0, 1024),
+    case("vorbis.webm", &["-c:a", "libvorbis", "-q:a", "6"], 44_100, 0.0, 0.0, 1024),
+    untold(case("aac.mkv", &["-c:a", "aac", "-aac_pns", "0", "-b:a", "192k"], 44_100, 0.0, 1e-5, 1024), 1024),
+    untold(case("mp3.mkv", &["-c:a", "libmp3lame", "-b:a", "192k"], 44_100, 0.0, 1e-5, 1152), 1105),
+];
+
+struct Media {
+    folder: tempfile::TempDir,
+}
+
+impl Media {
+    fn path(&self, file: &str) -> PathBuf {
+        self.folder.path().join(file)
+    }
+}
+
+/// All files of [`CASES`], made once; `short-` ones of a quarter of a second for the damage tests.
+static MEDIA: LazyLock<Media> = LazyLock::new(|| {
+    let media = Media { folder: tempfile::tempdir().unwrap() };
+    for (prefix, seconds) in [("", SECONDS), ("short-", 0.25)] {
+        let frames = (seconds * 44_100.0) as usize;
+        let source = media.path(&format!("{prefix}source.wav"));
+        write_wav(&source, 44_100, 2, reference(44_100, frames).into_iter().flatten());
+    }
+    std::thread::scope(|scope| {
+        for chunk in CASES.chunks(CASES.len().div_ceil(4)) {
+            let media = &media;
+            scope.spawn(move || {
+                for case in chunk {
+                    for prefix in ["", "short-"] {
+                        let source = media.path(&format!("{prefix}source.wav"));
+                        let mut args = vec!["-i", source.to_str().unwrap()];
+                        args.extend(case.args);
+                        args.extend(["-metadata", "title=Ebb", "-metadata", "artist=The Tide"]);
+                        ffmpeg(&args, &media.path(&format!("{prefix}{}", case.file)));
+                    }
+                }
+            });
+        }
+    });
+    media
+});
+
+fn decode_all(decoder: &mut Decoder) -> Result<Vec<Frame>, DecodeError> {
+    let mut frames = Vec::new();
+    while decoder.next_block(&mut frames)? > 0 {}
+    Ok(frames)
+}
+
+fn decode_file(path: &Path) -> Vec<Frame> {
+    let mut decoder = Decoder::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    decode_all(&mut decoder).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// The shift of `got` against `wanted` with the highest correlation, and that correlation (1 is equality).
+fn best_shift(got: &[Frame], wanted: &[Frame], side: usize) -> (isize, f64) {
+    let (start, length, reach) = (20_000usize, 2048usize, 1500isize);
+    let wanted: Vec<f64> = wanted[start..start + length].iter().map(|f| f64::from(f[side])).collect();
+    let got: Vec<f64> = got.iter().map(|f| f64::from(f[side])).collect();
+    let energy = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
+    let mut best = (0, -1.0);
+    for shift in -reach..=reach {
+        let at = (start as isize + shift) as usize;
+        let piece = &got[at..at + length];
+        let dot: f64 = piece.iter().zip(&wanted).map(|(a, b)| a * b).sum();
+        let correlation = dot / (energy(piece) * energy(&wanted)).sqrt();
+        if correlation > best.1 {
+            best = (shift, correlation);
+        }
+    }
+    best
+}
+
+fn rms(frames: &[Frame], side: usize) -> f64 {
+    (frames.iter().map(|f| f64::from(f[side]).powi(2)).sum::<f64>() / frames.len() as f64).sqrt()
+}
+
+#[test]
+fn every_format_gives_the_signal_back() {
+    let mut wrong = Vec::new();
+    for case in CASES {
+        let mut decoder = Decoder::open(&MEDIA.path(case.file)).unwrap();
+        let got = decode_all(&mut decoder).unwrap();
+        let info = decoder.info().clone();
+        let frames = (SECONDS * f64::from(case.rate)) as usize;
+        let wanted = reference(case.rate, frames);
+        let mut check = |ok: bool, what: String| {
+            if !ok {
+                wrong.push(format!("{}: {what}", case.file));
+            }
+        };
+        check(
+            info.sample_rate == case.rate && decoder.sample_rate() == case.rate,
+            format!("{} Hz", info.sample_rate),
+        );
+        check(info.source_channels == 2, format!("{} channels", info.source_channels));
+        check(
+            got.len().abs_diff(frames + case.untold) <= case.tail,
+            format!("{} frames, not {frames}", got.len()),
+        );
+        let duration = info.duration.unwrap_or(0.0);
+        let slack = (case.tail + case.untold) as f64 / f64::from(case.rate) + 0.03;
+        // ffmpeg counts the padding of ALAC in CAF, and a fragmented file does not tell.
+        if !["fragmented.mp4", "alac.caf"].contains(&case.file) {
+            check((duration - SECONDS).abs() < slack, format!("claims {duration} s"));
+        }
+        check(decoder.skipped_packets() == 0, format!("{} packets skipped", decoder.skipped_packets()));
+        if case.lossless > 0.0 {
+            let worst = got
+                .iter()
+                .flatten()
+                .zip(wanted.iter().flatten())
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f32::max);
+            check(worst <= case.lossless, format!("off by {worst}"));
+        }
+        for side in 0..2 {
+            let (shift, correlation) = best_shift(&got, &wanted, side);
+            check(shift == case.untold as isize, format!("side {side} shifted by {shift}"));
+            check(correlation > 0.99, format!("side {side} correlates by {correlation}"));
+            let middle = 4000..frames - 4000;
+            let heard = rms(&got[middle.start + case.untold..middle.end + case.untold], side);
+            let level = 20.0 * (heard / rms(&wanted[middle], side)).log10();
+            // LAME takes the level down by 0.45 dB at most, against clipping.
+            let tolerance = if case.file.contains("mp3") { 0.5 } else { 0.1 };
+            check(level.abs() < tolerance, format!("side {side} is {level} dB too loud"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_seek_lands_on_the_frame() {
+    let mut wrong = Vec::new();
+    for case in CASES {
+        let path = MEDIA.path(case.file);
+        let straight = decode_file(&path);
+        let mut decoder = Decoder::open(&path).unwrap();
+        let mut worst = 0.0f32;
+        for target in [2.5, 0.001, 3.9, 1.23456, 1.3, 0.0, 3.0, 0.6, 2.0 / 3.0] {
+            let frame = (target * f64::from(case.rate)).round() as usize;
+            let reached = decoder.seek(target).unwrap();
+            if (reached * f64::from(case.rate)).round() as usize != frame {
+                wrong.push(format!("{}: seek to {target} reached {reached}", case.file));
+                continue;
+            }
+            let mut got = Vec::new();
+            while got.len() < 6000 && decoder.next_block(&mut got).unwrap() > 0 {}
+            let rest = &straight[frame..];
+            let least = rest.len().min(6000);
+            if got.len() < least {
+                wrong.push(format!("{}: only {} frames after a seek to {target}", case.file, got.len()));
+            }
+            let error = got
+                .iter()
+                .flatten()
+                .zip(rest.iter().flatten())
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f32::max);
+            worst = worst.max(error);
+        }
+        println!("{}: largest difference after a seek {worst:e}", case.file);
+        if worst > case.seek {
+            wrong.push(format!("{}: samples after a seek differ by {worst}", case.file));
+        }
+        // Past the end is the end, and what is no time is the start.
+        let end = decoder.seek(1e6).unwrap();
+        if (end * f64::from(case.rate)).round() as usize != straight.len() {
+            wrong.push(format!("{}: the end is at {end}, not at frame {}", case.file, straight.len()));
+        }
+        if decoder.next_block(&mut Vec::new()).unwrap() != 0 {
+            wrong.push(format!("{}: sound behind the end", case.file));
+        }
+        for nonsense in [-1.0, f64::NAN, f64::NEG_INFINITY] {
+            assert_eq!(decoder.seek(nonsense).unwrap(), 0.0, "{}", case.file);
+        }
+        // The whole again, after all that.
+        let again = decode_all(&mut decoder).unwrap();
+        if again != straight {
+            wrong.push(format!("{}: differs when played again from the start", case.file));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn titles_are_read() {
+    for file in ["a.flac", "cbr.mp3", "vorbis.ogg", "a.opus", "aac.m4a"] {
+        let info = Decoder::open(&MEDIA.path(file)).unwrap().info().clone();
+        assert_eq!(
+            (info.title.as_deref(), info.artist.as_deref()),
+            (Some("Ebb"), Some("The Tide")),
+            "{file}"
+        );
+        assert_eq!(info.name, file);
+        assert!(!info.container.is_empty() && !info.codec.is_empty());
+    }
+}
+
+#[test]
+fn a_file_in_memory_decodes_as_on_disk() {
+    let path = MEDIA.path("vorbis.ogg");
+    let bytes: &'static [u8] = Box::leak(std::fs::read(&path).unwrap().into_boxed_slice());
+    let mut decoder = Decoder::from_bytes("demo.ogg", bytes).unwrap();
+    assert_eq!(decoder.info().name, "demo.ogg");
+    assert_eq!(decode_all(&mut decoder).unwrap(), decode_file(&path));
+    let empty = Decoder::from_bytes("nothing", &[]);
+    assert!(matches!(empty, Err(DecodeError::Empty { .. })));
+}
+
+#[test]
+fn mono_is_heard_on_both_sides_at_full_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("mono.wav");
+    write_wav(&source, 44_100, 1, reference(44_100, 44_100).into_iter().map(|f| f[0]));
+    for (file, args) in [
+        ("mono.wav", &[][..]),
+        ("mono.mp3", &["-c:a", "libmp3lame"]),
+        ("mono.ogg", &["-c:a", "libvorbis"]),
+        ("mono.opus", &["-c:a", "libopus"]),
+        ("mono.m4a", &["-c:a", "aac"]),
+        ("mono.flac", &["-c:a", "flac"]),
+        ("mono.caf", &["-c:a", "pcm_s16be"]),
+    ] {
+        let path = folder.path().join(file);
+        if path != source {
+            let mut all = vec!["-i", source.to_str().unwrap()];
+            all.extend(args);
+            ffmpeg(&all, &path);
+        }
+        let decoder = Decoder::open(&path).unwrap();
+        assert_eq!(decoder.info().source_channels, 1, "{file}");
+        let got = decode_file(&path);
+        assert!(got.iter().all(|f| f[0] == f[1]), "{file}: sides differ");
+        let wanted = reference(decoder.sample_rate(), got.len());
+        let level = 20.0 * (rms(&got[4000..40_000], 0) / rms(&wanted[4000..40_000], 0)).log10();
+        assert!(level.abs() < 0.5, "{file}: {level} dB");
+    }
+}
+
+/// Left and right level of every channel in turn, against full scale in that channel alone.
+fn downmix_levels(folder: &Path, layout: &str, channels: usize, file: &str, args: &[&str]) -> Vec<[f64; 2]> {
+    let source = folder.join(format!("{layout}-{channels}.wav"));
+    let part = 12_000usize;
+    let samples = (0..part * channels).flat_map(|n| {
+        let tone = (TAU * 300.0 * n as f64 / 48_000.0).sin() as f32 * 0.5;
+        (0..channels).map(move |c| if n / part == c { tone } else { 0.0 })
+    });
+    write_wav(&source, 48_000, channels as u16, samples);
+    let path = folder.join(file);
+    let mut all = vec!["-channel_layout", layout, "-i", source.to_str().unwrap()];
+    all.extend(args);
+    ffmpeg(&all, &path);
+    let got = decode_file(&path);
+    assert_eq!(Decoder::open(&path).unwrap().info().source_channels, channels, "{file}");
+    (0..channels)
+        .map(|c| {
+            let middle = &got[c * part + 4000..(c + 1) * part - 4000];
+            [0, 1].map(|side| rms(middle, side) / (0.5 / 2f64.sqrt()))
+        })
+        .collect()
+}
+
+#[test]
+fn surround_is_mixed_by_the_matrix() {
+    let folder = tempfile::tempdir().unwrap();
+    let h = 0.5f64.sqrt();
+    let five = [[1.0, 0.0], [0.0, 1.0], [h, h], [0.0, 0.0], [h, 0.0], [0.0, h]];
+    let seven = [five.as_slice(), &[[h, 0.0], [0.0, h]]].concat();
+    let four = [[1.0, 0.0], [0.0, 1.0], [h, h], [0.5, 0.5]];
+    let five = five.as_slice();
+    for (layout, weights, file, args) in [
+        ("5.1", five, "51.wav", &["-c:a", "pcm_s16le"][..]),
+        ("5.1", five, "51.flac", &["-c:a", "flac"]),
+        ("5.1", five, "51.ogg", &["-c:a", "libvorbis", "-q:a", "6"]),
+        ("5.1", five, "51-alac.m4a", &["-c:a", "alac"]),
+        ("7.1", &seven, "71.wav", &["-c:a", "pcm_s24le"]),
+        ("7.1", &seven, "71.flac", &["-c:a", "flac"]),
+        ("7.1", &seven, "71.ogg", &["-c:a", "libvorbis", "-q:a", "6"]),
+        ("4.0", &four, "40.wav", &["-c:a", "pcm_s16le"]),
+    ] {
+        let got = downmix_levels(folder.path(), layout, weights.len(), file, args);
+        let sum: f64 = weights.iter().map(|w| w[0]).sum();
+        for (c, (got, wanted)) in got.iter().zip(weights).enumerate() {
+            for side in 0..2 {
+                let wanted = wanted[side] / sum;
+                assert!(
+                    (got[side] - wanted).abs() < 0.02,
+                    "{file}: channel {c}, side {side}: {} not {wanted}",
+                    got[side]
+                );
+            }
+        }
+    }
+}
+
+fn wave_header(channels: u16, rate: u32) -> Vec<u8> {
+    let mut bytes = b"RIFF\x24\x40\x00\x00WAVEfmt \x10\x00\x00\x00\x01\x00".to_vec();
+    bytes.extend(channels.to_le_bytes());
+    bytes.extend(rate.to_le_bytes());
+    bytes.extend((rate * u32::from(channels) * 2).to_le_bytes());
+    bytes.extend((channels * 2).to_le_bytes());
+    bytes.extend(16u16.to_le_bytes());
+    bytes.extend(b"data\x00\x40\x00\x00");
+    bytes.extend([0x11; 0x4000]);
+    bytes
+}
+
+#[test]
+fn each_kind_of_bad_input_has_its_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let put = |file: &str, bytes: &[u8]| {
+        let path = folder.path().join(file);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    let error = |path: &Path| match Decoder::open(path) {
+        Ok(_) => panic!("{} opened", path.display()),
+        Err(error) => {
+            let text = error.to_string();
+            assert!(!text.contains('\n') && text.contains("; ") || text.contains(": "), "{text}");
+            assert!(text.contains(path.file_name().unwrap().to_str().unwrap()), "{text}");
+            error
+        }
+    };
+    let text = "Once upon a time there was a song that nobody had recorded.\n".repeat(400);
+    let mut asf = b"\x30\x26\xB2\x75\x8E\x66\xCF\x11\xA6\xD9\x00\xAA\x00\x62\xCE\x6C".to_vec();
+    asf.resize(4000, 0);
+
+    assert!(matches!(error(&folder.path().join("missing.wav")), DecodeError::NotFound { .. }));
+    assert!(matches!(error(folder.path()), DecodeError::IsFolder { .. }));
+    assert!(matches!(error(&put("empty.flac", b"")), DecodeError::Empty { .. }));
+    assert!(matches!(error(&put("text.mp3", text.as_bytes())), DecodeError::NotAudio { .. }));
+    assert!(matches!(
+        error(&put("picture.wav", b"\x89PNG\r\n\x1a\n and so on")),
+        DecodeError::NotAudio { .. }
+    ));
+    assert!(matches!(error(&put("a.wma", &asf)), DecodeError::UnsupportedFormat { .. }));
+    assert!(matches!(error(&put("header.wav", &wave_header(2, 44_100)[..40])), DecodeError::Damaged { .. }));
+    for (file, channels, rate, number) in [
+        ("still.wav", 2, 0, "0 Hz"),
+        ("fast.wav", 2, 4_000_000, "4000000 Hz"),
+        ("wide.wav", 64, 48_000, "64 channels"),
+    ] {
+        let error = error(&put(file, &wave_header(channels, rate)));
+        assert!(
+            matches!(error, DecodeError::OverLimit { .. }) && error.to_string().contains(number),
+            "{error}"
+        );
+    }
+    assert!(Decoder::open(&put("sound.wav", &wave_header(2, 44_100))).is_ok());
+
+    for (file, codec, named) in
+        [("six.opus", "libopus", "Opus with 6 channels"), ("six.m4a", "aac", "AAC with 6 channels")]
+    {
+        let path = folder.path().join(file);
+        ffmpeg(&["-f", "lavfi", "-i", "anullsrc=cl=5.1:d=0.2", "-c:a", codec], &path);
+        let refusal = error(&path);
+        assert!(
+            matches!(refusal, DecodeError::UnsupportedCodec { .. }) && refusal.to_string().contains(named),
+            "{refusal}"
+        );
+    }
+    let silent = folder.path().join("silent.mkv");
+    ffmpeg(&["-f", "lavfi", "-i", "testsrc=s=64x64:d=0.5", "-c:v", "libvpx"], &silent);
+    assert!(matches!(error(&silent), DecodeError::NoAudioTrack { .. }));
+    let dolby = folder.path().join("dolby.mkv");
+    ffmpeg(&["-f", "lavfi", "-i", "sine=d=0.5", "-c:a", "ac3"], &dolby);
+    let refusal = error(&dolby);
+    assert!(
+        matches!(refusal, DecodeError::UnsupportedCodec { .. }) && refusal.to_string().contains("AC-3"),
+        "{refusal}"
+    );
+}
+
+#[test]
+fn a_second_track_serves_where_the_first_has_no_decoder() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.mkv");
+    let sine = ["-f", "lavfi", "-i", "sine=f=440:d=1"];
+    let maps = ["-map", "0", "-map", "1", "-c:a:0", "ac3", "-c:a:1", "flac", "-ac", "2"];
+    ffmpeg(&[&sine[..], &sine[..], &maps[..]].concat(), &path);
+    let got = decode_file(&path);
+    assert!(got.len().abs_diff(44_100) < 10 && rms(&got, 0) > 0.05, "{} frames", got.len());
+}
+
+#[test]
+fn chained_streams_play_on_at_the_first_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut chain = Vec::new();
+    for (i, (rate, channels, codec)) in
+        [("44100", "2", "libvorbis"), ("44100", "1", "libvorbis"), ("22050", "2", "libvorbis")]
+            .iter()
+            .enumerate()
+    {
+        let path = folder.path().join(format!("{i}.ogg"));
+        let serial = format!("{}", 100 + i);
+        let sine = "sine=f=440:d=1:r=44100";
+        ffmpeg(
+            &[
+                "-f",
+                "lavfi",
+                "-i",
+                sine,
+                "-ar",
+                rate,
+                "-ac",
+                channels,
+                "-c:a",
+                codec,
+                "-serial_offset",
+                &serial,
+            ],
+            &path,
+        );
+        chain.extend(std::fs::read(path).unwrap());
+    }
+    let path = folder.path().join("chain.ogg");
+    std::fs::write(&path, chain).unwrap();
+    let mut decoder = Decoder::open(&path).unwrap();
+    let straight = decode_all(&mut decoder).unwrap();
+    assert!(straight.len().abs_diff(3 * 44_100) < 8, "{} frames", straight.len());
+    // The tone goes on at one pitch through all three, so its level does too.
+    for second in 0..3 {
+        let middle = &straight[second * 44_100 + 5000..(second + 1) * 44_100 - 5000];
+        let crossings = middle.windows(2).filter(|w| w[0][0] < 0.0 && w[1][0] >= 0.0).count();
+        let hz = crossings as f64 * 44_100.0 / middle.len() as f64;
+        assert!((hz - 440.0).abs() < 3.0, "second {second}: {hz} Hz");
+    }
+    for target in [2.5, 0.5, 1.5] {
+        let frame = (target * 44_100.0) as usize;
+        assert_eq!(decoder.seek(target).unwrap(), target);
+        let mut got = Vec::new();
+        while got.len() < 1000 && decoder.next_block(&mut got).unwrap() > 0 {}
+        assert_eq!(got[..1000], straight[frame..frame + 1000], "after a seek to {target}");
+    }
+}
+
+/// Decodes with a seek in between, whatever comes; the frames that came and the error that ended it.
+fn endure(file: &str, bytes: Vec<u8>, most: usize) -> (usize, Option<DecodeError>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(file);
+    std::fs::write(&path, bytes).unwrap();
+    let begun = Instant::now();
+    let mut frames = 0;
+    let mut out = Vec::new();
+    let result = Decoder::open(&path).and_then(|mut decoder| {
+        for round in 0..2 {
+            loop {
+                out.clear();
+                let got = decoder.next_block(&mut out)?;
+                assert!(out.iter().flatten().all(|s| s.is_finite()), "{file}: a sample is not finite");
+                frames += got;
+                assert!(frames <= most, "{file}: more than {most} frames");
+                if got == 0 {
+                    break;
+                }
+            }
+            if round == 0 {
+                decoder.seek(0.1)?;
+            }
+        }
+        Ok(())
+    });
+    assert!(begun.elapsed() < Duration::from_secs(10), "{file}: took {:?}", begun.elapsed());
+    (frames, result.err())
+}
+
+#[test]
+fn truncated_files_play_as_far_as_they_go() {
+    for case in CASES {
+        let name = format!("short-{}", case.file);
+        let bytes = std::fs::read(MEDIA.path(&name)).unwrap();
+        let whole = decode_file(&MEDIA.path(&name)).len();
+        for eighth in 0..8 {
+            let (frames, error) = endure(case.file, bytes[..bytes.len() * eighth / 8].to_vec(), 4 * whole);
+            assert!(frames > 0 || error.is_some(), "{name} at {eighth}/8: neither sound nor error");
+        }
+        // MP4 may keep its tables at the end, and CAF is always read to the end first.
+        let streamable = !["alac.m4a", "aac.m4a", "aac.mp4", "alac.caf", "s16.caf"].contains(&case.file);
+        if streamable {
+            let long = std::fs::read(MEDIA.path(case.file)).unwrap();
+            let whole = (SECONDS * f64::from(case.rate)) as usize;
+            let (frames, error) = endure(case.file, long[..long.len() * 3 / 4].to_vec(), 4 * whole);
+            assert!(error.is_none() && frames > whole / 4, "{name}: {frames} of {whole} frames, {error:?}");
+        }
+    }
+}
+
+/// xorshift64*.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 33) as usize % n
+    }
+}
+
+#[test]
+fn corrupted_files_end_in_sound_or_in_an_error() {
+    const ROUNDS: usize = 200;
+    let failures = Arc::new(Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for chunk in CASES.chunks(CASES.len().div_ceil(4)) {
+            let failures = Arc::clone(&failures);
+            scope.spawn(move || {
+                for case in chunk {
+                    let name = format!("short-{}", case.file);
+                    let bytes = std::fs::read(MEDIA.path(&name)).unwrap();
+                    let whole = decode_file(&MEDIA.path(&name)).len();
+                    let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ bytes.len() as u64);
+                    let mut survived = 0;
+                    for round in 0..ROUNDS {
+                        let mut damaged = bytes.clone();
+                        // Every other round keeps to the headers, where it hurts.
+                        let reach = if round % 2 == 0 { damaged.len() } else { damaged.len().min(600) };
+                        for _ in 0..1 + random.below(8) {
+                            let at = random.below(reach);
+                            damaged[at] = match random.below(3) {
+                                0 => damaged[at] ^ (1 << random.below(8)),
+                                1 => 0xFF,
+                                _ => random.below(256) as u8,
+                            };
+                        }
+                        let (_, error) = endure(case.file, damaged, 400 * whole);
+                        if let Some(DecodeError::CodecFailure { what, .. }) = &error {
+                            failures.lock().unwrap().push(format!("{name} round {round}: {what}"));
+                        }
+                        survived += usize::from(error.is_none());
+                    }
+                    // A short Ogg file is a single page, which its checksum condemns as a whole.
+                    let least = if case.file.ends_with("ogg") || case.file.ends_with("opus") {
+                        0
+                    } else {
+                        ROUNDS / 10
+                    };
+                    assert!(survived >= least, "{name}: only {survived} of {ROUNDS} still play");
+                }
+            });
+        }
+    });
+    // Panics in the libraries were contained; they are printed, not failed.
+    for failure in failures.lock().unwrap().iter() {
+        println!("contained: {failure}");
+    }
+}
+
+#[test]
+fn a_hole_in_the_middle_does_not_shift_what_follows() {
+    // One MP3 frame is overwritten; the burst two seconds later must come at its time.
+    let bytes = std::fs::read(MEDIA.path("cbr.mp3")).unwrap();
+    let mut damaged = bytes.clone();
+    let at = bytes.len() / 4;
+    damaged[at..at + 700].fill(0x55);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hole.mp3");
+    std::fs::write(&path, damaged).unwrap();
+    let mut decoder = Decoder::open(&path).unwrap();
+    let got = decode_all(&mut decoder).unwrap();
+    let whole = decode_file(&MEDIA.path("cbr.mp3"));
+    assert!(got.len().abs_diff(whole.len()) <= 2 * 1152, "{} of {}", got.len(), whole.len());
+}

@@ -1,0 +1,4 @@
+//! Files of sound and lists of them, good and bad.
+
+mod decoding;
+mod song_taken_away;

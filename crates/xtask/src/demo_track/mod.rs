@@ -1,0 +1,25 @@
+//! Composes and synthesises the built-in demo track, "Hadal Lanterns": 40 bars, 85.3 s, 48 kHz stereo.
+//!
+//! ```sh
+//! cargo xtask demo-track demo.wav
+//! ffmpeg -i demo.wav -map_metadata -1 -metadata title="Hadal Lanterns" -metadata artist="Mariana" \
+//!     -c:a libvorbis -q:a 3.5 -fflags +bitexact -flags:a +bitexact -y assets/demo.ogg
+//! ```
+//!
+//! The same bytes at every run on one machine. [`score`] holds the form and every note, [`synth`] and [`drums`]
+//! the instruments, [`effects`] the room, the echo and the limiter, [`mix`] the levels, [`wav`] the file.
+
+mod drums;
+mod effects;
+mod mix;
+mod score;
+mod synth;
+mod wav;
+
+use anyhow::Context as _;
+
+/// Writes the song to the one file that is named.
+pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let [path] = arguments else { anyhow::bail!("name one file to write: OUT.wav") };
+    std::fs::write(path, wav::encode(&mix::render())).with_context(|| format!("cannot write {path}"))
+}

@@ -1,0 +1,105 @@
+//! What a scene costs, and what the music does to it.
+
+use std::fmt;
+
+use anyhow::Context as _;
+use image::RgbaImage;
+use mariana::frame::Frame;
+use mariana::gpu::headless::Headless;
+use mariana::gpu::renderer::{Counting, Evaluations, Renderer};
+use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
+use mariana::gpu::scene_resources::SceneResources;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::{ReadyScene, SceneSource};
+use mariana_music::Sound;
+
+use super::MOMENTS;
+
+const SIZE: (u32, u32) = (320, 180);
+/// Where the costs are counted: at a smaller size, edges weigh more.
+const COST_SIZE: (u32, u32) = (1280, 720);
+/// The loudest of the moments.
+const LOUD: usize = 2;
+/// Steps of 0..255 in a channel that are seen.
+const VISIBLE: u8 = 12;
+
+/// The figures of a scene.
+pub struct Figures {
+    /// Of a pixel at the loudest moment.
+    pub cost: Evaluations,
+    /// Share of the pixels that differ between it and silence.
+    pub moved: f64,
+    /// Largest share of black pixels at any moment.
+    pub black: f64,
+    /// The same of white ones.
+    pub white: f64,
+}
+
+impl Figures {
+    /// Draws and counts a scene by the interpreter.
+    pub fn of(source: &SceneSource, sounds: &[Sound]) -> anyhow::Result<Self> {
+        let ReadyScene { world, buffers, plan } = source.ready()?;
+        let context = Headless::new(false)?;
+        let gl = context.gl();
+        let library = ShaderLibrary::embedded();
+        let mut renderer = Renderer::new(gl, &library, Counting::On)?;
+        let variant = variant_of(&world, &buffers, &plan, Mode::Interpreted, gl.info(), Counting::On)?;
+        let program = link_scene(gl, &library, &variant)?;
+        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        let mut draw =
+            |moment: usize, sound: Sound, size: (u32, u32)| -> anyhow::Result<(RgbaImage, Evaluations)> {
+                let frame = Frame::new(resources.world(), MOMENTS[moment], sound, size);
+                renderer.draw(&frame, &resources, &program)?;
+                let picture = RgbaImage::from_raw(size.0, size.1, renderer.read());
+                let pixels = f64::from(size.0) * f64::from(size.1);
+                Ok((
+                    picture.context("a picture has four bytes a pixel")?,
+                    renderer.evaluations().per_pixel(pixels),
+                ))
+            };
+        let mut figures = Self { cost: Evaluations::default(), moved: 0.0, black: 0.0, white: 0.0 };
+        for (moment, sound) in sounds.iter().enumerate() {
+            let (picture, _) = draw(moment, sound.clone(), SIZE)?;
+            figures.black = figures.black.max(share(&picture, |pixel| pixel.iter().all(|value| *value <= 1)));
+            figures.white =
+                figures.white.max(share(&picture, |pixel| pixel.iter().all(|value| *value >= 254)));
+            if moment == LOUD {
+                let (silent, _) = draw(moment, Sound::default(), SIZE)?;
+                let mut before = silent.pixels();
+                let moves = |now: &[u8]| {
+                    let then = before.next().map_or([0; 4], |pixel| pixel.0);
+                    now.iter().zip(then).any(|(a, b)| a.abs_diff(b) > VISIBLE)
+                };
+                figures.moved = share(&picture, moves);
+                (_, figures.cost) = draw(moment, sound.clone(), COST_SIZE)?;
+            }
+        }
+        Ok(figures)
+    }
+
+    /// The cells of a table's row.
+    pub fn row(&self) -> String {
+        let percent = |share: f64| 100.0 * share;
+        format!(
+            "| {:.1} | {:.0} | {:.0} | {:.0} % | {:.1} % | {:.1} % |",
+            self.cost.total(),
+            self.cost.clauses,
+            self.cost.surface_clauses,
+            percent(self.moved),
+            percent(self.black),
+            percent(self.white)
+        )
+    }
+}
+
+impl fmt::Display for Figures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.row())
+    }
+}
+
+/// The share of a picture's pixels that are like that: red, green and blue.
+fn share(picture: &RgbaImage, mut is_like_that: impl FnMut(&[u8]) -> bool) -> f64 {
+    let count = picture.pixels().filter(|pixel| is_like_that(&pixel.0[..3])).count();
+    count as f64 / picture.pixels().len() as f64
+}

@@ -1,0 +1,123 @@
+//! Draws `docs/gallery.md`: for each shipped scene a large picture and a strip of four moments of the demo track, what it
+//! costs, and how much of it the music moves. One thing to run after a scene has changed:
+//!
+//! `cargo xtask gallery [SCENE ...]` draws the pictures of these scenes, or of all, and all figures.
+
+mod figures;
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use anyhow::Context as _;
+use figures::Figures;
+use image::codecs::jpeg::JpegEncoder;
+use image::{DynamicImage, RgbaImage, imageops};
+use mariana::config::SdfChoice;
+use mariana::demo_track::DEMO_TRACK;
+use mariana::export::painter::{Painter, SceneChoice};
+use mariana::export::song_features::SongFeatures;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::{SceneSource, shipped_names};
+use mariana_music::Sound;
+
+/// Moments of the demo track in seconds: its quiet start, its first rise, its loudest part, the way out.
+pub const MOMENTS: [f64; 4] = [3.0, 24.0, 62.0, 81.0];
+/// Which of them the large picture shows.
+const LARGE: usize = 2;
+const LARGE_SIZE: (u32, u32) = (1280, 720);
+const STRIP_SIZE: (u32, u32) = (480, 270);
+const JPEG_QUALITY: u8 = 88;
+/// Surfaces of mathematics, which stand behind the scenes that are made for music.
+const SURFACES: [&str; 4] = ["barth", "first_steps", "heart", "quadric"];
+
+/// Draws the scenes that are named, or all, and the page.
+pub(crate) fn run(wanted: &[String]) -> anyhow::Result<()> {
+    let docs = Path::new(crate::ROOT).join("docs");
+    let folder = docs.join("gallery");
+    fs::create_dir_all(&folder)?;
+    let sounds = MOMENTS.map(|time| SongFeatures::open(&DEMO_TRACK, time)?.require(time));
+    let sounds: Vec<Sound> = sounds.into_iter().collect::<Result<_, _>>()?;
+
+    let (surfaces, music): (Vec<String>, Vec<String>) =
+        shipped_names().into_iter().partition(|name| SURFACES.contains(&name.as_str()));
+    let mut page = String::from(INTRO);
+    let mut table = String::from(TABLE_HEAD);
+    for name in music.iter().chain(&surfaces) {
+        if wanted.is_empty() || wanted.contains(name) {
+            draw(name, &sounds, &folder).with_context(|| format!("drawing {name}"))?;
+        }
+        if Some(name) == surfaces.first() {
+            page.push_str("\n# Surfaces\n");
+        }
+        let _ = write!(
+            page,
+            "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.jpg)\n\n![{name} at four moments](gallery/{name}-strip.jpg)\n",
+            told(name)?
+        );
+        let figures = Figures::of(&SceneSource::Shipped(name.clone()), &sounds)?;
+        println!("{name}: {figures}");
+        let _ = writeln!(table, "| `{name}` {}", figures.row());
+    }
+    fs::write(docs.join("gallery.md"), page + &table)?;
+    Ok(())
+}
+
+const INTRO: &str = "\
+# Gallery
+
+The scenes that come with Mariana, at four moments of the demo track; the large picture shows the loudest. Each is a text
+in `assets/scenes`, and `mariana --scene NAME` shows it. This page is drawn by `cargo xtask gallery`.
+
+# Music
+";
+
+const TABLE_HEAD: &str = "
+# Figures
+
+Distance evaluations of a pixel, clauses that the interpreter runs for one, and those of materials and light, at the
+loudest moment, 1280x720. Moved: pixels that differ visibly between that moment and silence, 320x180. Black and white:
+the largest shares of pixels that are one or the other at the four moments.
+
+| scene | evaluations | clauses | of materials and light | moved | black | white |
+|---|---|---|---|---|---|---|
+";
+
+/// Draws the pictures of a scene.
+fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
+    let mut painter = Painter::open(&SceneChoice {
+        source: SceneSource::Shipped(name.to_owned()),
+        sdf: SdfChoice::Compiled,
+        shaders: ShaderLibrary::embedded(),
+        regions: true,
+        tone_map: None,
+        view: None,
+        verbose: false,
+    })?;
+    let mut picture = |moment: usize, size: (u32, u32)| -> anyhow::Result<RgbaImage> {
+        painter.draw(MOMENTS[moment], sounds[moment].clone(), size)?;
+        RgbaImage::from_raw(size.0, size.1, painter.read()).context("a picture has four bytes a pixel")
+    };
+    write_jpeg(&folder.join(format!("{name}.jpg")), picture(LARGE, LARGE_SIZE)?)?;
+    let mut strip = RgbaImage::new(STRIP_SIZE.0 * MOMENTS.len() as u32, STRIP_SIZE.1);
+    for moment in 0..MOMENTS.len() {
+        let left = i64::from(STRIP_SIZE.0) * moment as i64;
+        imageops::replace(&mut strip, &picture(moment, STRIP_SIZE)?, left, 0);
+    }
+    write_jpeg(&folder.join(format!("{name}-strip.jpg")), strip)
+}
+
+fn write_jpeg(path: &Path, picture: RgbaImage) -> anyhow::Result<()> {
+    let mut bytes = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    DynamicImage::ImageRgba8(picture).into_rgb8().write_with_encoder(encoder)?;
+    Ok(fs::write(path, bytes)?)
+}
+
+/// What a scene's text says of it: the comment that it begins with.
+fn told(name: &str) -> anyhow::Result<String> {
+    let path = Path::new(crate::ROOT).join(format!("assets/scenes/{name}.scene"));
+    let text = fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
+    let lines = text.lines().map_while(|line| line.strip_prefix('#'));
+    Ok(lines.map(str::trim).take_while(|line| !line.is_empty()).collect::<Vec<_>>().join("\n"))
+}

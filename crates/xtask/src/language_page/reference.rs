@@ -1,0 +1,85 @@
+//! The text of the language's reference.
+
+use std::fmt::Write;
+
+use mariana_field::lang::{Accuracy, Entry, entries, inputs};
+
+use super::pictures::PICTURES;
+
+/// `docs/language.md`.
+pub fn text() -> String {
+    let mut text = include_str!("intro.md").replace("\r\n", "\n");
+    line(&mut text, format_args!("```\n{}\n```", excerpt()));
+    text.push_str("\n## Inputs\n\n| name | what it is |\n|---|---|\n");
+    for (name, doc) in inputs() {
+        line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
+    }
+    let entries = entries();
+    for group in entries.chunk_by(|a, b| a.group == b.group) {
+        let (shown, plain): (Vec<_>, Vec<_>) = group.iter().partition(|entry| formula(entry).is_some());
+        let title = group.first().map_or("", |entry| entry.group);
+        line(&mut text, format_args!("\n## {title}"));
+        if !shown.is_empty() {
+            text.push_str("\n| | |\n|---|---|\n");
+            for entry in shown {
+                let name = entry.name;
+                let formula = formula(entry).unwrap_or("");
+                line(
+                    &mut text,
+                    format_args!(
+                        "| ![{name}](shapes/{name}.png)<br>`{}` | {} |",
+                        cell(formula),
+                        described(entry)
+                    ),
+                );
+            }
+        }
+        if !plain.is_empty() {
+            text.push_str("\n| function | |\n|---|---|\n");
+            for entry in plain {
+                line(
+                    &mut text,
+                    format_args!("| `{}` | {}{} |", cell(&entry.signature), cell(&entry.doc), facts(entry)),
+                );
+            }
+        }
+    }
+    text
+}
+
+/// The part of the shipped scene that makes the woofers.
+fn excerpt() -> String {
+    let scene = include_str!("../../../../assets/scenes/speakers.scene").replace("\r\n", "\n");
+    let rest = scene.find("fn woofers").and_then(|start| scene.get(start..)).unwrap_or("");
+    let end = rest.find("\n}").map_or(rest.len(), |end| end + 2);
+    rest.get(..end).unwrap_or("").to_owned()
+}
+
+/// Writing to a text cannot fail.
+fn line(text: &mut String, content: std::fmt::Arguments<'_>) {
+    let _ = writeln!(text, "{content}");
+}
+
+fn formula(entry: &Entry) -> Option<&'static str> {
+    PICTURES.iter().find(|(name, _)| *name == entry.name).map(|(_, formula)| *formula)
+}
+
+fn described(entry: &Entry) -> String {
+    format!("`{}`<br>{}{}", cell(&entry.signature), cell(&entry.doc), facts(entry))
+}
+
+/// Accuracy and source, as far as there are any.
+fn facts(entry: &Entry) -> String {
+    let accuracy = entry.accuracy.map(|accuracy| match accuracy {
+        Accuracy::Exact => "**exact**",
+        Accuracy::Bound => "**bound**",
+    });
+    let source = (!entry.source.is_empty()).then(|| format!("*{}*", cell(&entry.source)));
+    let facts: Vec<String> = accuracy.map(str::to_owned).into_iter().chain(source).collect();
+    if facts.is_empty() { String::new() } else { format!("<br>{}", facts.join(" · ")) }
+}
+
+/// Text for a table's cell.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}

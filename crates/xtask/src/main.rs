@@ -1,0 +1,36 @@
+//! Makes what the program ships and what its documentation shows: `cargo xtask TOOL [ARGUMENTS]`.
+
+#![allow(unreachable_pub, reason = "a program has no outside")]
+
+mod demo_track;
+mod gallery;
+mod language_page;
+mod textures;
+
+/// The root of the project.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+/// A tool: its name, its arguments, what it makes, and its work.
+type Tool = (&'static str, &'static str, &'static str, fn(&[String]) -> anyhow::Result<()>);
+
+const TOOLS: &[Tool] = &[
+    ("demo-track", "OUT.wav", "composes the built-in song", demo_track::run),
+    (
+        "gallery",
+        "[SCENE ...]",
+        "draws docs/gallery.md and its pictures: of these scenes, or of all",
+        gallery::run,
+    ),
+    ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
+    ("textures", "[FOLDER]", "paints assets/textures", textures::run),
+];
+
+fn main() -> anyhow::Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let tool = arguments.first().and_then(|name| TOOLS.iter().find(|(tool, ..)| tool == name));
+    let Some((.., run)) = tool else {
+        let list = TOOLS.iter().map(|(name, takes, makes, _)| format!("\n  {name} {takes}  {makes}"));
+        anyhow::bail!("name one of the tools:{}", list.collect::<String>());
+    };
+    run(&arguments[1..])
+}

@@ -1,0 +1,320 @@
+//! Jobs that are ended in the middle, by signals, by a full disk or by drivers at the end: what they leave behind, and
+//! what they say.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::ffi::OsStr;
+use std::fs::Permissions;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use mariana_testing::process::{Process, output_of, wait_until};
+
+/// A scene that is there at once.
+const SCENE: [&str; 2] = ["--scene", "length(p) - 1"];
+
+/// A video that takes minutes, of the demo track. A frame is more than a pipe holds.
+const LONG_VIDEO: [&str; 9] =
+    ["video", SCENE[0], SCENE[1], "--size", "256x144", "--fps", "1000", "-o", "song.mp4"];
+
+/// A workplace whose temporary files lie in its folder `tmp`, with a video from before.
+fn workplace() -> Workplace {
+    let place = Workplace::new();
+    std::fs::create_dir(place.path("tmp")).unwrap();
+    place.write("song.mp4", "a good video");
+    place
+}
+
+/// The program's `arguments` with `place`'s folder for temporary files. Signals do what they do at a terminal, whatever
+/// the test itself was started to ignore.
+fn command(place: &Workplace, arguments: &[&str]) -> Command {
+    let program = place.command(arguments);
+    let mut command = Command::new("env");
+    command.arg("--default-signal=HUP,INT,TERM").arg(program.get_program()).args(program.get_args());
+    for (name, value) in program.get_envs() {
+        match value {
+            Some(value) => command.env(name, value),
+            None => command.env_remove(name),
+        };
+    }
+    command.current_dir(program.get_current_dir().unwrap());
+    command
+        .env("TMPDIR", place.path("tmp"))
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    command
+}
+
+fn names_in(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect()
+}
+
+/// The unfinished files of a folder.
+fn unfinished_in(folder: &Path) -> Vec<String> {
+    names_in(folder).into_iter().filter(|name| name.starts_with(".mariana-")).collect()
+}
+
+/// The processes that a process has started and that have not ended, by number.
+fn children_of(process: &Process) -> Vec<u32> {
+    let path = format!("/proc/{0}/task/{0}/children", process.id());
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.split_whitespace().map(|number| number.parse().unwrap()).collect()
+}
+
+/// Whether a process is there and has not ended.
+fn lives(number: u32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+    stat.rsplit_once(") ").is_some_and(|(_, state)| !state.starts_with('Z'))
+}
+
+fn send(signal: &str, number: u32) {
+    let mut kill = Command::new("kill");
+    output_of(kill.args([&format!("-{signal}"), &number.to_string()]), "procps").unwrap();
+}
+
+/// Starts a video and waits until it is being encoded; its ffmpeg's number.
+fn start_video(place: &Workplace, command: &mut Command) -> (Process, u32) {
+    let mut process = Process::start(command, "coreutils");
+    let mut encoder = None;
+    wait_until("the encoder", || {
+        assert!(process.ended().is_none(), "it ended by itself");
+        encoder = children_of(&process).first().copied();
+        encoder.is_some()
+    });
+    assert!(!unfinished_in(&place.path("")).is_empty(), "it writes in its place");
+    (process, encoder.unwrap())
+}
+
+/// Sends `signal`, and looks at what there is after the end.
+#[track_caller]
+fn assert_ends_cleanly(place: &Workplace, mut process: Process, signal: &str, code: i32) {
+    let names = place.names();
+    let kept: Vec<&String> = names.iter().filter(|name| !name.starts_with(".mariana-")).collect();
+    send(signal, process.id());
+    wait_until("its end", || process.ended().is_some());
+    assert_eq!(process.ended().unwrap().code(), Some(code), "{signal}");
+    let told = std::io::read_to_string(process.child().stderr.take().unwrap()).unwrap();
+    assert!(told.starts_with("mariana: ") && told.contains(signal) && told.lines().count() == 1, "{told}");
+    assert_eq!(place.names().iter().collect::<Vec<_>>(), kept, "{signal}");
+    assert_eq!(names_in(&place.path("tmp")), [""; 0], "{signal}");
+}
+
+#[test]
+fn a_video_that_was_interrupted_left_hidden_files() {
+    let place = workplace();
+    for (signal, code) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        let (process, encoder) = start_video(&place, &mut command(&place, &LONG_VIDEO));
+        assert_eq!(unfinished_in(&place.path("tmp")).len(), 1, "the demo track for ffmpeg");
+        assert_ends_cleanly(&place, process, signal, code);
+        assert!(!lives(encoder), "ffmpeg outlived it");
+        assert_eq!(place.read("song.mp4"), b"a good video");
+    }
+}
+
+/// Puts a program into `place` that is found in place of ffmpeg.
+fn with_encoder<'c>(place: &Workplace, command: &'c mut Command, script: &str) -> &'c mut Command {
+    std::fs::create_dir_all(place.path("tools")).unwrap();
+    place.write("tools/ffmpeg", script);
+    std::fs::set_permissions(place.path("tools/ffmpeg"), Permissions::from_mode(0o755)).unwrap();
+    command.env("PATH", format!("{}:/bin:/usr/bin", place.path("tools").display()))
+}
+
+#[test]
+fn a_video_whose_encoder_reads_nothing_could_not_be_interrupted_cleanly() {
+    let place = workplace();
+    let mut command = command(&place, &LONG_VIDEO);
+    // Nor does it hear of signals that ask. It takes one byte, which tells that the rest is being written.
+    let script =
+        "#!/bin/sh\ntrap '' INT TERM HUP\ndd bs=1 count=1 of=\"${0%/*}/begun\" 2>&-\nexec sleep 1000\n";
+    let (process, encoder) = start_video(&place, with_encoder(&place, &mut command, script));
+    wait_until("the first frame", || {
+        std::fs::read(place.path("tools/begun")).is_ok_and(|byte| byte.len() == 1)
+    });
+    assert_ends_cleanly(&place, process, "INT", 130);
+    assert!(!lives(encoder), "it outlived the video");
+}
+
+#[test]
+fn a_still_that_was_interrupted_left_a_hidden_file() {
+    let place = workplace();
+    let arguments = ["still", "--size", "8192x8192", "-o", "still.png"];
+    let process = Process::start(&mut command(&place, &arguments), "coreutils");
+    wait_until("its file", || !unfinished_in(&place.path("")).is_empty());
+    assert_ends_cleanly(&place, process, "TERM", 143);
+}
+
+#[test]
+fn what_a_killed_video_left_was_never_removed() {
+    let place = workplace();
+    let (mut killed, encoder) = start_video(&place, &mut command(&place, &LONG_VIDEO));
+    killed.kill();
+    wait_until("the end of its ffmpeg", || !lives(encoder));
+    assert!(!unfinished_in(&place.path("")).is_empty() && !unfinished_in(&place.path("tmp")).is_empty());
+
+    // What another one writes now must stay.
+    let (living, _) = start_video(&place, &mut command(&place, &LONG_VIDEO));
+    let written = unfinished_in(&place.path(""));
+    assert_eq!(written.len(), 1, "{written:?}");
+    assert_eq!(unfinished_in(&place.path("tmp")).len(), 1);
+    place.write(".mariana-notes.txt", "the user's own");
+    place.run(&["still", SCENE[0], SCENE[1], "--size", "16x9", "-o", "still.png"]).done();
+    let unfinished = [&written[0], ".mariana-notes.txt"];
+    assert_eq!(place.names().len(), ["song.mp4", "still.png", "tmp"].len() + unfinished.len());
+    assert!(unfinished.iter().all(|name| place.path(name).exists()), "{:?}", place.names());
+    std::fs::remove_file(place.path(".mariana-notes.txt")).unwrap();
+    assert_ends_cleanly(&place, living, "TERM", 143);
+}
+
+#[test]
+fn a_video_under_nohup_goes_on_without_its_terminal() {
+    let place = workplace();
+    let mut ignoring = Command::new("env");
+    let usual = command(&place, &LONG_VIDEO);
+    ignoring.arg("--ignore-signal=HUP").args(usual.get_args().skip(1)).current_dir(place.path(""));
+    ignoring.envs(usual.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    ignoring.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let (process, _) = start_video(&place, &mut ignoring);
+    send("HUP", process.id());
+    // Signals are answered in the order of their numbers, of which this one's is the higher.
+    assert_ends_cleanly(&place, process, "TERM", 143);
+}
+
+/// What went wrong: drivers' threads were still compiling while `exit` took away what they work with.
+#[test]
+fn exit_handlers_ran_under_the_threads_of_drivers() {
+    let place = Workplace::new();
+    // A library whose end ends the program, if it has one: 77 tells that `exit` was called.
+    place.write(
+        "late.c",
+        "#include <unistd.h>\n__attribute__((destructor)) static void late(void) { _exit(77); }\n",
+    );
+    let mut compiler = Command::new("cc");
+    compiler.args(["-shared", "-fPIC", "-o"]).args([place.path("late.so"), place.path("late.c")]);
+    output_of(&mut compiler, "gcc").unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = place.command(arguments);
+        Outcome::of(command.env("LD_PRELOAD", place.path("late.so")), RUN_LIMIT)
+    };
+    assert_eq!(run(&["--version"]).code, 77, "the library works, and no driver is loaded there");
+    run(&["still", "--size", "16x9", "-o", "still.png"]).done();
+    run(&["video", "--size", "16x9", "--fps", "10", "--duration", "0.2", "-o", "stills/"]).done();
+    let lines = run(&["analyze", "--fps", "10", "--duration", "2"]).done();
+    assert_eq!(lines.lines().count(), 20, "what was printed is flushed");
+    run(&["bench", "--sdf", "compiled", "--frames", "1", "--size", "16x9"]).done();
+    run(&["--gl-info"]).done();
+    assert_eq!(run(&["eval", "length(p)", "--at", "0,2,0"]).done().trim(), "2");
+    run(&["devices"]).done();
+    run(&["analyze", "missing.wav"]).refused(&["missing.wav"]);
+}
+
+/// The program, where no file may be larger than some bytes: as on a full disk, a write fails in the middle.
+fn on_a_full_disk(place: &Workplace, arguments: &[&str]) -> Outcome {
+    let program = place.command(arguments);
+    let mut shell = Command::new("sh");
+    // In blocks of 512 bytes, or of 1024.
+    shell.args(["-c", "ulimit -f 1; exec \"$0\" \"$@\""]).arg(program.get_program()).args(program.get_args());
+    shell.envs(program.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    shell.current_dir(place.path("")).stdin(Stdio::null()).env("MESA_SHADER_CACHE_DISABLE", "true");
+    Outcome::of(&mut shell, RUN_LIMIT)
+}
+
+#[test]
+fn a_full_disk_ended_a_still_without_a_word() {
+    let place = Workplace::new();
+    place.write("good.png", "a good picture");
+    place.write_tone("song.wav", 440.0, 0.5, [0.5, 0.5]);
+    on_a_full_disk(&place, &["still", "song.wav", "--size", "256x144", "-o", "good.png"])
+        .refused(&["good.png", "-o"]);
+    assert_eq!((place.names().len(), place.read("good.png")), (2, b"a good picture".to_vec()));
+    // A picture that is small enough does fit.
+    on_a_full_disk(&place, &["still", "song.wav", "--size", "2x2", "-o", "good.png"]).done();
+    assert!(place.read("good.png").starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_full_disk_ended_a_video_without_a_word() {
+    let place = Workplace::new();
+    place.write("good.mp4", "a good video");
+    place.write_tone("song.wav", 440.0, 2.0, [0.5, 0.5]);
+    let video = ["video", "--duration", "1.5", "--fps", "10", "--size", "64x36", "-o"];
+    let of_the_song = [&video[..], &["good.mp4", "song.wav"]].concat();
+    on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "room"]);
+    // The demo track for ffmpeg has no room elsewhere.
+    let told = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
+    assert!(!told.contains("good.mp4"), "{told}");
+    on_a_full_disk(&place, &[&video[..], &["stills/", "song.wav"]].concat()).refused(&["frame-00000.png"]);
+    assert_eq!(names_in(&place.path("stills")), [""; 0]);
+    assert_eq!(place.names(), ["good.mp4", "song.wav", "stills"]);
+    assert_eq!(place.read("good.mp4"), b"a good video");
+}
+
+#[test]
+fn a_video_of_several_files_left_hidden_ones_that_its_list_names() {
+    let place = Workplace::new();
+    place.write_tone("song.wav", 440.0, 0.5, [0.5, 0.5]);
+    for output in ["list.m3u8", "LIST.M3U8", "list.mpd"] {
+        let video =
+            ["video", "song.wav", "--fps", "10", "--duration", "0.2", "--size", "16x16", "-o", output];
+        place.run(&video).refused(&[output, "several files", ".mp4"]);
+    }
+    assert_eq!(place.names(), ["song.wav"]);
+}
+
+#[test]
+fn names_that_mean_something_to_ffmpeg_are_names() {
+    let place = Workplace::new();
+    let names = [
+        &b"-y.mp4"[..],
+        b"-i",
+        b"concat:a|b.mp4",
+        b"file:a.mp4",
+        b"pipe:1.mp4",
+        b"http:__x.mp4",
+        b"a%03d.mp4",
+        b"two\nlines.mp4",
+        b"tee:[f=null]x.mp4",
+        b"caf\xe9\xff.mp4",
+        b"'; touch x'.mp4",
+    ];
+    for (index, name) in names.into_iter().enumerate() {
+        let name = OsStr::from_bytes(name);
+        // As the video, and then as the song.
+        let folder = place.path(&format!("folder %d {index}"));
+        std::fs::create_dir(&folder).unwrap();
+        place.write_tone(&format!("folder %d {index}/song.wav"), 440.0, 0.5, [0.5, 0.5]);
+        let as_song = folder.join("songs").join(name);
+        std::fs::create_dir(folder.join("songs")).unwrap();
+        std::fs::copy(folder.join("song.wav"), &as_song).unwrap();
+
+        let make = |song: &OsStr, output: &OsStr, at: &Path| {
+            let mut argument = OsStr::new("--output=").to_owned();
+            argument.push(output);
+            let mut command =
+                place.command(&["video", "--fps", "10", "--duration", "0.2", "--size", "16x16"]);
+            command.args(SCENE).arg(argument).arg("--").arg(song).current_dir(at);
+            Outcome::of(&mut command, RUN_LIMIT)
+        };
+        if name.to_string_lossy().contains(".mp4") {
+            make(OsStr::new("song.wav"), name, &folder).done();
+            assert!(std::fs::metadata(folder.join(name)).is_ok_and(|video| video.len() > 500), "{name:?}");
+            std::fs::remove_file(folder.join(name)).unwrap();
+        } else {
+            make(OsStr::new("song.wav"), name, &folder).refused(&["-i", "ends in .mp4"]);
+        }
+        make(name, OsStr::new("../video.mp4"), &folder.join("songs")).done();
+        std::fs::remove_file(folder.join("video.mp4")).unwrap();
+        assert_eq!(
+            names_in(&folder.join("songs")).len(),
+            1,
+            "{name:?}: {:?}",
+            names_in(&folder.join("songs"))
+        );
+        assert_eq!(names_in(&folder).len(), 2, "{name:?}: {:?}", names_in(&folder));
+    }
+}

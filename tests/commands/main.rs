@@ -1,0 +1,12 @@
+//! The program on a terminal, and what it reads from files.
+
+mod cli;
+mod cli_bad_input;
+mod interrupted;
+mod playlists;
+mod scene_commands;
+mod scene_reload;
+mod scene_textures;
+
+#[path = "../support/mod.rs"]
+mod support;

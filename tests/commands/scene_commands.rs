@@ -1,0 +1,120 @@
+//! `check`, `tape` and `eval`: scenes as text, numbers and mistakes.
+
+#![cfg(target_os = "linux")]
+
+use crate::support::program::Workplace;
+
+/// Table 1 of the thesis (section 4.3; Keeter 2020, Table 1): opcode, input A, input B, output.
+const TABLE_1: [[&str; 4]; 9] = [
+    ["X", "-", "-", "slot 0"],
+    ["Y", "-", "-", "slot 1"],
+    ["SQUARE", "slot 0", "-", "slot 0"],
+    ["SQUARE", "slot 1", "-", "slot 1"],
+    ["ADD", "slot 0", "slot 1", "slot 1"],
+    ["SQRT", "slot 1", "-", "slot 1"],
+    ["SUB", "slot 1", "1.0f", "slot 0"],
+    ["SUB", "0.5f", "slot 1", "slot 1"],
+    ["MAX", "slot 0", "slot 1", "slot 1"],
+];
+
+#[test]
+fn the_tape_of_the_thesis_example_is_its_table_1() {
+    let printed = Workplace::new().run(&["tape", "max(sqrt(x*x+y*y)-1, 0.5-sqrt(x*x+y*y))"]).done();
+    let rows: Vec<Vec<String>> = printed
+        .lines()
+        .skip(1)
+        .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).map(Into::into).collect())
+        .collect();
+    assert_eq!(rows, TABLE_1.map(|row| row.map(String::from).to_vec()), "{printed}");
+}
+
+#[test]
+fn glsl_and_graph_are_printed_on_demand() {
+    let place = Workplace::new();
+    let formula = "min(y, sqrt(x*x+(y-1)*(y-1)+(z-6)*(z-6))-1)";
+    let glsl = place.run(&["tape", formula, "--glsl"]).done();
+    assert!(glsl.starts_with("float scene_distance(vec3 p") && glsl.contains("min("), "{glsl}");
+    let dot = place.run(&["tape", formula, "--dot"]).done();
+    assert!(dot.starts_with("digraph") && dot.contains("->"), "{dot}");
+}
+
+#[test]
+fn distances_are_those_of_the_formula() {
+    let place = Workplace::new();
+    let at = |scene: &str, arguments: &[&str]| {
+        let printed = place.run(&[&["eval", scene], arguments].concat()).done();
+        printed.lines().map(|line| line.parse().unwrap()).collect::<Vec<f32>>()
+    };
+    assert_eq!(at("sqrt(x*x+y*y+z*z)-1", &["--at", "0,2,0", "--at", "-3,0,4"]), [1.0, 4.0]);
+    assert_eq!(at("-x^2", &["--at", "3,0,0"]), [-9.0]);
+    let set = ["--at", "0,0,0", "--set", "band(3)=0.5", "--set", "volume.y=0.25", "--set", "t=2"];
+    assert_eq!(at("band(3) + volume.y + t", &set), [2.75]);
+    place.write("points.csv", "0,2,0\n\n 3, 0, 4\n");
+    assert_eq!(at("length(p)", &["--points", "points.csv"]), [2.0, 5.0]);
+    place.write("own.scene", "param size = 2 in 0.5 .. 3\nobject ball { shape = length(p) - size }\n");
+    assert_eq!(at("own.scene", &["--at", "5,0,0"]), [3.0]);
+    assert_eq!(at("own.scene", &["--at", "5,0,0", "--set", "size=1"]), [4.0]);
+}
+
+#[test]
+fn the_shipped_scene_is_checked_and_its_cost_told() {
+    let place = Workplace::new();
+    let printed = place.run(&["check", "speakers"]).done();
+    for part in ["speakers.scene", "clauses", "constants", "registers", "volume.x", "bands"] {
+        assert!(printed.contains(part), "'{part}' is not told: {printed}");
+    }
+}
+
+#[test]
+fn every_mistake_is_shown_where_it_is_with_a_hint() {
+    let place = Workplace::new();
+    place.write("bad.scene", "object a {\r\n  shape = smoth_union(sphere(p, 1), p.y, 0.2) + foo\r\n}\r\n");
+    let checked = place.run(&["check", "bad.scene", "speakers"]);
+    assert_eq!(checked.code, 1, "{checked:?}");
+    checked.assert_advises();
+    for part in ["bad.scene:2:11", "smoth_union(sphere(p, 1)", "^^^^", "did you mean `smooth_union`?", "foo"]
+    {
+        assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
+    }
+    assert!(checked.stdout.contains("speakers.scene: "), "the good one is checked too: {checked:?}");
+    place.run(&["eval", "bad.scene", "--at", "0,0,0"]).refused_with_details(&["bad.scene:2:11"]);
+}
+
+#[test]
+fn a_picture_that_is_not_there_is_a_mistake_with_its_place() {
+    let place = Workplace::new();
+    place.write(
+        "own.scene",
+        "material m { color = texture(\"wod.png\", p.xy).rgb }\nobject o { shape = p.y material = m }",
+    );
+    let checked = place.run(&["check", "own.scene"]);
+    assert_eq!(checked.code, 1, "{checked:?}");
+    for part in ["own.scene:1:", "wod.png", "wood.png"] {
+        assert!(checked.stdout.contains(part), "'{part}' is not told: {checked:?}");
+    }
+}
+
+#[test]
+fn rubbish_is_refused_with_a_sentence_and_in_time() {
+    let place = Workplace::new();
+    place.write("nested.scene", "(".repeat(100_000) + "x" + &")".repeat(100_000));
+    place.write("binary.scene", [0xff, 0x00, 0xfe, b'x']);
+    place.write("long.scene", "x+".repeat(600_000) + "x");
+    place.write("loop.scene", "include \"loop.scene\"\nobject o { shape = p.y }");
+    place.write("recursion.scene", "fn f(p) { f(p) }\nobject o { shape = f(p) }");
+    place.write("outside.scene", "include \"../../etc/passwd\"\nobject o { shape = p.y }");
+    for file in ["nested", "loop", "recursion", "outside"] {
+        let file = format!("{file}.scene");
+        let checked = place.run(&["check", &file]);
+        assert!(checked.code == 1 && checked.stdout.contains(&file), "{checked:?}");
+    }
+    place.run(&["check", "binary.scene"]).refused(&["binary.scene", "UTF-8"]);
+    place.run(&["check", "long.scene"]).refused(&["long.scene", "larger than"]);
+    place.run(&["check", "missing.scene"]).refused(&["missing.scene"]);
+    place.run(&["check", "speekers"]).refused(&["speekers", "speakers"]);
+    place.run(&["eval", "y", "--at", "0,0,0", "--set", "foo=1"]).refused(&["foo", "volume.x"]);
+    place.run(&["eval", "y", "--at", "0,0"]).refused_arguments("--at", &["x,y,z"]);
+    place.write("points.csv", "0,0,0\n1,2\n");
+    let told = place.run(&["eval", "y", "--points", "points.csv"]);
+    assert!(told.code == 1 && told.stderr.contains("points.csv:2"), "{told:?}");
+}

@@ -1,0 +1,6 @@
+//! The house itself: its walls, its licences, its unsafe code, its front page.
+
+mod architecture;
+mod dependencies;
+mod readme;
+mod security;

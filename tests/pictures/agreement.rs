@@ -1,0 +1,488 @@
+//! The CPU's evaluator, the interpreter's shader, in both of its forms, and the compiled shader give the same numbers.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::collections::BTreeMap;
+
+use crate::support::expression::{Random, TABLES_GLSL, frame, random_expression, spread};
+use crate::support::glsl::{Stage, check_with_glslang};
+use mariana::gpu::headless::Headless;
+use mariana::gpu::probe::Probe;
+use mariana::gpu::texture_buffer::BufferTexel;
+use mariana_field::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
+use mariana_field::tape::interpreter::Variant;
+use mariana_field::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
+
+const HEAD: &str = "#version 330 core
+layout(location = 0) out vec4 color;
+uniform samplerBuffer points;
+uniform samplerBuffer normals;
+uniform samplerBuffer programs;
+uniform usamplerBuffer regions;
+";
+
+/// Most slots of a region's tape.
+const REGION_SLOTS: usize = 128;
+
+/// Texts, points and what is asked of them.
+struct Studio {
+    context: Headless,
+}
+
+fn bytes<T: Copy>(values: &[T], to_bytes: impl Fn(T) -> [u8; 4]) -> Vec<u8> {
+    values.iter().flat_map(|value| to_bytes(*value)).collect()
+}
+
+fn floats(values: &[f32]) -> Vec<u8> {
+    bytes(values, f32::to_le_bytes)
+}
+
+/// Tapes in the buffer that the interpreter reads.
+#[derive(Clone)]
+struct Programs {
+    texels: Vec<[u32; 4]>,
+    /// Where each tape begins. Exact in a float below 2^24.
+    starts: Vec<f32>,
+    /// Whether each can be a region's tape.
+    regional: Vec<bool>,
+    variant: Variant,
+}
+
+impl Programs {
+    fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
+        let variant = Variant::of(tapes, every_case);
+        let (mut texels, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new());
+        for tape in tapes {
+            starts.push(texels.len() as f32);
+            tape.table_values(frame, &mut values);
+            tape.append_texels(&values, &mut texels);
+        }
+        let regional = tapes.iter().map(|tape| {
+            // A region knows x, y, z and one number more, at the start alone.
+            let reads = |instruction| match instruction {
+                Instruction::Input { output, place } => place >= 4 || output != place,
+                _ => false,
+            };
+            tape.memory() == 0 && tape.slots() <= REGION_SLOTS && !tape.instructions().any(reads)
+        });
+        Self { texels, starts, regional: regional.collect(), variant }
+    }
+
+    /// The interpreter's text with these functions around it.
+    fn text(&self, main: &str) -> String {
+        let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
+            "#include \"operators.glsl\"",
+            &self.variant.text(&self.variant.operators, self.variant.slots.min(REGION_SLOTS)),
+        );
+        format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
+    }
+}
+
+impl Studio {
+    /// A picture with a column for every point and a row for every normal, the first row first.
+    fn draw(
+        &self,
+        text: &str,
+        points: &[[f32; 3]],
+        normals: &[[f32; 3]],
+        programs: Option<&Programs>,
+    ) -> Vec<[f32; 4]> {
+        let size = (points.len() as u32, normals.len() as u32);
+        let mut probe =
+            Probe::new(self.context.gl(), text, size, 1).unwrap_or_else(|error| panic!("{error}"));
+        for (name, vectors) in [("points", points), ("normals", normals)] {
+            let padded: Vec<f32> = vectors.iter().flat_map(|v| [v[0], v[1], v[2], 0.0]).collect();
+            probe.add_buffer(name, BufferTexel::Rgba32F, &floats(&padded)).unwrap();
+        }
+        if let Some(programs) = programs {
+            let words = bytes(programs.texels.as_flattened(), u32::to_le_bytes);
+            probe.add_buffer("tape", BufferTexel::Rgba32U, &words).unwrap();
+            probe.add_buffer("regions", BufferTexel::Rgba32U, &words).unwrap();
+            probe.add_buffer("programs", BufferTexel::R32F, &floats(&programs.starts)).unwrap();
+        }
+        probe.draw();
+        self.context.gl().check("drawing a probe").unwrap();
+        let pixels = probe.read(0);
+        let (pixels, _) = pixels.as_chunks::<4>();
+        // The lowest row comes last.
+        pixels.chunks(points.len()).rev().flatten().copied().collect()
+    }
+}
+
+/// What is asked of a driver in an operator.
+struct Row {
+    op: Op,
+    /// How far it may be off, relative to the result.
+    relative: f32,
+    /// And absolutely.
+    absolute: f32,
+    /// Operands for which this holds, and why not for all.
+    trusted: fn(f32, f32) -> bool,
+}
+
+/// Operators that are not exact for all operands. GLSL leaves min, max and clamp of a NaN open and promises next to
+/// nothing of transcendental functions: their bounds are what Mesa's llvmpipe needs, with room.
+const ROWS: &[Row] = &[
+    Row { op: Op::Exp, relative: 3e-6, absolute: 0.0, trusted: any },
+    Row { op: Op::Exp2, relative: 3e-6, absolute: 0.0, trusted: any },
+    Row { op: Op::Log, relative: 1e-6, absolute: 5e-7, trusted: any },
+    Row { op: Op::Log2, relative: 1e-6, absolute: 5e-7, trusted: any },
+    // Drivers reduce large angles in f32, or not at all.
+    Row { op: Op::Sin, relative: 1e-6, absolute: 1e-6, trusted: angle },
+    Row { op: Op::Cos, relative: 1e-6, absolute: 1e-6, trusted: angle },
+    Row { op: Op::Tan, relative: 1e-5, absolute: 1e-6, trusted: angle },
+    // Polynomials. llvmpipe clamps a NaN to -1, against what `Op` says.
+    Row { op: Op::Asin, relative: 3e-5, absolute: 0.0, trusted: number },
+    Row { op: Op::Acos, relative: 3e-5, absolute: 0.0, trusted: number },
+    // llvmpipe gives 0 for a NaN.
+    Row { op: Op::Atan, relative: 3e-5, absolute: 0.0, trusted: number },
+    Row { op: Op::Atan2, relative: 3e-5, absolute: 0.0, trusted: numbers },
+    // From exponentials: absolute near 0.
+    Row { op: Op::Sinh, relative: 3e-6, absolute: 1e-7, trusted: any },
+    Row { op: Op::Cosh, relative: 3e-6, absolute: 0.0, trusted: any },
+    Row { op: Op::Tanh, relative: 3e-6, absolute: 1e-7, trusted: number },
+    Row { op: Op::Div, relative: 3e-7, absolute: 0.0, trusted: any },
+    // A quotient below the normal numbers is 0 in a driver, which floor tells from a negative number.
+    Row { op: Op::Mod, relative: 3e-7, absolute: 0.0, trusted: quotient },
+    // From the logarithm: the exponent scales its error. llvmpipe gives NaNs for infinities.
+    Row { op: Op::Pow, relative: 1e-5, absolute: 0.0, trusted: finite },
+    // llvmpipe clamps a NaN to the least cell.
+    Row { op: Op::Hash, relative: 0.0, absolute: 0.0, trusted: numbers },
+    // A square below the normal numbers is 0 in a driver.
+    Row { op: Op::SquareAdd, relative: 0.0, absolute: 0.0, trusted: square },
+    Row { op: Op::OutsideAdd, relative: 0.0, absolute: 0.0, trusted: square },
+    Row { op: Op::Length, relative: 0.0, absolute: 0.0, trusted: square },
+];
+
+fn any(_: f32, _: f32) -> bool {
+    true
+}
+
+fn number(a: f32, _: f32) -> bool {
+    !a.is_nan()
+}
+
+fn numbers(a: f32, b: f32) -> bool {
+    !a.is_nan() && !b.is_nan()
+}
+
+fn finite(a: f32, b: f32) -> bool {
+    a.is_finite() && b.is_finite()
+}
+
+fn quotient(a: f32, b: f32) -> bool {
+    (a / b).is_normal() || a == 0.0 || b == 0.0
+}
+
+fn square(a: f32, _: f32) -> bool {
+    !(a * a).is_subnormal()
+}
+
+fn angle(a: f32, _: f32) -> bool {
+    a.abs() <= 100.0 || !a.is_finite()
+}
+
+fn tolerance(op: Op) -> (f32, f32) {
+    ROWS.iter().find(|row| row.op == op).map_or((0.0, 0.0), |row| (row.relative, row.absolute))
+}
+
+/// As what runs materials and light, and as what runs the tapes of regions.
+const RUN: &str = "
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    int program = int(texelFetch(programs, pixel.y).x);
+    vec3 p = texelFetch(points, pixel.x).xyz;
+    vec3 n = texelFetch(normals, pixel.y).xyz;
+    color = vec4(run_tape(program, p, n), run_region(program, p, n.x));
+}
+";
+
+fn compiled_text(graph: &Graph, roots: &[NodeId]) -> String {
+    let mut text = format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}");
+    let mut main = String::from(
+        "void main() {\n    ivec2 pixel = ivec2(gl_FragCoord.xy);\n    vec3 p = texelFetch(points, pixel.x).xyz;\n    vec3 n = texelFetch(normals, pixel.y).xyz;\n    float r = 0.0;\n",
+    );
+    for (place, root) in roots.iter().enumerate() {
+        text += &glsl::function(graph, &[*root], &format!("compiled_{place}"), glsl::Sampling::None).unwrap();
+        main += &format!("    if (pixel.y == {place}) r = compiled_{place}(p, n);\n");
+    }
+    text + &main + "    color = vec4(r, 0.0, 0.0, 0.0);\n}\n"
+}
+
+/// What the interpreter gave for expressions that share a graph: a row for each, a column for each point.
+struct Interpreted {
+    values: Vec<[f32; 4]>,
+    regional: Vec<bool>,
+    columns: usize,
+}
+
+impl Interpreted {
+    /// What each way of computing gave for one row and column, by its name.
+    fn at(&self, row: usize, column: usize) -> impl Iterator<Item = (&'static str, f32)> {
+        let [tape, _, region, _] = self.values[row * self.columns + column];
+        let region = self.regional[row].then_some(("run_region", region));
+        [("run_tape", tape)].into_iter().chain(region)
+    }
+}
+
+fn run(
+    studio: &Studio,
+    graph: &Graph,
+    roots: &[NodeId],
+    options: &TapeOptions,
+    every_case: bool,
+    points: &[[f32; 3]],
+    normals: &[[f32; 3]],
+) -> Interpreted {
+    let tapes: Vec<Tape> = roots.iter().map(|root| Tape::build(graph, &[*root], options).unwrap()).collect();
+    let programs = Programs::new(&tapes, &frame(), every_case);
+    let values = studio.draw(&programs.text(RUN), points, normals, Some(&programs));
+    Interpreted { values, regional: programs.regional, columns: points.len() }
+}
+
+/// `value` as a driver has it that knows no numbers below the normal ones; one zero.
+fn flushed(value: f32) -> f32 {
+    if value.is_normal() || !value.is_finite() { value } else { 0.0 }
+}
+
+fn close(got: f32, right: f32, relative: f32, absolute: f32) -> bool {
+    got == right
+        || got.is_nan() && right.is_nan()
+        || (got - right).abs() <= relative * right.abs() + absolute && got.is_finite()
+}
+
+/// Ordinary, huge, tiny and special numbers, each with both signs.
+fn operands() -> Vec<f32> {
+    let mut numbers =
+        vec![0.0, 1.0, 0.5, 2.0, 3.0, 31.5, 100.0, 1e4, 1e20, 1e-20, 3e38, 1.2e-38, f32::INFINITY];
+    // Where rounding to whole numbers is delicate.
+    numbers.extend([0.49999997, 8_388_609.0, 16_777_216.0]);
+    let mut random = Random(7);
+    numbers.extend((0..16).map(|_| random.between(0.0, 1.0)));
+    numbers.extend((0..24).map(|_| random.between(0.0, 10.0)));
+    let negative: Vec<f32> = numbers.iter().map(|v| -v).collect();
+    numbers.extend(negative);
+    numbers.push(f32::NAN);
+    numbers
+}
+
+#[test]
+fn every_operator_agrees_on_ordinary_and_extreme_operands() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let numbers = operands();
+    let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let node_of = |op: Op| if op.arity() == 1 { Node::Unary(op, x) } else { Node::Binary(op, x, y) };
+    let roots: Vec<NodeId> = Op::ALL.iter().map(|op| graph.raw(node_of(*op))).collect();
+    let normals = vec![[0.0; 3]; roots.len()];
+    let options = TapeOptions::default();
+    let selected = run(&studio, &graph, &roots, &options, true, &points, &normals);
+    let switched = run(&studio, &graph, &roots, &options, false, &points, &normals);
+    let compiled = studio.draw(&compiled_text(&graph, &roots), &points, &normals, None);
+
+    let (frame, mut wrong, mut trusted) = (frame(), Vec::new(), vec![0; roots.len()]);
+    for (row, &op) in Op::ALL.iter().enumerate() {
+        let rule = ROWS.iter().find(|row| row.op == op);
+        let (relative, absolute) = tolerance(op);
+        for (column, &[a, b, _]) in points.iter().enumerate() {
+            if rule.is_some_and(|rule| !(rule.trusted)(a, b)) {
+                continue;
+            }
+            trusted[row] += 1;
+            let right = flushed(op.value(a, b, &frame));
+            let mut check = |name: &str, how: &str, got: f32| {
+                if !close(flushed(got), right, relative, absolute) {
+                    wrong.push(format!("{}({a:e}, {b:e}) is {right:e}; {how} {name}: {got:e}", op.name()));
+                }
+            };
+            for (values, how) in [(&selected, "selected"), (&switched, "switched")] {
+                values.at(row, column).for_each(|(name, got)| check(name, how, got));
+            }
+            check("compiled", "", compiled[row * points.len() + column][0]);
+        }
+    }
+    assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(40)].join("\n"));
+    assert!(trusted.iter().all(|count| *count > points.len() / 2), "{trusted:?}");
+}
+
+/// How far the result of an operator is moved to see what becomes of rounding: what [`ROWS`] says, and two units in
+/// the last place for arithmetic, which drivers may fuse and regroup.
+fn disturbance(op: Op, a: f32, result: f32) -> f32 {
+    const ULPS: f32 = 2.4e-7;
+    match op {
+        Op::Add | Op::Sub | Op::Mul | Op::Square | Op::Sqrt => ULPS * result.abs(),
+        Op::AbsDifference | Op::AbsSub => ULPS * result.abs(),
+        // What lies between both of a fused operator's is rounded, too.
+        Op::SquareDifference | Op::Length => 2.0 * ULPS * result.abs(),
+        Op::SquareAdd | Op::OutsideAdd => ULPS * (a * a + result.abs()),
+        Op::SqrtSub => ULPS * (a.max(0.0).sqrt() + result.abs()),
+        // Small differences of what may be large.
+        Op::Fract | Op::Mod => ULPS * a.abs(),
+        Op::Spectrum | Op::Waveform | Op::History => ULPS,
+        op => {
+            let (relative, absolute) = tolerance(op);
+            relative * result.abs() + absolute
+        }
+    }
+}
+
+#[test]
+fn random_expressions_agree() {
+    const EXPRESSIONS: usize = 2_000;
+    const POINTS: usize = 256;
+    const PER_SHADER: usize = 50;
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let mut random = Random(1);
+    let mut graph = Graph::new();
+    let roots: Vec<NodeId> = (0..EXPRESSIONS)
+        .map(|_| {
+            let operators = 1 + random.below(11);
+            random_expression(&mut random, &mut graph, operators)
+        })
+        .collect();
+    let points: Vec<[f32; 3]> =
+        (0..POINTS).map(|_| std::array::from_fn(|_| random.between(-4.0, 4.0))).collect();
+    let normals: Vec<[f32; 3]> =
+        roots.iter().map(|_| std::array::from_fn(|_| random.between(-1.0, 1.0))).collect();
+    let interpreted = run(&studio, &graph, &roots, &TapeOptions::default(), true, &points, &normals);
+    let mut compiled = Vec::new();
+    for (roots, normals) in roots.chunks(PER_SHADER).zip(normals.chunks(PER_SHADER)) {
+        compiled.extend(studio.draw(&compiled_text(&graph, roots), &points, normals, None));
+    }
+
+    let frame = frame();
+    let (mut wrong, mut counted) = (Vec::new(), 0);
+    let mut occurrences: BTreeMap<&str, usize> = Op::ALL.iter().map(|op| (op.name(), 0)).collect();
+    for (row, &root) in roots.iter().enumerate() {
+        let order = graph.order(&[root]).unwrap().nodes;
+        for &id in &order {
+            if let Node::Unary(op, _) | Node::Binary(op, _, _) = graph.node(id) {
+                *occurrences.entry(op.name()).or_default() += 1;
+            }
+        }
+        let tape = Tape::build(&graph, &[root], &TapeOptions::default()).unwrap();
+        let mut evaluator = PointEvaluator::new(&tape, &frame);
+        for (column, &position) in points.iter().enumerate() {
+            let point = Point { position, normal: normals[row] };
+            let right = evaluator.at(&point)[0];
+            if !right.is_finite()
+                || spread(&graph, &order, &point, &frame, disturbance, &mut random) > 1e-4 * right.abs()
+            {
+                continue;
+            }
+            counted += 1;
+            let mut check = |name: &str, got: f32| {
+                if !close(got, right, 1e-4, 1e-30) {
+                    wrong.push(format!("expression {row}, {point:?}: {right:e}; {name}: {got:e}"));
+                }
+            };
+            interpreted.at(row, column).for_each(|(name, got)| check(name, got));
+            check("compiled", compiled[row * POINTS + column][0]);
+        }
+    }
+    let share = counted as f64 / (EXPRESSIONS * POINTS) as f64;
+    assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(20)].join("\n"));
+    assert!(share >= 0.9, "only {share} of the points count");
+    assert!(occurrences.values().all(|count| *count >= 100), "{occurrences:?}");
+}
+
+/// A sum of many products of distinct constants that are all kept to the end, of operations that are exact alike
+/// everywhere: it spills, and its table has pages.
+fn wide_expression(graph: &mut Graph, terms: usize) -> NodeId {
+    let inputs = [Input::X, Input::Y, Input::Z, Input::NX].map(|input| graph.input(input));
+    let products: Vec<NodeId> = (0..terms)
+        .map(|i| {
+            let number = graph.constant(i as f32 * 0.5 - 7.0);
+            let product = graph.mul(inputs[i % 4], number);
+            graph.max(product, inputs[(i + 1) % 4])
+        })
+        .collect();
+    // Once from the front and once from the back, so that the first are needed last.
+    let first = products.iter().copied().reduce(|a, b| graph.add(a, b)).unwrap();
+    products.iter().rev().copied().fold(first, |a, b| graph.sub(b, a))
+}
+
+#[test]
+fn spills_and_pages_change_nothing() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let mut random = Random(3);
+    let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
+    let normals = [[0.25, 0.5, -0.75]];
+    for (terms, slots, pages) in
+        [(6, 4, false), (20, 8, false), (40, 16, false), (300, 256, true), (300, 8, true)]
+    {
+        let mut graph = Graph::new();
+        let root = wide_expression(&mut graph, terms);
+        let options = TapeOptions { slots, ..TapeOptions::default() };
+        let tape = Tape::build(&graph, &[root], &options).unwrap();
+        assert!(tape.memory() > 0 && (tape.table().len() > 256) == pages, "{terms} terms do not test this");
+        let frame = frame();
+        let mut evaluator = PointEvaluator::new(&tape, &frame);
+        for every_case in [true, false] {
+            let values = run(&studio, &graph, &[root], &options, every_case, &points, &normals);
+            for (column, &position) in points.iter().enumerate() {
+                let right = evaluator.at(&Point { position, normal: normals[0] })[0];
+                for (name, got) in values.at(0, column) {
+                    assert!(
+                        close(got, right, 1e-6, 0.0),
+                        "{terms} terms, {slots} slots, every case {every_case}, {name}: {got} for {right}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn textures_give_what_was_sampled_and_all_outputs_are_in_their_slots() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let mut graph = Graph::new();
+    let x = graph.input(Input::X);
+    let zero = graph.constant(0.0);
+    let mut roots: Vec<NodeId> =
+        (0..4).map(|channel| graph.texture(channel + 3, channel as u8, zero, zero)).collect();
+    roots.extend((0..8).map(|i| {
+        let number = graph.constant(i as f32);
+        graph.add(x, number)
+    }));
+    let tape = Tape::build(&graph, &roots, &TapeOptions::default()).unwrap();
+    let slots: Vec<String> = tape.outputs().iter().map(|slot| slot.to_string()).collect();
+    let main = format!(
+        "void main() {{
+    for (int i = 0; i < 4 * SAMPLES; i++) sampled[i] = float(i);
+    run_tape(0, vec3(1.0, 2.0, 0.0), vec3(0.0));
+    int slots[12] = int[12]({});
+    color = vec4(tape_file[slots[int(gl_FragCoord.x)]]);
+}}
+",
+        slots.join(", ")
+    );
+    for every_case in [true, false] {
+        let programs = Programs::new(std::slice::from_ref(&tape), &frame(), every_case);
+        assert_eq!(programs.variant.samples, 7);
+        let values = studio.draw(&programs.text(&main), &[[0.0; 3]; 12], &[[0.0; 3]], Some(&programs));
+        let mut expected: Vec<f32> = (0..4).map(|channel| (4 * (channel + 3) + channel) as f32).collect();
+        expected.extend((0..8).map(|i| 1.0 + i as f32));
+        assert_eq!(values, expected.iter().map(|value| [*value; 4]).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn glslang_takes_every_kind_of_interpreter() {
+    let mut graph = Graph::new();
+    let x = graph.input(Input::X);
+    let tape = Tape::build(&graph, &[x], &TapeOptions::default()).unwrap();
+    let programs = Programs::new(&[tape], &frame(), true);
+    for every_case in [true, false] {
+        for (slots, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
+            let operators = Op::ALL.iter().copied().collect();
+            let inputs = memory > 0;
+            let variant = Variant { operators, slots, memory, samples, textures: 0, inputs, every_case };
+            let text = Programs { variant: variant.clone(), ..programs.clone() }.text(RUN);
+            if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
+                panic!("{variant:?}: {complaint}");
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Strobes before the flash limiter: counted by WCAG's definition in the pictures themselves, without it and with it.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::program::Workplace;
+use crate::support::studio::Studio;
+use image::RgbaImage;
+use mariana::flash::{Analyser, Flashes, Grid};
+use mariana::gpu::renderer::Counting;
+use mariana::gpu::scene_program::Mode;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::SceneSource;
+use mariana_music::Features;
+
+/// Small, because it is drawn without a graphics card; no multiple of the limiter's cells.
+const SIZE: (u32, u32) = (100, 75);
+const FPS: f64 = 60.0;
+
+/// A wall that fills the picture and shines by itself, and nothing else.
+fn wall(emission: &str) -> String {
+    format!(
+        "material paint {{ color = 0  roughness = 1  emission = {emission} }}\n\
+         object wall {{ shape = 5 - p.z  material = paint }}\n\
+         light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+         camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n\
+         sky {{ color = 0  ambient = 0 }}\n"
+    )
+}
+
+/// On for half of each second of the scene's time.
+const BLINKS: &str = "step(0.5, fract(t))";
+
+/// A scene with the limiter on it.
+struct Strobe {
+    _place: Workplace,
+    studio: Studio,
+    size: (u32, u32),
+}
+
+impl Strobe {
+    fn of(emission: &str) -> Self {
+        let place = Workplace::new();
+        place.write("strobe.scene", wall(emission));
+        let scene = SceneSource::File(place.path("strobe.scene"));
+        let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
+        studio.renderer.add_flash_limiter(&ShaderLibrary::embedded()).unwrap();
+        Self { _place: place, studio, size: SIZE }
+    }
+
+    /// Shows it for some seconds, `sound` at each, the scene's time as many times as fast. Gives each picture as it is
+    /// drawn and as it is shown.
+    fn show(
+        &mut self,
+        seconds: f64,
+        speed: f64,
+        sound: impl Fn(f64) -> Features,
+        mut see: impl FnMut(f64, RgbaImage, RgbaImage),
+    ) {
+        for frame in 0..(seconds * FPS) as usize {
+            let time = frame as f64 / FPS;
+            // Not at the moment of a change.
+            let drawn = self.studio.picture((time + 1e-4) * speed, sound(time), self.size);
+            self.studio.renderer.limit_flashes(1.0 / FPS).unwrap();
+            let shown = RgbaImage::from_raw(self.size.0, self.size.1, self.studio.renderer.read()).unwrap();
+            see(time, drawn, shown);
+        }
+    }
+
+    /// The flashes of two seconds without the limiter and with it, and how many pictures it changed.
+    fn count(&mut self, speed: f64, sound: impl Fn(f64) -> Features) -> (Flashes, Flashes, usize) {
+        let (mut without, mut with, mut changed) = (Analyser::default(), Analyser::default(), 0);
+        let size = self.size;
+        self.show(2.5, speed, sound, |time, drawn, shown| {
+            without.note(time, &Grid::of_picture(&drawn, size));
+            with.note(time, &Grid::of_picture(&shown, size));
+            changed += usize::from(drawn != shown);
+        });
+        (without.worst(), with.worst(), changed)
+    }
+}
+
+fn silence(_: f64) -> Features {
+    Features::SILENCE
+}
+
+#[test]
+fn strobes_of_the_whole_picture_keep_three_flashes_a_second() {
+    let mut strobe = Strobe::of(&format!("6 * {BLINKS}"));
+    for hz in [4.0, 7.3, 15.0, 30.0] {
+        let (without, with, changed) = strobe.count(hz, silence);
+        assert!(without.general > 3, "{hz} Hz is no strobe: {without:?}");
+        assert!(with.general <= 3 && changed > 0, "{hz} Hz: {with:?}");
+    }
+}
+
+#[test]
+fn red_strobes_keep_three_flashes_a_second_of_either_kind() {
+    let mut strobe = Strobe::of(&format!("vec3(1.5, 0, 0) * {BLINKS}"));
+    for hz in [5.0, 12.0] {
+        let (without, with, _) = strobe.count(hz, silence);
+        assert!(without.red > 3, "{hz} Hz is no red strobe: {without:?}");
+        assert!(with.red <= 3 && with.general <= 3, "{hz} Hz: {with:?}");
+    }
+}
+
+#[test]
+fn a_beat_that_strobes_is_limited_and_a_usual_one_is_not() {
+    // Pictures with bright and dark parts side by side, which flash together.
+    let mut strobe = Strobe::of(
+        "(0.05 + 4 * beat) * (0.3 + 0.7 * step(0.5, fract(0.8 * p.x + 0.1))) * (0.6 + 0.4 * sin(2 * p.y))",
+    );
+    let beats = |hz: f64| {
+        move |time: f64| Features {
+            beat: (1.0 - 3.0 * (time * hz).fract()).max(0.0) as f32,
+            ..Features::SILENCE
+        }
+    };
+    for hz in [5.0, 8.0] {
+        let (without, with, _) = strobe.count(1.0, beats(hz));
+        assert!(without.general > 3, "{hz} Hz: {without:?}");
+        assert!(with.general <= 3, "{hz} Hz: {with:?}");
+    }
+    // Its own state is that of before: what it still dims comes back.
+    let (mut strobe, mut changed) = (Strobe::of("0.05 + 4 * beat"), 0);
+    strobe.show(3.0, 1.0, beats(174.0 / 60.0), |_, drawn, shown| changed += usize::from(drawn != shown));
+    assert_eq!(changed, 0, "a beat of 174 a minute is changed");
+}
+
+#[test]
+fn a_small_lamp_and_three_flashes_a_second_pass_untouched() {
+    let mut lamp = Strobe::of(&format!("6 * {BLINKS} * step(length(p.xy - vec2(0.5, 0.3)), 0.25)"));
+    let (_, _, changed) = lamp.count(12.0, silence);
+    assert_eq!(changed, 0, "the lamp is limited");
+    let mut whole = Strobe::of(&format!("6 * {BLINKS}"));
+    let (without, with, changed) = whole.count(3.0, silence);
+    assert_eq!((without.general, with.general, changed), (3, 3, 0));
+}
+
+#[test]
+fn what_does_not_flash_stays_as_it_is_beside_what_does() {
+    let mut strobe = Strobe::of(&format!("if p.x < 0 then 6 * {BLINKS} else 0.5 + 0.3 * sin(9 * p.y)"));
+    let (mut limited, mut with) = (0, Analyser::default());
+    strobe.show(2.0, 10.0, silence, |time, drawn, shown| {
+        with.note(time, &Grid::of_picture(&shown, SIZE));
+        limited += usize::from(drawn != shown);
+        // Right of the cells that both share.
+        for (x, y, pixel) in shown.enumerate_pixels().filter(|(x, ..)| *x > SIZE.0 / 2 + 2) {
+            assert_eq!(pixel, drawn.get_pixel(x, y), "at {x}, {y}, {time} s");
+        }
+    });
+    assert!(limited > 30 && with.worst().general <= 3, "{limited}, {:?}", with.worst());
+}
+
+#[test]
+fn pictures_of_any_shape_are_limited() {
+    let mut strobe = Strobe::of(&format!("6 * {BLINKS}"));
+    for size in [(1, 1), (16_384, 1), (1, 700), (47, 35)] {
+        strobe.size = size;
+        let (without, with, _) = strobe.count(10.0, silence);
+        assert!(without.general > 3 && with.general <= 3, "{size:?}: {without:?}, {with:?}");
+    }
+}
+
+/// The flashes in numbered stills.
+fn flashes_in(place: &Workplace, folder: &str, fps: f64) -> Flashes {
+    let mut names: Vec<_> =
+        std::fs::read_dir(place.path(folder)).unwrap().map(|entry| entry.unwrap().path()).collect();
+    names.sort();
+    assert_eq!(names.len(), 60, "{folder}");
+    let mut analyser = Analyser::default();
+    for (frame, name) in names.iter().enumerate() {
+        let picture = image::open(name).unwrap().to_rgba8();
+        analyser.note(frame as f64 / fps, &Grid::of_picture(&picture, picture.dimensions()));
+    }
+    analyser.worst()
+}
+
+#[test]
+fn videos_are_limited_unless_it_is_turned_off() {
+    let place = Workplace::new();
+    place.write("strobe.scene", wall("6 * step(0.5, fract(6 * t + 0.01))"));
+    let arguments = ["video", "--scene", "strobe.scene", "--duration", "2", "--fps", "30", "--size", "64x36"];
+    place.run(&[&arguments[..], &["-o", "on/"]].concat()).done();
+    place.run(&[&arguments[..], &["--flash-limiter", "off", "-o", "off/"]].concat()).done();
+    let (on, off) = (flashes_in(&place, "on", 30.0), flashes_in(&place, "off", 30.0));
+    assert!(on.general <= 3 && off.general > 3, "{on:?} with the limiter, {off:?} without");
+}

@@ -1,0 +1,320 @@
+//! Pictures as users see them: what the passes promise, that music shows, what it costs, and golden pictures.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::compare::{TIGHT, assert_alike, check_golden, difference, pixel_difference};
+use crate::support::oracle::{constant, vector_constant};
+use crate::support::shader_folder::changed_shaders;
+use crate::support::studio::{Studio, loud_music, silence, soft_music, speakers};
+use glam::DVec3;
+use image::RgbaImage;
+use mariana::frame::Frame;
+use mariana::frame::picture::Picture;
+use mariana::gpu::error::GpuError;
+use mariana::gpu::renderer::{Counting, Renderer};
+use mariana::gpu::scene_program::{Mode, compiled_variant};
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana_field::world::{ToneMap, Traits};
+use mariana_music::{BAND_COUNT, Features};
+
+/// Differences beyond this many steps of 0..255 count as visible.
+const VISIBLE: u8 = 8;
+
+#[test]
+fn a_frame_has_the_same_bytes_every_time() {
+    let mut studio = Studio::new();
+    let size = (192, 108);
+    let first = studio.picture(3.0, loud_music(), size);
+    let other = studio.picture(9.0, silence(), size);
+    assert!(difference(&first, &other, VISIBLE).share > 0.05, "two moments look the same");
+    assert!(first == studio.picture(3.0, loud_music(), size), "the second drawing differs");
+
+    let mut second = Renderer::new(studio.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
+    second.draw(&studio.frame(3.0, loud_music(), size), &studio.resources, &studio.program).unwrap();
+    assert!(first.as_raw() == &second.read(), "another renderer draws it differently");
+}
+
+/// Gives the studio a program that shows `body`, statements that set `vec3 color`.
+fn show(studio: &mut Studio, body: &str) {
+    let scene = format!(
+        "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\nlayout(location = 0) out vec4 sample_color;\n\
+         void main() {{\n    vec3 color;\n    {body}\n    sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
+    );
+    let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
+    studio.program = studio.link(&library, &compiled_variant("", 0, Traits::default(), Counting::Off));
+}
+
+/// What the studio's program shows in silence.
+fn drawn(studio: &mut Studio, size: (u32, u32)) -> RgbaImage {
+    studio.picture(0.0, silence(), size)
+}
+
+#[test]
+fn light_is_encoded_once_and_kept_from_infinity() {
+    let mut studio = Studio::new();
+    studio.adjust = |picture| (picture.tone_map, picture.grain) = (ToneMap::None, 0.0);
+    linear_light_becomes_srgb_once(&mut studio);
+    for adjust in [
+        |picture: &mut Picture| *picture = plain(picture, ToneMap::Agx),
+        |picture: &mut Picture| *picture = plain(picture, ToneMap::Aces),
+        |picture: &mut Picture| *picture = plain(picture, ToneMap::Reinhard),
+    ] {
+        studio.adjust = adjust;
+        tone_mapping_is_monotonic_and_kills_what_is_no_light(&mut studio);
+    }
+}
+
+/// A picture without bloom and grain.
+fn plain(picture: &Picture, tone_map: ToneMap) -> Picture {
+    Picture { bloom: 0.0, grain: 0.0, tone_map, ..*picture }
+}
+
+/// IEC 61966-2-1, as a fraction of 255 steps.
+fn srgb_steps(linear: f64) -> f64 {
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    255.0 * encoded
+}
+
+fn linear_light_becomes_srgb_once(studio: &mut Studio) {
+    // Binary fractions: the half floats between the passes hold them exactly.
+    for linear in [0.0, 1.0 / 512.0, 1.0 / 16.0, 0.25, 0.5, 1.0] {
+        show(studio, &format!("color = vec3({linear:?});"));
+        let picture = drawn(studio, (64, 64));
+        let expected = srgb_steps(linear);
+        for pixel in picture.pixels() {
+            let off =
+                pixel.0[..3].iter().map(|&value| (f64::from(value) - expected).abs()).fold(0.0, f64::max);
+            assert!(off <= 1.01, "{linear} becomes {pixel:?}, not {expected:.2}");
+            assert_eq!(pixel.0[3], 255, "the picture is not opaque");
+        }
+        // Dithering: no bias, but where the range ends.
+        let mean = picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / (64.0 * 64.0);
+        if linear > 0.0 && linear < 1.0 {
+            assert!((mean - expected).abs() < 0.1, "{linear} is {mean:.2} on average, not {expected:.2}");
+        }
+    }
+    show(studio, "color = vec3(0.5);");
+    let middle = drawn(studio, (64, 64));
+    let steps: std::collections::BTreeSet<u8> = middle.pixels().map(|pixel| pixel.0[0]).collect();
+    assert_eq!(steps, [187, 188].into(), "0.5 lies between two steps: dithering shows both");
+}
+
+fn tone_mapping_is_monotonic_and_kills_what_is_no_light(studio: &mut Studio) {
+    const NAN: &str = "uintBitsToFloat(0x7fc00000u)";
+    const INFINITY: &str = "uintBitsToFloat(0x7f800000u)";
+    let grey = |value: &str| format!("vec3({value})");
+    let black: Vec<String> = [
+        grey(NAN),
+        grey(INFINITY),
+        grey(&format!("-{INFINITY}")),
+        format!("vec3({NAN}, 0.5, 0.5)"),
+        format!("vec3(0.5, 0.5, {NAN})"),
+        format!("vec3({INFINITY}, 0.5, 0.5)"),
+        format!("vec3({INFINITY}, -{INFINITY}, 0.5)"),
+        grey("-1.0"),
+        grey("-1e30"),
+        grey("0.0"),
+    ]
+    .into();
+    let bright = ["1e-6", "0.001", "0.01", "0.1", "0.5", "1.0", "3.0", "10.0", "100.0", "1e4", "1e8"];
+    let all: Vec<String> = black.iter().cloned().chain(bright.map(grey)).collect();
+    // One light for each column, read from an array so that no driver folds it away.
+    let body = format!(
+        "vec3 lights[{count}] = vec3[{count}]({lights});\n    \
+         color = lights[int(sample_place().x) % {count}];",
+        count = all.len(),
+        lights = all.join(", ")
+    );
+    let width = all.len() as u32;
+    show(studio, &body);
+    let picture = drawn(studio, (width, 8));
+    // The brightest of a column, which the dithering moves by half a step.
+    let steps = |column: u32| {
+        (0..8).map(|y| picture.get_pixel(column, y).0[..3].iter().max().copied()).max().flatten()
+    };
+    for (light, column) in black.iter().zip(0..) {
+        assert!(steps(column) <= Some(1), "{light} becomes {:?} of 255, not black", steps(column));
+    }
+    let brights: Vec<u8> = (black.len() as u32..width).filter_map(steps).collect();
+    assert!(brights.is_sorted(), "more light is darker: {bright:?} become {brights:?}");
+    assert!(brights[0] <= 1 && brights[10] == 255, "the range is not used: {brights:?}");
+    assert!(brights[4] < 255, "0.5 is burnt out: {brights:?}");
+}
+
+/// Share of the pixels whose colour channels all fulfil `test`.
+fn share_of(picture: &RgbaImage, test: impl Fn(u8) -> bool) -> f64 {
+    let hits = picture.pixels().filter(|pixel| pixel.0[..3].iter().all(|&value| test(value))).count();
+    hits as f64 / (f64::from(picture.width()) * f64::from(picture.height()))
+}
+
+#[test]
+fn no_picture_is_a_void_or_burnt_out() {
+    let mut studio = Studio::new();
+    let features = [silence(), soft_music(), loud_music()];
+    for (time, size) in [
+        (0.0, (160, 90)),
+        (7.0, (160, 90)),
+        (19.0, (90, 160)),
+        (31.6, (60, 240)),
+        (31.6, (160, 90)),
+        (60.0, (240, 60)),
+        (1234.5, (120, 120)),
+    ] {
+        for features in features {
+            let picture = studio.picture(time, features, size);
+            let seen = format!("{size:?} at {time} s, volume {:?}", features.volume);
+            let (black, white) =
+                (share_of(&picture, |value| value == 0), share_of(&picture, |value| value == 255));
+            assert!(black <= 0.30, "{black:.3} of the pixels are black: {seen}");
+            assert!(white <= 0.02, "{white:.3} of the pixels are white: {seen}");
+        }
+    }
+}
+
+/// Where a point of the scene is in a picture, in pixels from the upper left corner.
+fn pixel_of(frame: &Frame, point: DVec3) -> (f64, f64) {
+    let (x, y) = frame.camera.project(point).expect("the point is before the camera");
+    (0.5 * (x + 1.0) * f64::from(frame.size.0), 0.5 * (1.0 - y) * f64::from(frame.size.1))
+}
+
+/// Share of visibly different pixels within `radius` pixels of (`x`, `y`).
+fn changed_around(a: &RgbaImage, b: &RgbaImage, (x, y): (f64, f64), radius: f64) -> f64 {
+    let (mut all, mut changed) = (0_u32, 0_u32);
+    for (column, row, pixel) in a.enumerate_pixels() {
+        if (f64::from(column) + 0.5 - x).hypot(f64::from(row) + 0.5 - y) <= radius {
+            all += 1;
+            changed += u32::from(pixel_difference(pixel, b.get_pixel(column, row)) > VISIBLE);
+        }
+    }
+    assert!(all > 20, "{all} pixels are too few to judge");
+    f64::from(changed) / f64::from(all)
+}
+
+#[test]
+fn music_shows_and_each_channel_moves_its_own_woofer() {
+    let mut studio = Studio::new();
+    let size = (256, 144);
+    for time in [0.0, 12.0, 40.0] {
+        let silent = studio.picture(time, silence(), size);
+        let loud = studio.picture(time, loud_music(), size);
+        let share = difference(&silent, &loud, VISIBLE).share;
+        assert!(share >= 0.05, "loud music changes only {share:.3} of the pixels at {time} s");
+
+        let frame = studio.frame(time, silence(), size);
+        let centre = vector_constant("SPEAKER_CENTRE");
+        let half_size = vector_constant("CABINET_HALF");
+        let front = centre.z - half_size.z - constant("CABINET_ROUNDING");
+        let woofer_y = centre.y + constant("WOOFER_Y");
+        for (channel, name) in ["left", "right"].into_iter().enumerate() {
+            let mut features = silence();
+            features.volume[channel] = 0.3;
+            let picture = studio.picture(time, features, size);
+            let changed = |side: f64| {
+                let woofer = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y, front));
+                // As far as the loudest woofer reaches, 1.7 units.
+                let rim = pixel_of(&frame, DVec3::new(side * centre.x, woofer_y + 1.7, front));
+                changed_around(&silent, &picture, woofer, (rim.1 - woofer.1).abs())
+            };
+            let own_side = if channel == 0 { -1.0 } else { 1.0 };
+            let (own, other) = (changed(own_side), changed(-own_side));
+            assert!(own >= 0.15, "the {name} volume changes {own:.3} of its woofer at {time} s");
+            assert!(other <= 0.01, "the {name} volume changes {other:.3} of the other woofer at {time} s");
+        }
+    }
+}
+
+#[test]
+fn each_band_moves_its_own_bar() {
+    let mut studio = Studio::new();
+    let size = (432, 288);
+    let silent = studio.picture(0.0, silence(), size);
+    let frame = studio.frame(0.0, silence(), size);
+    let spacing = constant("BAR_SPACING");
+    let front = constant("BAR_Z") - constant("BAR_HALF_DEPTH");
+    let level = 0.6;
+    let height = level * constant("BAR_HEIGHT");
+    let x_of = |bar: usize| (bar as f64 - 0.5 * (BAND_COUNT as f64 - 1.0)) * spacing;
+    for band in 0..BAND_COUNT {
+        let mut features = silence();
+        features.bands[band] = level as f32;
+        let picture = studio.picture(0.0, features, size);
+        // How much the places change where each bar would stand, from a third of the height to nine tenths.
+        let change = |bar: usize| {
+            let probes = (0..12).map(|i| {
+                let y = height * (0.33 + 0.57 * f64::from(i) / 11.0);
+                let (x, y) = pixel_of(&frame, DVec3::new(x_of(bar), y, front));
+                let (x, y) = (x as u32, y as u32);
+                f64::from(pixel_difference(silent.get_pixel(x, y), picture.get_pixel(x, y)))
+            });
+            probes.sum::<f64>() / 12.0
+        };
+        let changes: Vec<f64> = (0..BAND_COUNT).map(change).collect();
+        assert!(changes[band] > 40.0, "band {band} changes its bar by only {:.1} steps", changes[band]);
+        // Its shadow falls far away and is weaker.
+        for (bar, other) in changes.iter().enumerate().filter(|(bar, _)| *bar != band) {
+            let allowed = if bar.abs_diff(band) <= 3 { 0.25 } else { 0.9 };
+            assert!(*other < allowed * changes[band], "band {band} moves bar {bar} too: {changes:.0?}");
+        }
+    }
+}
+
+#[test]
+fn tracing_stays_within_its_budget_and_counting_changes_nothing() {
+    let mut counting = Studio::of(&speakers(), Mode::Compiled, Counting::On);
+    let mut plain = Renderer::new(counting.context.gl(), &ShaderLibrary::embedded(), Counting::Off).unwrap();
+    let plain_program = counting.program_of(Mode::Compiled, Counting::Off);
+    for (time, size) in [(0.0, (320, 180)), (7.0, (320, 180)), (31.0, (320, 180)), (12.0, (640, 360))] {
+        let picture = counting.picture(time, loud_music(), size);
+        let evaluations = counting.renderer.evaluations();
+        let each = evaluations.per_pixel(f64::from(size.0 * size.1));
+        assert!(
+            each.primary >= 0.3 && each.shadow > 0.3 && each.normal > 0.3,
+            "nothing was counted: {each:?}"
+        );
+        assert!(each.reflection > 0.01 && each.occlusion > 0.3, "nothing was counted: {each:?}");
+        assert_eq!(evaluations.capped_rays, 0.0, "rays end at their step cap at {time} s");
+        assert!(each.total() <= 60.0, "{:.1} evaluations a pixel at {time} s: {each:?}", each.total());
+
+        plain.draw(&counting.frame(time, loud_music(), size), &counting.resources, &plain_program).unwrap();
+        let uncounted = RgbaImage::from_raw(size.0, size.1, plain.read()).unwrap();
+        assert_alike("counting", &picture, &uncounted, TIGHT);
+        assert_eq!(plain.evaluations().total(), 0.0, "a renderer that does not count has counted");
+    }
+}
+
+#[test]
+fn every_size_that_the_driver_has_is_drawn_and_a_larger_one_refused() {
+    let mut studio = Studio::new();
+    for size in [(1, 1), (1, 64), (3000, 1), (64, 64), (65, 33)] {
+        let picture = studio.picture(5.0, soft_music(), size);
+        assert!(share_of(&picture, |value| value == 0) <= 0.30, "{size:?} is black");
+        assert!(picture.pixels().all(|pixel| pixel.0[3] == 255), "{size:?} is not opaque");
+    }
+    let before = studio.picture(5.0, soft_music(), (64, 64));
+    let limit = studio.context.gl().info().texture_side_max;
+    for size in [(limit + 1, 1), (1, limit + 1), (u32::MAX, u32::MAX)] {
+        match studio.try_picture(5.0, soft_music(), size) {
+            Err(GpuError::TooLarge { width, height, limit: told }) => {
+                assert_eq!((width, height, told), (size.0, size.1, limit));
+            }
+            Err(other) => panic!("{size:?}: {other}"),
+            Ok(_) => panic!("{size:?} was drawn"),
+        }
+        let after = studio.picture(5.0, soft_music(), (64, 64));
+        assert!(before == after, "after {size:?} was refused the picture is another one");
+    }
+}
+
+#[test]
+fn pictures_look_like_the_golden_ones() {
+    let mut studio = Studio::new();
+    let scenes: [(&str, f64, Features, (u32, u32)); 3] = [
+        ("silent", 0.0, silence(), (256, 144)),
+        ("loud", 12.0, loud_music(), (256, 144)),
+        ("tall", 12.0, loud_music(), (144, 256)),
+    ];
+    let results =
+        scenes.map(|(name, time, features, size)| check_golden(name, &studio.picture(time, features, size)));
+    let failures: Vec<String> = results.into_iter().filter_map(Result::err).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}

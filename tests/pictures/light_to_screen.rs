@@ -1,0 +1,331 @@
+//! From light to the screen: tone maps, bloom, grain, depth of field and the smoothness of edges, by their pictures.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::shader_folder::changed_shaders;
+use crate::support::studio::{Studio, loud_music, silence};
+use image::RgbaImage;
+use mariana::export::bench::peak_signal_over_noise;
+use mariana::frame::picture::{BLUR_MAX, Picture};
+use mariana::gpu::edge_samples::EdgeSamples;
+use mariana::gpu::renderer::Counting;
+use mariana::gpu::scene_program::{Mode, compiled_variant};
+use mariana::scenes::SceneSource;
+use mariana_field::world::{ToneMap, Traits};
+
+/// Gives the studio a program that shows `body`, statements that set `vec3 color`.
+fn show(studio: &mut Studio, body: &str) {
+    let scene = format!(
+        "#include \"frame_block.glsl\"\n#include \"sample_place.glsl\"\n#include \"sample_light.glsl\"\n\
+         layout(location = 0) out vec4 sample_color;\nvoid main() {{\n    vec3 color;\n    {body}\n    \
+         sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
+    );
+    let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
+    studio.program = studio.link(&library, &compiled_variant("", 0, Traits::default(), Counting::Off));
+}
+
+/// Light as it is: no bloom, no grain, no tone map.
+fn plain(picture: &mut Picture) {
+    (picture.bloom, picture.grain, picture.tone_map) = (0.0, 0.0, ToneMap::None);
+}
+
+fn scene(text: &str) -> Studio {
+    Studio::of(&SceneSource::Formula(text.into()), Mode::Compiled, Counting::Off)
+}
+
+/// Linear light of a byte, by IEC 61966-2-1.
+fn linear(byte: u8) -> f64 {
+    let encoded = f64::from(byte) / 255.0;
+    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+}
+
+fn steps(linear: f64) -> f64 {
+    255.0 * if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// All light of a picture, in all channels.
+fn energy(picture: &RgbaImage) -> f64 {
+    picture.pixels().flat_map(|pixel| pixel.0[..3].iter().map(|&byte| linear(byte)).collect::<Vec<_>>()).sum()
+}
+
+type Rgb = [f64; 3];
+
+fn times(rows: [Rgb; 3], v: Rgb) -> Rgb {
+    rows.map(|row| row.iter().zip(v).map(|(a, b)| a * b).sum())
+}
+
+/// The tone maps as their sources write them; AgX with its sigmoid, which the shader has as a polynomial.
+fn witness(map: ToneMap, color: Rgb) -> Rgb {
+    match map {
+        ToneMap::Agx => {
+            let inset = [
+                [0.842479062253094, 0.0784335999999992, 0.0792237451477643],
+                [0.0423282422610123, 0.878468636469772, 0.0791661274605434],
+                [0.0423756549057051, 0.0784336, 0.879142973793104],
+            ];
+            let outset = [
+                [1.19687900512017, -0.0980208811401368, -0.0990297440797205],
+                [-0.0528968517574562, 1.15190312990417, -0.0989611768448433],
+                [-0.0529716355144438, -0.0980434501171241, 1.15107367264116],
+            ];
+            let encoded = times(inset, color)
+                .map(|light| agx_sigmoid(((light.max(1e-10).log2() + 12.47393) / 16.5).clamp(0.0, 1.0)));
+            let grey: f64 = [0.2126, 0.7152, 0.0722].iter().zip(encoded).map(|(a, b)| a * b).sum();
+            times(outset, encoded.map(|value| grey + 1.4 * (value - grey)))
+                .map(|value| value.clamp(0.0, 1.0).powf(2.36))
+        }
+        ToneMap::Aces => {
+            let inset =
+                [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]];
+            let outset =
+                [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]];
+            let fitted = times(inset, color.map(|light| 1.6 * light))
+                .map(|v| (v * (v + 0.0245786) - 0.000090537) / (v * (0.983729 * v + 0.4329510) + 0.238081));
+            times(outset, fitted).map(|value| value.clamp(0.0, 1.0))
+        }
+        ToneMap::Reinhard => {
+            let color = color.map(|light| 1.35 * light);
+            let l: f64 = [0.2126, 0.7152, 0.0722].iter().zip(color).map(|(a, b)| a * b).sum();
+            color.map(|light| (light * (1.0 + l / 36.0) / (1.0 + l)).clamp(0.0, 1.0))
+        }
+        ToneMap::None => color.map(|light| light.clamp(0.0, 1.0)),
+    }
+}
+
+/// Sobotka's curve: two hyperbolas that meet at the pivot.
+fn agx_sigmoid(x: f64) -> f64 {
+    let (px, py, slope) = (10.0 / 16.5, 0.48, 2.2);
+    let (towards, power) = if x < px { (-1.0, 1.6_f64) } else { (1.0, 2.4) };
+    let (room_x, room_y) = if x < px { (px, py) } else { (1.0 - px, 1.0 - py) };
+    let scale =
+        ((slope * room_x).powf(-power) * ((slope * room_x / room_y).powf(power) - 1.0)).powf(-1.0 / power);
+    let t = slope * (x - px) * towards / scale;
+    py + towards * scale * t / (1.0 + t.powf(power)).powf(1.0 / power)
+}
+
+#[test]
+fn tone_maps_are_what_they_are_called_and_keep_hues() {
+    let mut studio = Studio::new();
+    let hues: [Rgb; 6] = [
+        [1.0, 1.0, 1.0],
+        [1.0, 0.1, 0.05],
+        [0.1, 1.0, 0.2],
+        [0.05, 0.2, 1.0],
+        [1.0, 0.6, 0.1],
+        [0.6, 0.1, 1.0],
+    ];
+    let lights: Vec<Rgb> =
+        (-8..=6).flat_map(|stop| hues.map(|hue| hue.map(|part| part * 2f64.powi(stop)))).collect();
+    let listed: Vec<String> = lights.iter().map(|[r, g, b]| format!("vec3({r:?}, {g:?}, {b:?})")).collect();
+    show(
+        &mut studio,
+        &format!(
+            "vec3 lights[{0}] = vec3[{0}]({1});\n    color = lights[int(sample_place().x) % {0}];",
+            lights.len(),
+            listed.join(", ")
+        ),
+    );
+    for map in ToneMap::ALL {
+        studio.adjust = match map {
+            ToneMap::Agx => |picture| {
+                plain(picture);
+                picture.tone_map = ToneMap::Agx;
+            },
+            ToneMap::Aces => |picture| {
+                plain(picture);
+                picture.tone_map = ToneMap::Aces;
+            },
+            ToneMap::Reinhard => |picture| {
+                plain(picture);
+                picture.tone_map = ToneMap::Reinhard;
+            },
+            ToneMap::None => plain,
+        };
+        let picture = studio.picture(0.0, silence(), (lights.len() as u32, 1));
+        let mut greys = Vec::new();
+        for ((pixel, light), number) in picture.pixels().zip(&lights).zip(0..) {
+            let expected = witness(map, *light).map(steps);
+            let seen = [0, 1, 2].map(|channel| f64::from(pixel.0[channel]));
+            // The polynomial is within 0.003 of the curve, which saturation and matrices enlarge.
+            let off = if map == ToneMap::Agx { 4.0 } else { 1.6 };
+            assert!(
+                seen.iter().zip(expected).all(|(a, b)| (a - b).abs() <= off),
+                "{map:?} of {light:?} is {seen:?}, not {expected:?}"
+            );
+            // What was the strongest part stays so (bright colours turn in ACES), and a grey stays grey.
+            let turned = if map == ToneMap::Aces { 8.0 } else { 1.0 };
+            let strongest = (0..3).max_by(|&a, &b| light[a].total_cmp(&light[b])).unwrap();
+            let most = seen.iter().fold(0.0_f64, |most, &part| most.max(part));
+            assert!(seen[strongest] >= most - turned, "{map:?} turns the hue of {light:?}: {seen:?}");
+            if number % hues.len() == 0 {
+                assert!(
+                    seen.iter().all(|part| (part - seen[0]).abs() <= 1.0),
+                    "{map:?} colours a grey: {seen:?}"
+                );
+                greys.push(seen[0]);
+            }
+        }
+        assert!(greys.is_sorted(), "{map:?}: {greys:?}");
+        // Blacks are not crushed: seven stops below 1 can still be told from eight.
+        assert!(greys[1] > greys[0] && greys[0] >= 0.0, "{map:?}: {greys:?}");
+    }
+}
+
+#[test]
+fn bloom_scatters_light_and_adds_none() {
+    let mut studio = Studio::new();
+    // Dim, so that no pixel is weighed down much for its brightness.
+    show(
+        &mut studio,
+        "vec2 off = abs(sample_place() - vec2(96.0, 54.0));\n    \
+         color = max(off.x, off.y) < 20.0 ? vec3(0.10, 0.06, 0.02) : vec3(0.005);",
+    );
+    let size = (192, 108);
+    studio.adjust = plain;
+    let sharp = studio.picture(0.0, silence(), size);
+    studio.adjust = |picture| {
+        plain(picture);
+        picture.bloom = 1.0;
+    };
+    let scattered = studio.picture(0.0, silence(), size);
+    let (before, after) = (energy(&sharp), energy(&scattered));
+    assert!((after / before - 1.0).abs() < 0.04, "{before:.2} became {after:.2}");
+    let beside = |picture: &RgbaImage| linear(picture.get_pixel(120, 54).0[0]);
+    assert!(beside(&scattered) > 1.5 * beside(&sharp), "no light falls beside the square");
+
+    studio.adjust = |picture| {
+        plain(picture);
+        picture.bloom = 0.04;
+    };
+    // One pixel as bright as light can be, and what is no light: neither makes a sun.
+    for one in ["1e30", "uintBitsToFloat(0x7f800000u)", "uintBitsToFloat(0x7fc00000u)"] {
+        show(
+            &mut studio,
+            &format!(
+                "color = vec3(0.01);\n    if (ivec2(sample_place()) == ivec2(96, 54)) color = vec3({one});"
+            ),
+        );
+        let picture = studio.picture(0.0, silence(), size);
+        let around = picture.enumerate_pixels().filter(|(x, y, _)| x.abs_diff(96).max(y.abs_diff(53)) > 3);
+        let most = around.map(|(_, _, pixel)| pixel.0[0]).max().unwrap();
+        assert!(f64::from(most) < steps(0.02), "{one} glows: {most}");
+    }
+}
+
+#[test]
+fn every_size_has_its_bloom_and_its_lens() {
+    let mut studio = scene(
+        "camera { aperture = 0.2 focus = 3 }\npicture { bloom = 0.3 vignette = 1 }\nmin(y + 1, length(p) - 1)",
+    );
+    for size in [(1, 1), (2, 1), (1, 3), (7, 5), (640, 2), (2048, 1), (1, 2048)] {
+        let picture = studio.picture(0.5, loud_music(), size);
+        assert_eq!(picture.dimensions(), size);
+        assert!(picture == studio.picture(0.5, loud_music(), size), "{size:?} differs from itself");
+        assert!(picture.pixels().any(|pixel| pixel.0[..3].iter().any(|&byte| byte > 8)), "{size:?} is black");
+    }
+}
+
+#[test]
+fn grain_is_slight_unbiased_and_still() {
+    let mut studio = Studio::new();
+    show(&mut studio, "color = vec3(0.2);");
+    studio.adjust = |picture| {
+        plain(picture);
+        picture.grain = 1.0;
+    };
+    let picture = studio.picture(0.0, silence(), (128, 128));
+    assert!(picture == studio.picture(7.0, silence(), (128, 128)), "grain moves over what stands still");
+    let mean = picture.pixels().map(|pixel| f64::from(pixel.0[0])).sum::<f64>() / (128.0 * 128.0);
+    assert!((mean - steps(0.2)).abs() < 0.1, "{mean} instead of {}", steps(0.2));
+    let far = picture.pixels().map(|pixel| (f64::from(pixel.0[0]) - steps(0.2)).abs()).fold(0.0, f64::max);
+    assert!((1.0..=2.0).contains(&far), "grain of {far} steps");
+}
+
+/// A wall at z = 6, lit by itself where x > 0, seen from the origin.
+fn wall(camera: &str) -> Studio {
+    let mut studio = scene(&format!(
+        "material halves {{ color = 0 emission = if p.x > 0 then 0.5 else 0 }}\n\
+         object wall {{ shape = 6 - z material = halves }}\n\
+         light none {{ position = vec3(0) color = 0 }}\nsky {{ color = 0 ambient = 0 }}\n\
+         camera {{ position = vec3(0) target = vec3(0, 0, 1) fov = 45 {camera} }}"
+    ));
+    studio.adjust = plain;
+    studio
+}
+
+/// Pixels from a tenth to nine tenths of the brighter side, along the middle row.
+fn edge_width(picture: &RgbaImage) -> f64 {
+    let row: Vec<f64> =
+        (0..picture.width()).map(|x| linear(picture.get_pixel(x, picture.height() / 2).0[0])).collect();
+    let high = row.iter().copied().fold(0.0, f64::max);
+    let crossing = |share: f64| {
+        let at =
+            row.windows(2).position(|pair| (pair[0] < share * high) != (pair[1] < share * high)).unwrap();
+        at as f64 + (share * high - row[at]) / (row[at + 1] - row[at])
+    };
+    (crossing(0.9) - crossing(0.1)).abs()
+}
+
+#[test]
+fn a_lens_is_sharp_at_its_focus_and_blurs_off_it_as_a_thin_lens_does() {
+    let size = (320, 200);
+    let pinhole = wall("").picture(0.0, silence(), size);
+    let focused = wall("aperture = 0.15 focus = 6").picture(0.0, silence(), size);
+    assert!(pinhole == focused, "what is in focus is blurred");
+    assert!(edge_width(&pinhole) < 1.1);
+    // Half a pixel's width at distance 1.
+    let half_pixel = 22.5_f64.to_radians().tan() / f64::from(size.1);
+    for (aperture, focus) in [(0.1, 3.0), (0.15, 3.0), (0.18, 3.2), (0.1, 20.0), (0.2, 20.0)] {
+        let radius = aperture * (1.0 / focus - 1.0 / 6.0_f64).abs() / (2.0 * half_pixel);
+        assert!(radius < f64::from(BLUR_MAX) * f64::from(size.1), "the blur is cut off");
+        let picture = wall(&format!("aperture = {aperture} focus = {focus}")).picture(0.0, silence(), size);
+        // The share of a disc that an edge leaves is 0.9 at 0.687 of its radius.
+        let (expected, found) = (2.0 * 0.687 * radius, edge_width(&picture));
+        assert!(
+            (found - expected).abs() < 0.15 * expected + 0.8,
+            "{aperture} at {focus}: {found:.2} pixels, not {expected:.2}"
+        );
+    }
+}
+
+#[test]
+fn what_is_sharp_in_front_is_not_blurred_over() {
+    let text = |lens: &str| {
+        format!(
+            "material dark {{ color = 0 emission = 0.02 }}\nmaterial bright {{ color = 0 emission = 0.6 }}\n\
+             object near {{ shape = box(p - vec3(0, 0, 5), vec3(1, 1, 0.1)) material = dark }}\n\
+             object far {{ shape = 40 - z material = bright }}\n\
+             light none {{ position = vec3(0) color = 0 }}\nsky {{ color = 0 ambient = 0 }}\n\
+             camera {{ position = vec3(0) target = vec3(0, 0, 1) fov = 45 {lens} }}"
+        )
+    };
+    let size = (320, 200);
+    let draw = |lens: &str| {
+        let mut studio = scene(&text(lens));
+        studio.adjust = plain;
+        studio.picture(0.0, silence(), size)
+    };
+    let (pinhole, lens) = (draw(""), draw("aperture = 0.2 focus = 4.9"));
+    // The box's front is 98.5 pixels wide.
+    for x in 160 - 46..160 + 46 {
+        let (a, b) = (pinhole.get_pixel(x, 100).0[0], lens.get_pixel(x, 100).0[0]);
+        assert!(a.abs_diff(b) <= 2, "the background shines over the box at {x}: {a} becomes {b}");
+    }
+}
+
+#[test]
+fn edges_of_stills_are_near_those_of_sixty_four_samples() {
+    let mut studio = Studio::new();
+    studio.adjust = |picture| picture.grain = 0.0;
+    let frame = studio.frame(0.0, silence(), (320, 180));
+    studio.renderer.draw_reference(&frame, &studio.resources, &studio.program).unwrap();
+    let reference = studio.renderer.read();
+    for (samples, least) in
+        [(EdgeSamples::Four, 36.0), (EdgeSamples::Eight, 39.0), (EdgeSamples::Sixteen, 42.0)]
+    {
+        studio.renderer.set_edge_samples(samples);
+        studio.renderer.draw(&frame, &studio.resources, &studio.program).unwrap();
+        let found = peak_signal_over_noise(&studio.renderer.read(), &reference);
+        assert!((least..80.0).contains(&found), "{samples:?}: {found:.2} dB");
+    }
+}

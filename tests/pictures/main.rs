@@ -1,0 +1,18 @@
+//! What is drawn, without a window.
+
+mod agreement;
+mod flashes;
+mod golden;
+mod light;
+mod light_to_screen;
+mod mips;
+mod ray_oracle;
+mod scene_looks;
+mod scene_modes;
+mod shaders;
+mod shadow_of_a_facing_surface;
+mod textures;
+mod views;
+
+#[path = "../support/mod.rs"]
+mod support;

@@ -1,0 +1,400 @@
+//! Rays through the shipped scenes by the tree of regions, against an oracle: interval arithmetic in 64 bits with outward
+//! rounding along the whole ray, which decides for sure whether it meets a surface.
+//!
+//! `MARIANA_RAYS` sets the number of rays for each scene; 10,000 for a long run.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+#[allow(dead_code)]
+use crate::support::expression::Random;
+use mariana::scenes::{SceneSource, shipped_names};
+use mariana_field::graph::FrameInputs;
+use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
+use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
+use mariana_field::world::World;
+
+/// Growth of a pixel's cone: 360 rows, 40 degrees.
+const SPREAD: f64 = 0.002;
+
+// --- the oracle -----------------------------------------------------------------------------------------------------
+
+/// Scenes whose shapes repeat without end.
+const REPEATING: [&str; 2] = ["city", "lattice"];
+
+/// All numbers from the first to the second.
+type Span = (f64, f64);
+
+const ALL: Span = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// Wider than any rounding of 64 bits, library functions and table entries of 32 bits counted in.
+fn out((lo, hi): Span) -> Span {
+    if lo.is_nan() || hi.is_nan() {
+        return ALL;
+    }
+    let wide = |v: f64| 1e-12 * v.abs() + 1e-300;
+    (lo - wide(lo), hi + wide(hi))
+}
+
+fn hull(values: [f64; 4]) -> Span {
+    out((
+        values.into_iter().fold(f64::INFINITY, f64::min),
+        values.into_iter().fold(f64::NEG_INFINITY, f64::max),
+    ))
+}
+
+fn rising(a: Span, f: impl Fn(f64) -> f64) -> Span {
+    out((f(a.0), f(a.1)))
+}
+
+fn abs(a: Span) -> Span {
+    if a.0 >= 0.0 {
+        a
+    } else if a.1 <= 0.0 {
+        (-a.1, -a.0)
+    } else {
+        (0.0, a.1.max(-a.0))
+    }
+}
+
+fn mul(a: Span, b: Span) -> Span {
+    let products = [a.0 * b.0, a.0 * b.1, a.1 * b.0, a.1 * b.1];
+    if products.iter().any(|v| v.is_nan()) { ALL } else { hull(products) }
+}
+
+fn div(a: Span, b: Span) -> Span {
+    if b == (0.0, 0.0) {
+        (0.0, 0.0)
+    } else if b.0 <= 0.0 && b.1 >= 0.0 {
+        ALL
+    } else {
+        mul(a, out((1.0 / b.1, 1.0 / b.0)))
+    }
+}
+
+fn wave(a: Span, crest: f64, f: impl Fn(f64) -> f64) -> Span {
+    use std::f64::consts::{PI, TAU};
+    if !(a.1 - a.0 < TAU && a.0.abs() < 1e9) {
+        return (-1.0, 1.0);
+    }
+    let ends = out((f(a.0).min(f(a.1)), f(a.0).max(f(a.1))));
+    let reaches = |place: f64| ((a.0 - 1e-6 - place) / TAU).ceil() * TAU + place <= a.1 + 1e-6;
+    (if reaches(crest + PI) { -1.0 } else { ends.0 }, if reaches(crest) { 1.0 } else { ends.1 })
+}
+
+fn truth(surely: bool, never: bool) -> Span {
+    if surely {
+        (1.0, 1.0)
+    } else if never {
+        (0.0, 0.0)
+    } else {
+        (0.0, 1.0)
+    }
+}
+
+/// The operators that shapes of the shipped scenes are made of; of others nothing is known.
+fn operate(name: &str, a: Span, b: Span, frame: &FrameInputs) -> Span {
+    let less = |a: Span, b: Span| truth(a.1 < b.0, a.0 >= b.1);
+    match name {
+        "NEG" => (-a.1, -a.0),
+        "ABS" => abs(a),
+        "SQUARE" => rising(abs(a), |v| v * v),
+        "SQRT" => rising((a.0.max(0.0), a.1.max(0.0)), f64::sqrt),
+        "EXP" => rising(a, f64::exp),
+        "SIN" => wave(a, std::f64::consts::FRAC_PI_2, f64::sin),
+        "COS" => wave(a, 0.0, f64::cos),
+        "ATAN" => rising(a, f64::atan),
+        "FLOOR" => (a.0.floor(), a.1.floor()),
+        "CEIL" => (a.0.ceil(), a.1.ceil()),
+        "ROUND" => ((a.0 + 0.5).floor(), (a.1 + 0.5).floor()),
+        "SIGN" => (f64::from(a.0 > 0.0) - f64::from(a.0 < 0.0), f64::from(a.1 > 0.0) - f64::from(a.1 < 0.0)),
+        "NOT" => truth(a == (0.0, 0.0), a.0 > 0.0 || a.1 < 0.0),
+        "ADD" => out((a.0 + b.0, a.1 + b.1)),
+        "SUB" => out((a.0 - b.1, a.1 - b.0)),
+        "MUL" => mul(a, b),
+        "DIV" => div(a, b),
+        "MIN" => (a.0.min(b.0), a.1.min(b.1)),
+        "MAX" => (a.0.max(b.0), a.1.max(b.1)),
+        "POW" if a.0 > 1e-30 => hull([a.0.powf(b.0), a.0.powf(b.1), a.1.powf(b.0), a.1.powf(b.1)]),
+        "POW" if b.0 > 0.0 => (0.0, out((0.0, a.1.max(0.0).powf(b.0).max(a.1.max(0.0).powf(b.1)))).1),
+        "LESS" => less(a, b),
+        "LESS_EQUAL" => truth(a.1 <= b.0, a.0 > b.1),
+        "STEP" => truth(b.0 >= a.1, b.1 < a.0),
+        "MASK" if a == (0.0, 0.0) => (0.0, 0.0),
+        "MASK" if a.0 > 0.0 || a.1 < 0.0 => b,
+        "MASK" => (b.0.min(0.0), b.1.max(0.0)),
+        "HASH" if a.0.floor() == a.1.floor() && b.0.floor() == b.1.floor() => {
+            let value = f64::from(mariana_field::graph::cell_hash(a.0 as f32, b.0 as f32));
+            (value, value)
+        }
+        "HASH" => (0.0, 1.0),
+        "BAND" => {
+            let number = |v: f64| (v.max(0.0) as usize).min(31);
+            let heard = frame.bands[number(a.0)..=number(a.1)].iter().map(|band| f64::from(*band));
+            heard.fold((f64::INFINITY, f64::NEG_INFINITY), |all, band| (all.0.min(band), all.1.max(band)))
+        }
+        // Where no multiple of b lies between.
+        "MOD" if b.0 == b.1 && b.0 > 0.0 => {
+            let rounds = (a.0 / b.0).floor();
+            if rounds == (a.1 / b.0).floor() {
+                out((a.0 - rounds * b.0, a.1 - rounds * b.0))
+            } else {
+                (0.0, b.0)
+            }
+        }
+        "FRACT" if a.0.floor() == a.1.floor() => out((a.0 - a.0.floor(), a.1 - a.0.floor())),
+        "FRACT" => (0.0, 1.0),
+        "ATAN2" => (-3.2, 3.2),
+        // The frames of this test have no curves.
+        "SPECTRUM" | "WAVEFORM" | "HISTORY" => (0.0, 0.0),
+        _ => ALL,
+    }
+}
+
+/// A tape over boxes.
+struct Oracle<'a> {
+    tape: &'a Tape,
+    table: Vec<f32>,
+    frame: &'a FrameInputs,
+}
+
+impl Oracle<'_> {
+    fn over(&self, p: [Span; 3]) -> Span {
+        let (mut slots, mut memory) =
+            (vec![(0.0, 0.0); self.tape.slots()], vec![(0.0, 0.0); self.tape.memory()]);
+        let mut page = 0;
+        for instruction in self.tape.instructions() {
+            let entry = |number: u8| {
+                let value = f64::from(self.table[page + usize::from(number)]);
+                (value, value)
+            };
+            let of = |slots: &[Span], operand: Operand| match operand {
+                Operand::Slot(slot) => slots[usize::from(slot)],
+                Operand::Immediate(number) => entry(number),
+            };
+            match instruction {
+                Instruction::Page(number) => page = usize::from(number) * 256,
+                Instruction::Load { output, entry: number } => slots[usize::from(output)] = entry(number),
+                Instruction::Store { slot, memory: to } => memory[usize::from(to)] = slots[usize::from(slot)],
+                Instruction::Reload { output, memory: from } => {
+                    slots[usize::from(output)] = memory[usize::from(from)]
+                }
+                Instruction::Input { output, place } => {
+                    slots[usize::from(output)] = p.get(usize::from(place)).copied().unwrap_or((0.0, 0.0));
+                }
+                Instruction::Unary { op, output, a } => {
+                    let a = slots[usize::from(a)];
+                    slots[usize::from(output)] = operate(op.name(), a, a, self.frame);
+                }
+                Instruction::Binary { op, output, a, b } => {
+                    let (a, b) = (of(&slots, a), of(&slots, b));
+                    slots[usize::from(output)] = operate(op.name(), a, b, self.frame);
+                }
+                _ => {}
+            }
+        }
+        slots[usize::from(self.tape.outputs()[0])]
+    }
+
+    /// The value along a part of a ray, less `margin` for each unit of its way.
+    fn along(&self, ray: &Ray, part: Span, margin: f64) -> Span {
+        let place = |axis: usize| {
+            let ends =
+                [part.0, part.1].map(|t| f64::from(ray.origin[axis]) + t * f64::from(ray.direction[axis]));
+            out((ends[0].min(ends[1]), ends[0].max(ends[1])))
+        };
+        let (lo, hi) = self.over([place(0), place(1), place(2)]);
+        let margin = (margin * part.0, margin * part.1);
+        (lo - margin.0.max(margin.1), hi - margin.0.min(margin.1))
+    }
+
+    /// Whether the ray surely meets no surface (`Some(false)`), or surely one (`Some(true)`) that is at least a pixel
+    /// thick along it; none where that is a matter of less than a pixel, or of more work than is worth it. `margin`: so
+    /// many pixels' radii are taken from the value at each point.
+    fn decides(&self, ray: &Ray, span: Span, margin: f64) -> Option<bool> {
+        let mut parts = vec![span];
+        let (mut sure, mut work) = (true, 0);
+        while let Some(part) = parts.pop() {
+            work += 1;
+            if work > 4_000 {
+                return None;
+            }
+            let (lo, hi) = self.along(ray, part, margin);
+            if lo > 0.0 {
+                continue;
+            }
+            let pixel = SPREAD * part.0.max(0.1);
+            let length = part.1 - part.0;
+            if hi < 0.0 && length >= 0.5 * pixel {
+                return Some(true);
+            }
+            if length < pixel {
+                sure = false;
+                continue;
+            }
+            let middle = 0.5 * (part.0 + part.1);
+            // The nearer half first.
+            parts.push((middle, part.1));
+            parts.push((part.0, middle));
+        }
+        sure.then_some(false)
+    }
+}
+
+// --- tracing as the shaders do it -----------------------------------------------------------------------------------
+
+struct Ray {
+    origin: [f32; 3],
+    direction: [f32; 3],
+}
+
+impl Ray {
+    fn at(&self, t: f32) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.origin[axis] + t * self.direction[axis])
+    }
+
+    /// Where it leaves a cell, a little behind the face.
+    fn exit_of(&self, cell: &Cell) -> f32 {
+        let exits = (0..3).map(|axis| {
+            let face = if self.direction[axis] >= 0.0 { cell.high[axis] } else { cell.low[axis] };
+            (face - self.origin[axis]) / (self.direction[axis] + 1e-12_f32.copysign(self.direction[axis]))
+        });
+        let t = exits.fold(f32::INFINITY, f32::min);
+        t * (1.0 + 4e-6) + 4e-6
+    }
+}
+
+/// Whether the ray meets a surface; none if its steps are used up.
+fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, span: Span) -> Option<bool> {
+    let (mut t, end) = (span.0 as f32, span.1 as f32);
+    let steps = if world.steep { 512 } else { 128 };
+    for step in 0..steps {
+        let radius = SPREAD as f32 * t;
+        let reach = if world.steep { 0.0 } else { (0.7 + 0.015 * step as f32) * radius };
+        while let Some(cell) = regions.cell_at(ray.at(t)).filter(|cell| cell.bound > reach) {
+            let bound = if world.steep { 0.0 } else { cell.bound };
+            t = (t + bound).max(ray.exit_of(&cell)).max(t + 1e-6);
+            if t >= end {
+                return Some(false);
+            }
+        }
+        if t >= end {
+            return Some(false);
+        }
+        let value = regions.distance(ray.at(t), 0.0, inputs)[0];
+        let outside = value > reach;
+        if !outside {
+            return Some(true);
+        }
+        t += match regions.cell_at(ray.at(t)) {
+            Some(cell) if world.steep => {
+                let slope = gradient::slope_towards(cell.slopes, ray.direction);
+                let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
+                safe.min(ray.exit_of(&cell) - t).max((0.5 + 0.04 * step as f32) * radius).max(1e-5)
+            }
+            _ => value,
+        };
+        if t >= end {
+            return Some(false);
+        }
+    }
+    None
+}
+
+/// A frame with some sound.
+fn inputs_of(world: &World, time: f32) -> FrameInputs {
+    let mut inputs = FrameInputs {
+        time,
+        volume: [0.2, 0.3],
+        bands: std::array::from_fn(|band| 0.4 + 0.4 * (band as f32 + time).sin()),
+        bass: 0.4,
+        mid: 0.3,
+        treble: 0.2,
+        beat: 0.5,
+        tempo: 120.0,
+        phase: 0.25,
+        params: world.scene.params.iter().map(|param| param.default).collect(),
+        ..Default::default()
+    };
+    inputs.hoisted = world.hoisted.values(&inputs);
+    inputs
+}
+
+/// A ray of the picture, and where on it surfaces may be.
+fn ray_of(
+    world: &World,
+    regions: &Regions,
+    inputs: &FrameInputs,
+    random: &mut Random,
+) -> Option<(Ray, Span)> {
+    let values = world.frame_tape.values(inputs);
+    // From the eye towards anywhere in the tree's middle, as pixels and mirrors would.
+    let box_of = world.bounds.map_or((regions.low, regions.size), |bounds| {
+        (bounds.low, [0, 1, 2].map(|axis| bounds.high[axis] - bounds.low[axis]))
+    });
+    let aim = [0, 1, 2].map(|axis| box_of.0[axis] + box_of.1[axis] * random.between(0.2, 0.8));
+    let way = [0, 1, 2].map(|axis| aim[axis] - values.position[axis]);
+    let length = way.iter().map(|v| v * v).sum::<f32>().sqrt();
+    let ray = Ray { origin: values.position, direction: way.map(|v| v / length) };
+    let (mut start, mut end) = (0.01_f32, 200.0_f32);
+    for axis in 0..3 {
+        let faces = [regions.low[axis] + 1e-3, regions.low[axis] + regions.size[axis] - 1e-3];
+        let two = faces.map(|face| (face - ray.origin[axis]) / ray.direction[axis]);
+        start = start.max(two[0].min(two[1]));
+        end = end.min(two[0].max(two[1]));
+    }
+    (start < end).then_some((ray, (f64::from(start), f64::from(end))))
+}
+
+#[test]
+fn hits_and_misses_are_those_of_the_oracle() {
+    let rays: usize = std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(40);
+    // A tree of each moment; fewer where rays are few.
+    let moments = if rays < 1_000 { 1 } else { 4 };
+    for name in shipped_names() {
+        let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
+        let world = World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap();
+        let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
+        let plan = RegionPlan::new(&world);
+        let mut random = Random(11);
+        let (mut hits, mut misses, mut open, mut capped) = (0, 0, 0, 0);
+        for moment in 0..moments {
+            let inputs = inputs_of(&world, 3.0 + 17.0 * moment as f32);
+            let center = world.frame_tape.values(&inputs).position;
+            let regions = plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center });
+            let mut table = Vec::new();
+            tape.table_values(&inputs, &mut table);
+            let oracle = Oracle { tape: &tape, table, frame: &inputs };
+            for _ in 0..rays / moments {
+                let Some((ray, span)) = ray_of(&world, &regions, &inputs, &mut random) else { continue };
+                let Some(found) = traced(&regions, &world, &inputs, &ray, span) else {
+                    capped += 1;
+                    continue;
+                };
+                // A distance counts as a hit within a pixel's cone. Of what is none only the sign does.
+                let pixels = if world.steep { 0.0 } else { 4.0 * SPREAD };
+                let wrong = if found {
+                    oracle.decides(&ray, span, pixels) == Some(false)
+                } else {
+                    oracle.decides(&ray, span, if world.steep { 0.0 } else { -SPREAD }) == Some(true)
+                };
+                assert!(
+                    !wrong,
+                    "{name}: traced {found}, but not so from {:?} to {:?} in {span:?}",
+                    ray.origin, ray.direction
+                );
+                match oracle.decides(&ray, span, 0.0) {
+                    Some(true) => hits += 1,
+                    Some(false) => misses += 1,
+                    None => open += 1,
+                }
+            }
+        }
+        println!(
+            "{name}: {hits} surely hit, {misses} surely miss, {open} are silhouettes or too much work, {capped} capped"
+        );
+        // Of space that repeats, long parts of a ray say little.
+        let least = if REPEATING.contains(&name.as_str()) { rays / 4 } else { rays / 2 };
+        assert!(hits + misses > least, "{name}: {hits} {misses} {open}");
+        assert!(capped * 20 <= rays, "{name}: {capped} rays used up their steps");
+    }
+}

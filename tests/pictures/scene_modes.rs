@@ -1,0 +1,269 @@
+//! A scene is one scene however it is drawn: interpreted, compiled, or written in GLSL by hand.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::compare::{LOOSE, TIGHT, Tolerance, assert_alike, difference};
+use crate::support::oracle::BY_HAND;
+use crate::support::studio::{Studio, driver, loud_music, loud_sound, ready, silence, soft_music, speakers};
+use image::RgbaImage;
+use mariana::config::SdfChoice;
+use mariana::export::painter::{Painter, SceneChoice, mode_on};
+use mariana::gpu::gl::GlInfo;
+use mariana::gpu::program::Program;
+use mariana::gpu::renderer::{Counting, Evaluations};
+use mariana::gpu::scene_program::{DoesNotFit, Interpreter, Mode, compiled_variant};
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::{SceneSource, shipped_names};
+use mariana_music::{Sound, Tables};
+
+const SIZE: (u32, u32) = (240, 135);
+
+/// Two planes, one of them turned by the time, and a ball between them.
+const PLANES: &str = "min(min(y, 0.6*x + 0.8*(9 + sin(t) - z)), sqrt(x*x + (y-1)*(y-1) + (z-4)*(z-4)) - 1)";
+
+/// A surface that goes on for ever and has no bounds.
+const UNBOUNDED: &str = "y + 0.2*sin(x)*sin(z)";
+
+/// Most of what a scene may have: objects with a bound and as planes, pictures in two ways, every property of a
+/// material, both kinds of light, parameters, a sky, a camera that rolls.
+const MANY: &str = r#"
+param size = 1.1 in 0.5 .. 2
+param glow = 0.4 in 0 .. 1
+
+# Of eight pillars the one in whose place the point is; the others are no nearer than the place's rim.
+fn place_of(x) = clamp(floor(x + 4), 0, 7)
+fn pillar(p) {
+  let half = 0.4 + 0.8 * band(4 * place_of(p.x))
+  round_box(p - vec3(place_of(p.x) - 3.5, half, 7), vec3(0.2, half, 0.2) - 0.05, 0.05)
+}
+fn others(p) = max(0.3, box(p - vec3(0, 1.2, 7), vec3(4, 1.2, 0.2)))
+fn ball_at() = vec3(-1.2, 1.3 + 0.3 * sin(t), 4)
+
+material wood { color = triplanar("wood.png", p * 0.3, n)  roughness = 0.5  coat = 0.7 }
+material bird {
+  let picture = texture("mallard.png", vec2(p.x, -p.y) * 0.6 + vec2(1.2, 1.3))
+  color     = mix(vec3(0.7, 0.6, 0.5), picture.rgb, picture.a)
+  roughness = 0.3
+  metalness = 0.4
+  emission  = glow * vec3(0.3, 0.05, 0.02) * volume.x
+}
+material mirror { color = vec3(0.1, 0.1, 0.12)  roughness = 0.8  reflect = 0.4  haze = 1 - exp(-dot(p.xz, p.xz) / 900) }
+
+object row   { shape = pillar(p)  bound = others(p)  material = wood }
+object ball  { shape = smooth_union(sphere(p - ball_at(), size), box(p - vec3(1.5, 0.6, 4), 0.6), 0.5)  material = bird }
+object floor { shape = p.y  material = mirror }
+object wall  { shape = 0.6 * p.x + 0.8 * (12 - p.z)  material = wood }
+
+light sun  { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 0.05 }
+light lamp { position = vec3(4 * cos(t), 5, 1)  color = vec3(20, 30, 60) * (0.5 + volume.y)  radius = 0.4 }
+sky {
+  color   = mix(vec3(0.3, 0.2, 0.15), vec3(0.05, 0.1, 0.3), clamp(direction.y, 0, 1))
+  ambient = vec3(0.1, 0.12, 0.15) * (1 + direction.y)
+}
+camera { position = vec3(0, 2.5, -2)  target = vec3(0, 1.2, 6)  fov = 55  roll = 0.05 * sin(t) }
+"#;
+
+/// Hills that are the history of the spectrum, a floor that shows the waveform, and a ball that reads every number of the
+/// sound.
+const HEARS_ALL: &str = r#"
+fn hills(p) = 0.25 * (p.y - 1.6 * history(0.5 + p.x / 12, p.z / 20))
+fn ball_at() = vec3(6 * pitch - 2 + 0.2 * bass_drive, 2.6 + volume_mid, 6 + phase)
+material lines {
+  color    = vec3(0.2, 0.25, 0.3) + 0.5 * spectrum(0.5 + p.x / 12) * vec3(0.5, 0.2, 0.1)
+  emission = vec3(0, 0.4, 0.1) * step(abs(p.z - 4 - 2 * waveform(0.5 + p.x / 8)), 0.1)
+}
+material heard { color = vec3(bass, mid, treble)  emission = beat * vec3(0.2, 0.1, 0.1) + vec3(0, 0, volume_side) }
+object land { shape = hills(p)  material = lines }
+object ball { shape = sphere(p - ball_at(), 0.6 + 0.004 * tempo * beat)  material = heard }
+light sun { direction = vec3(0.4, -1, 0.7)  color = vec3(2, 1.8, 1.5)  radius = 0.05 }
+camera { position = vec3(0.3 * sin(t), 4, -3)  target = vec3(0, 1, 7)  fov = 60 }
+"#;
+
+/// What a program shows and counts.
+fn drawn(
+    studio: &mut Studio,
+    program: &Program,
+    time: f64,
+    sound: impl Into<Sound>,
+    size: (u32, u32),
+) -> (RgbaImage, Evaluations) {
+    let frame = studio.frame(time, sound, size);
+    studio.renderer.draw(&frame, &studio.resources, program).unwrap();
+    let picture = RgbaImage::from_raw(size.0, size.1, studio.renderer.read()).unwrap();
+    (picture, studio.renderer.evaluations())
+}
+
+/// Evaluations by kind of ray.
+fn kinds(all: &Evaluations) -> [f64; 5] {
+    [all.primary, all.reflection, all.normal, all.shadow, all.occlusion]
+}
+
+/// Fails unless both modes show the same, with regions and without, and evaluate about as much without, in loud music at
+/// each of the `times`. No ray of a shipped scene may reach its cap.
+fn assert_modes_agree(name: &str, scene: &SceneSource, times: &[f64]) {
+    assert_modes_agree_at(name, scene, times, (SIZE, TIGHT));
+}
+
+/// The same in pictures of a size, as near as told.
+fn assert_modes_agree_at(
+    name: &str,
+    scene: &SceneSource,
+    times: &[f64],
+    (size, tolerance): ((u32, u32), Tolerance),
+) {
+    let mut studio = Studio::of(scene, Mode::Compiled, Counting::On);
+    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
+    let mut first: Option<RgbaImage> = None;
+    for &time in times {
+        studio.resources.set_cells(true);
+        let [skipping, short] =
+            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
+        studio.resources.set_cells(false);
+        let [compiled, interpreted] =
+            [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
+        assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, tolerance);
+        assert_alike(&format!("{name}-at-{time}-short"), &short.0, &compiled.0, tolerance);
+        if matches!(scene, SceneSource::Shipped(_)) {
+            assert_eq!([&skipping, &short].map(|drawn| drawn.1.capped_rays), [0.0; 2], "{name} at {time} s");
+        }
+        let (fewer, all) = (short.1, interpreted.1);
+        // Where the distance is none, there are cells whatever is asked for.
+        let steep = studio.resources.world().steep;
+        assert!(
+            steep || (fewer.total() <= all.total() && fewer.clauses < all.clauses),
+            "{name}: {fewer:?}, but {all:?}"
+        );
+        assert_alike(&format!("{name}-at-{time}"), &interpreted.0, &compiled.0, tolerance);
+        let (a, b) = (interpreted.1, compiled.1);
+        assert!(b.primary > 0.0 && b.normal > 0.0, "{name}: nothing was counted: {b:?}");
+        for (a_kind, b_kind) in kinds(&a).into_iter().zip(kinds(&b)) {
+            // Cells that are there in any case save the interpreter probes of occlusion.
+            let fewer = steep && a_kind < b_kind;
+            assert!(
+                fewer || (a_kind - b_kind).abs() <= 0.02 * b_kind,
+                "{name} at {time} s: {a:?}, but {b:?}"
+            );
+        }
+        assert_eq!(b.clauses, 0.0, "{name}: a compiled scene has run clauses");
+        assert!(a.clauses > a.total(), "{name}: an evaluation is more than a clause: {a:?}");
+        // Two black pictures are alike, too.
+        let seen = first.get_or_insert_with(|| RgbaImage::new(size.0, size.1));
+        let share = difference(seen, &compiled.0, TIGHT.visible).share;
+        assert!(share > 0.05, "{name}: nothing is seen, or nothing has moved at {time} s: {share}");
+        first = Some(compiled.0);
+    }
+}
+
+#[test]
+fn both_modes_show_the_same_shipped_scenes() {
+    let differs = |name: &String| {
+        // One of many: a small picture each, in which much is finer than a pixel. Where a ray ends to a rounding
+        // decides there on which side of a line it is.
+        let scene = SceneSource::Shipped(name.clone());
+        std::panic::catch_unwind(|| assert_modes_agree_at(name, &scene, &[40.0], ((160, 90), LOOSE))).is_err()
+    };
+    let different: Vec<String> = shipped_names().into_iter().filter(differs).collect();
+    assert!(different.is_empty(), "modes differ in {different:?}: see above");
+}
+
+#[test]
+fn both_modes_show_the_same_planes() {
+    assert_modes_agree("planes", &SceneSource::Formula(PLANES.into()), &[0.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_scene_of_many_parts() {
+    assert_modes_agree("many", &SceneSource::Formula(MANY.into()), &[3.0, 5.0]);
+}
+
+#[test]
+fn both_modes_show_the_same_scene_that_hears_everything() {
+    let scene = SceneSource::Formula(HEARS_ALL.into());
+    assert_modes_agree("hears-all", &scene, &[3.0]);
+
+    // Each of the tables is seen.
+    let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
+    let whole = studio.picture(3.0, loud_sound(), SIZE);
+    let sounds: [fn(&mut Tables); 3] = [|t| t.spectrum = None, |t| t.waveform = None, |t| t.history = None];
+    for (number, take) in sounds.iter().enumerate() {
+        let mut sound = loud_sound();
+        take(&mut sound.tables);
+        let without = studio.picture(3.0, sound, SIZE);
+        let share = difference(&whole, &without, TIGHT.visible).share;
+        assert!(share > 0.01, "table {number} is not seen: {share}");
+    }
+}
+
+#[test]
+fn both_modes_show_the_same_surface_without_bounds() {
+    let scene = SceneSource::Formula(UNBOUNDED.into());
+    assert!(ready(&scene).world.bounds.is_none(), "the scene has bounds");
+    assert_modes_agree("unbounded", &scene, &[0.0]);
+}
+
+#[test]
+fn the_compiled_speakers_are_those_written_by_hand() {
+    let mut studio = Studio::new();
+    let textures = studio.world().pictures.len();
+    let variant = compiled_variant(BY_HAND, textures, studio.world().traits, Counting::Off);
+    let by_hand = studio.link(&ShaderLibrary::embedded(), &variant);
+    let compiled = studio.program_of(Mode::Compiled, Counting::Off);
+    for (name, time, features) in
+        [("loud", 12.0, loud_music()), ("soft", 33.3, soft_music()), ("silent", 61.7, silence())]
+    {
+        let size = (320, 180);
+        let (expected, _) = drawn(&mut studio, &by_hand, time, features, size);
+        let (actual, _) = drawn(&mut studio, &compiled, time, features, size);
+        assert_alike(&format!("by-hand-{name}"), &actual, &expected, TIGHT);
+    }
+}
+
+#[test]
+fn a_tape_that_a_driver_has_no_room_for_is_compiled() {
+    let scene = ready(&speakers());
+    let needed = scene.buffers.texels_max();
+    assert!(needed > 100, "the speakers take only {needed} texels");
+    let with = |texels: usize| GlInfo { texture_buffer_texels_max: texels as u32, ..driver(false) };
+
+    assert_eq!(Interpreter::fits(&scene.buffers, &scene.plan, &with(needed)), Ok(()));
+    assert_eq!(
+        mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(needed)),
+        Mode::Interpreted
+    );
+
+    let available = needed - 1;
+    let error = Interpreter::fits(&scene.buffers, &scene.plan, &with(available)).unwrap_err();
+    assert_eq!(error, DoesNotFit::Texels { needed, available });
+    let message = error.to_string();
+    let told: Vec<usize> =
+        message.split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse().ok()).collect();
+    assert_eq!(told, [needed, available], "{message}");
+    assert_eq!(
+        mode_on(SdfChoice::Interpreted, &scene.buffers, &scene.plan, &with(available)),
+        Mode::Compiled
+    );
+}
+
+#[test]
+fn a_painter_draws_as_it_was_asked() {
+    for (sdf, expected) in [
+        (SdfChoice::Interpreted, Mode::Interpreted),
+        (SdfChoice::Compiled, Mode::Compiled),
+        (SdfChoice::Auto, Mode::Compiled),
+    ] {
+        let source = SceneSource::Formula(PLANES.into());
+        let choice = SceneChoice {
+            source,
+            sdf,
+            shaders: ShaderLibrary::embedded(),
+            regions: true,
+            view: None,
+            tone_map: None,
+            verbose: false,
+        };
+        let mut painter = Painter::open(&choice).unwrap();
+        assert_eq!(painter.mode(), expected);
+        painter.draw(0.0, silence().into(), (16, 9)).unwrap();
+        assert_eq!(painter.read().len(), 16 * 9 * 4);
+    }
+}

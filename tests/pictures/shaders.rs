@@ -1,0 +1,196 @@
+//! Every shader variant before three judges: naga, glslang and the driver. And each judge before broken shaders.
+//!
+//! naga's GLSL front end knows no texture buffers (`usamplerBuffer`, `samplerBuffer`): what reads the regions gets a function
+//! in their place, and the variants of the interpreter come before glslang and the driver alone.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
+use crate::support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
+use crate::support::studio::{driver, ready, speakers};
+use mariana::gpu::error::GpuError;
+use mariana::gpu::flash_pass::FLASH_SHADERS;
+use mariana::gpu::headless::Headless;
+use mariana::gpu::post::POST_SHADERS;
+use mariana::gpu::program::{Program, VERTEX_SHADER};
+use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
+use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
+use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
+use mariana::scenes::{ReadyScene, SceneSource};
+
+/// A plane, a part that is traced, no textures: what `speakers` has and this has not is left out of the text.
+const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
+
+/// A shader as some driver gets to see it.
+struct Case {
+    /// What messages call it.
+    name: String,
+    /// The file that it begins with.
+    file: &'static str,
+    variant: Variant,
+    /// Whether it reads more texture buffers than the regions.
+    interpreted: bool,
+}
+
+/// The same, showing views.
+fn views_case(mut case: Case) -> Case {
+    case.name.push_str(", views");
+    case.variant = as_views(case.variant);
+    case
+}
+
+/// The scene's shader in a mode.
+fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
+    let ReadyScene { world, buffers, plan } = ready(scene);
+    let variant = variant_of(&world, &buffers, &plan, mode, &driver(software), counting).unwrap();
+    let place = if software { "a processor" } else { "a GPU" };
+    let name = format!("{SCENE_SHADER} of {}, {mode} for {place}, counting {counting:?}", scene.name());
+    Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted }
+}
+
+/// All shaders of the program, the vertex shader first.
+fn cases() -> Vec<Case> {
+    let plain = [VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER].into_iter().chain(FLASH_SHADERS);
+    let own = plain.map(|file| (file, &[][..])).chain(POST_SHADERS);
+    let mut cases: Vec<Case> = own
+        .map(|(file, defines)| {
+            let name = format!("{file} {defines:?}");
+            Case { name, file, variant: Variant::of(defines), interpreted: false }
+        })
+        .collect();
+    for counting in [Counting::Off, Counting::On] {
+        for scene in [speakers(), SceneSource::Formula(FORMULA.into())] {
+            cases.push(scene_case(&scene, Mode::Compiled, false, counting));
+        }
+        for software in [false, true] {
+            cases.push(scene_case(&speakers(), Mode::Interpreted, software, counting));
+        }
+    }
+    for mode in [Mode::Compiled, Mode::Interpreted] {
+        cases.push(views_case(scene_case(&speakers(), mode, true, Counting::On)));
+    }
+    cases
+}
+
+/// Fails with everything that `judge` says against what it can read of the shipped shaders.
+fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
+    let library = ShaderLibrary::embedded();
+    let mut refused = String::new();
+    for Case { name, file, variant, .. } in cases().iter().filter(|case| can_read(case)) {
+        let text = library.assemble(file, DRIVER_PREAMBLE, variant).unwrap();
+        if let Err(complaint) = judge(Stage::of(file), &text) {
+            refused.push_str(&format!("\n{name}:\n{complaint}"));
+        }
+    }
+    assert!(refused.is_empty(), "{refused}");
+}
+
+#[test]
+fn naga_takes_every_variant_without_tapes() {
+    judge_cases(check_with_naga, |case| !case.interpreted);
+}
+
+#[test]
+fn glslang_takes_every_variant() {
+    judge_cases(check_with_glslang, |_| true);
+}
+
+#[test]
+fn the_driver_links_every_variant() {
+    let context = Headless::new(false).unwrap();
+    for Case { name, file, variant, .. } in cases().iter().filter(|case| case.file != VERTEX_SHADER) {
+        if let Err(error) = Program::link(context.gl(), &ShaderLibrary::embedded(), file, variant) {
+            panic!("{name}: {error}");
+        }
+    }
+    context.gl().check("linking the shaders").unwrap();
+}
+
+/// A shader file with an error put in before its last line that is a lone `}`, and the number of the error's line.
+fn broken(file: &str) -> (String, usize) {
+    let text = shader_text(file);
+    let end = text.lines().enumerate().filter(|(_, line)| *line == "}").last();
+    let (end, _) = end.unwrap_or_else(|| panic!("{file} has no function"));
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.insert(end, "    float broken = no_such_name;");
+    (lines.join("\n"), end + 1)
+}
+
+/// Whether `log` names `line` of `file`.
+fn names_line(log: &str, file: &str, line: usize) -> bool {
+    let place = format!("{file}:{line}");
+    log.match_indices(&place)
+        .any(|(at, _)| !log[at + place.len()..].starts_with(|c: char| c.is_ascii_digit()))
+}
+
+#[test]
+fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
+    let context = Headless::new(false).unwrap();
+    let software = context.gl().info().software;
+    for (file, mode) in [
+        ("scene.frag", Mode::Compiled),
+        ("light.glsl", Mode::Compiled),
+        ("sample_light.glsl", Mode::Compiled),
+        ("interpreter.glsl", Mode::Interpreted),
+    ] {
+        let (text, line) = broken(file);
+        let (_folder, library) = changed_shaders(&[(file, &text)]);
+        let case = scene_case(&speakers(), mode, software, Counting::Off);
+
+        let whole = library.assemble("scene.frag", DRIVER_PREAMBLE, &case.variant).unwrap();
+        if !case.interpreted {
+            let naga = check_with_naga(Stage::Fragment, &whole).unwrap_err();
+            assert!(naga.contains("float broken = no_such_name;"), "naga on {file}: {naga}");
+        }
+        let glslang = check_with_glslang(Stage::Fragment, &whole).unwrap_err();
+        assert!(glslang.contains("|     float broken = no_such_name;"), "glslang on {file}: {glslang}");
+
+        match Program::link(context.gl(), &library, "scene.frag", &case.variant) {
+            Err(GpuError::Compile { name, log }) => {
+                assert_eq!(name, "scene.frag");
+                assert!(names_line(&log, file, line), "{file}, line {line}: {log}");
+                assert!(log.contains("no_such_name"), "{file}: {log}");
+            }
+            Err(other) => panic!("{file}: {other}"),
+            Ok(_) => panic!("the driver takes a broken {file}"),
+        }
+    }
+    context.gl().check("refusing broken shaders").unwrap();
+}
+
+#[test]
+fn a_texture_without_a_fixed_unit_is_refused() {
+    let text = format!("{}\nuniform sampler2D unknown;\n", shader_text("edges.frag"));
+    let (_folder, library) = changed_shaders(&[("edges.frag", &text)]);
+    let whole = library.assemble("edges.frag", DRIVER_PREAMBLE, &Variant::default()).unwrap();
+    let complaint = check_with_naga(Stage::Fragment, &whole).unwrap_err();
+    assert!(complaint.contains("'unknown'"), "{complaint}");
+}
+
+#[test]
+fn no_shader_file_is_dead() {
+    let cases = cases();
+    for dead in shader_names() {
+        let (folder, library) = changed_shaders(&[]);
+        std::fs::remove_file(folder.path().join(&dead)).unwrap();
+        let missed =
+            cases.iter().any(|case| library.assemble(case.file, DRIVER_PREAMBLE, &case.variant).is_err());
+        assert!(missed, "no shader variant uses shaders/{dead}: delete it");
+    }
+}
+
+#[test]
+fn the_embedded_shaders_are_those_of_the_folder() {
+    let mut files: Vec<String> = std::fs::read_dir(shader_folder())
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name != "README.md")
+        .collect();
+    files.sort();
+    assert_eq!(shader_names(), files);
+    let on_disk = ShaderLibrary::on_disk(&shader_folder());
+    for Case { name, file, variant, .. } in cases() {
+        let embedded = ShaderLibrary::embedded().assemble(file, "", &variant).unwrap();
+        assert_eq!(embedded, on_disk.assemble(file, "", &variant).unwrap(), "{name}");
+    }
+}

@@ -1,0 +1,120 @@
+//! What a hostile evening does to the program: displays that go, too little of everything, files that are none.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
+use std::os::unix::fs::symlink;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use crate::support::desktop::{Desktop, PROGRAM, command_in};
+use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use mariana_testing::process::{Process, output_of, private_folder, wait_until};
+use mariana_testing::wave::write_wav;
+
+/// A small window with a scene that is there at once.
+const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) - 1"];
+
+/// What is said of a display that goes.
+const DISPLAY_LOST: &str = "mariana: the window is gone, as its display has ended or broken the connection: start Mariana \
+                            in a running session\n";
+
+/// How long the program may take to find that out.
+const END_LIMIT: Duration = Duration::from_secs(30);
+
+#[test]
+fn an_x_server_that_was_killed_ended_the_show_by_xlibs_words_and_exit() {
+    let desktop = Desktop::start();
+    let song = desktop.folder().join("song.wav");
+    write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
+    let mut app = desktop.open(&song, &SMALL);
+    app.wait_for_title("that the scene is shown", |title| title.contains('('));
+    desktop.kill_server();
+    let (status, told) = app.wait_for_end(END_LIMIT);
+    assert_eq!((status.code(), told.as_str()), (Some(1), DISPLAY_LOST));
+}
+
+#[test]
+fn a_wayland_compositor_that_was_killed_left_a_show_that_never_ended() {
+    let session = private_folder();
+    let mut compositor = Process::start(
+        command_in("weston", session.path(), None)
+            .args(["--backend=headless-backend.so", "--socket=test", "--width=640", "--height=360"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null()),
+        "weston",
+    );
+    wait_until("the compositor's socket", || session.path().join("test").exists());
+    let mut program = command_in(PROGRAM, session.path(), None);
+    // The demo track; what it logs tells when it shows.
+    program.args(SMALL).arg("-v").env("WAYLAND_DISPLAY", "test");
+    let log = tempfile::NamedTempFile::new().unwrap();
+    let told = || std::fs::read_to_string(log.path()).unwrap();
+    program.stdout(Stdio::null()).stderr(log.reopen().unwrap());
+    let mut show = Process::start(&mut program, "mariana");
+    wait_until("the first picture", || {
+        assert!(show.ended().is_none(), "{}", told());
+        told().contains("first picture")
+    });
+    compositor.kill();
+    wait_until("the end", || show.ended().is_some());
+    assert_eq!(show.ended().unwrap().code(), Some(1), "{}", told());
+    assert!(told().ends_with(DISPLAY_LOST), "{}", told());
+}
+
+#[test]
+fn a_gibibyte_of_address_space_killed_the_program_within_a_driver() {
+    let desktop = Desktop::start();
+    let song = desktop.folder().join("song.wav");
+    write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
+    let mut limited = desktop.command("bash");
+    limited.args(["-c", "ulimit -v 1048576; exec \"$@\"", "bash", PROGRAM]).args(SMALL).arg(&song);
+    limited.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut app = desktop.show(limited, &song);
+    app.wait_for_title("that the scene is shown", |title| title.contains('('));
+    for _ in 0..3 {
+        app.press(&["n"]);
+        std::thread::sleep(Duration::from_millis(300));
+    }
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(END_LIMIT);
+    assert!(status.success(), "{status}: {told}");
+}
+
+#[test]
+fn a_scene_that_is_a_pipe_was_waited_for_without_end() {
+    let place = Workplace::new();
+    output_of(Command::new("mkfifo").arg(place.path("pipe.scene")), "coreutils").unwrap();
+    place.run(&["check", "pipe.scene"]).refused(&["pipe.scene", "not a regular file"]);
+}
+
+#[test]
+fn a_scene_whose_name_is_no_utf8_was_refused() {
+    let place = Workplace::new();
+    let name = OsStr::from_bytes(b"caf\xe9.scene");
+    std::fs::write(place.path("").join(name), "length(p) - 1").unwrap();
+    let mut command = place.command(&["still", "--size", "16x9", "-o", "still.png", "--scene"]);
+    Outcome::of(command.arg(name), RUN_LIMIT).done();
+    let mut command = place.command(&["still", "--size", "16x9", "-o", "still.png", "--scene"]);
+    Outcome::of(command.arg(OsStr::from_bytes(b"gone\xe9.scene")), RUN_LIMIT).refused(&["cannot be read"]);
+}
+
+#[test]
+fn a_scale_factor_that_is_none_was_a_panic() {
+    let place = Workplace::new();
+    for factor in ["nonsense", "-5", "0", "NaN", "1e9"] {
+        let mut command = place.command(&["--silent"]);
+        Outcome::of(command.env("WINIT_X11_SCALE_FACTOR", factor), RUN_LIMIT)
+            .refused(&["WINIT_X11_SCALE_FACTOR", factor]);
+    }
+}
+
+#[test]
+fn what_the_system_said_of_a_song_was_told_twice() {
+    let place = Workplace::new();
+    symlink("loop.wav", place.path("loop.wav")).unwrap();
+    let told = place.run(&["analyze", "loop.wav"]).refused(&["loop.wav could not be read"]);
+    assert_eq!(told.matches("os error").count(), 1, "{told}");
+}

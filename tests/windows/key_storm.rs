@@ -1,0 +1,88 @@
+//! Keys pressed at random in a window, quickly and for long: the program must live, answer and stay of one size.
+//!
+//! A slice runs with the other tests. `scripts/storm` runs as much of it as is asked for, by these variables:
+//! `STORM_RUNS`, `STORM_KEYS` (each run), `STORM_LETTERS` (keys by their X11 names), `STORM_PAUSE_MS` (the longest pause
+//! between two keys), `STORM_CACHE` (`fresh` or `warm`), `STORM_SEED`, `STORM_SIZE`.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::time::{Duration, Instant};
+
+use crate::support::desktop::Desktop;
+use crate::support::pings::{Answers, Pings};
+use mariana_testing::wave::write_wav;
+
+/// Keys that change what is drawn and by which program, as they do the most to drivers.
+const LETTERS: &str = "n p c v n v r Tab i h space Left Right";
+
+/// A number or text of the environment, or what stands in for it.
+fn wish<T: std::str::FromStr>(name: &str, otherwise: T) -> T {
+    std::env::var(name).ok().and_then(|value| value.parse().ok()).unwrap_or(otherwise)
+}
+
+/// Numbers that look random and are the same at each run (xorshift; Marsaglia 2003).
+struct Dice(u64);
+
+impl Dice {
+    /// A number below `limit`.
+    fn below(&mut self, limit: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % limit.max(1)
+    }
+}
+
+#[test]
+fn keys_pressed_at_random_killed_the_program() {
+    let (runs, keys) = (wish("STORM_RUNS", 2_u64), wish("STORM_KEYS", 40_u64));
+    let (pause, seed) = (wish("STORM_PAUSE_MS", 600_u64), wish("STORM_SEED", 1_u64));
+    let (letters, size) =
+        (wish("STORM_LETTERS", LETTERS.to_owned()), wish("STORM_SIZE", "160x90".to_owned()));
+    let letters: Vec<&str> = letters.split_whitespace().collect();
+    let warm = wish("STORM_CACHE", "fresh".to_owned()) == "warm";
+    let mut worst = Answers::default();
+    let mut cache = tempfile::tempdir().unwrap();
+    for run in 0..runs {
+        if !warm {
+            cache = tempfile::tempdir().unwrap();
+        }
+        let desktop = Desktop::start();
+        let song = desktop.folder().join("quiet.wav");
+        write_wav(&song, 48_000, 2, (0..48_000 * 40).map(|_| 0.0));
+        let variables = [("MESA_SHADER_CACHE_DIR", cache.path().to_str().unwrap())];
+        let mut app = desktop.open_with(&variables, &song, &["--silent", "--size", &size]);
+        let pings = Pings::start(desktop.display(), app.window().parse().unwrap());
+        let mut dice = Dice(0x9e37_79b9_7f4a_7c15 ^ (seed + run).wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut pressed = Vec::new();
+        for _ in 0..keys {
+            let key = letters[dice.below(letters.len() as u64) as usize];
+            pressed.push(key);
+            assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.told());
+            app.press(&[key]);
+            std::thread::sleep(Duration::from_millis(50 + dice.below(pause.max(51) - 50)));
+        }
+        assert!(app.runs(), "run {run}: it died after {pressed:?}; it told: {}", app.told());
+        let answers = pings.stop();
+        let memory = app.memory_mib();
+        let begun = Instant::now();
+        app.press(&["q"]);
+        let (status, told) = app.wait_for_end(Duration::from_secs(20));
+        assert!(status.success(), "run {run}: it ended by {status} after {pressed:?}: {told}");
+        println!(
+            "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?} at {:.1?}; gone after {:?}",
+            answers.count,
+            answers.median,
+            answers.permille,
+            answers.worst,
+            answers.worst_at,
+            begun.elapsed()
+        );
+        if answers.worst > worst.worst {
+            worst = answers;
+        }
+    }
+    // It answers from a thread that waits for nothing: a window that was away told of drivers that compiled.
+    assert!(worst.count > 0 && worst.worst < Duration::from_secs(10), "the window did not answer: {worst:?}");
+}

@@ -1,0 +1,13 @@
+//! The program in a real window, under an X server of the test's own.
+
+mod hostile;
+mod key_storm;
+mod playlist_window;
+mod window;
+mod window_live;
+mod window_quality;
+mod window_scenes;
+mod window_views;
+
+#[path = "../support/mod.rs"]
+mod support;

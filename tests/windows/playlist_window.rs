@@ -1,0 +1,186 @@
+//! Lists of tracks in a window: keys, sentences over the picture, media keys by D-Bus.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crate::support::desktop::{App, Desktop};
+use mariana_testing::process::wait_until;
+use mariana_testing::session_bus::SessionBus;
+use mariana_testing::wave::write_wav;
+
+const SMALL: &[&str] = &["--silent", "--size", "320x180"];
+const QUIT_LIMIT: Duration = Duration::from_secs(6);
+
+/// A tone of some seconds.
+fn write_song(path: &Path, seconds: f64) {
+    let samples = (0..(seconds * 96_000.0) as usize).map(|n| (f64::from(n as u32) * 0.02).sin() as f32 * 0.4);
+    write_wav(path, 48_000, 2, samples);
+}
+
+fn folder_of(desktop: &Desktop, songs: &[&str], seconds: f64) -> PathBuf {
+    let folder = desktop.folder().join("music");
+    std::fs::create_dir(&folder).unwrap();
+    songs.iter().for_each(|song| write_song(&folder.join(song), seconds));
+    folder
+}
+
+fn wait_for_track(app: &mut App, name: &str, place: &str) {
+    app.wait_for_title(name, |title| title.starts_with(name) && title.contains(place));
+}
+
+#[test]
+fn a_folder_plays_in_order_and_the_keys_lead_through_it() {
+    let desktop = Desktop::start();
+    let folder = folder_of(&desktop, &["1.wav", "10.wav", "2.wav"], 60.0);
+    std::fs::write(folder.join("9.mp3"), b"this is no music at all").unwrap();
+    let mut app = desktop.open(&folder, SMALL);
+    wait_for_track(&mut app, "1.wav - Mariana", "1/4");
+    app.press(&["Next"]);
+    wait_for_track(&mut app, "2.wav - Mariana", "2/4");
+    // What cannot be played is skipped, with a sentence.
+    app.press(&["Next"]);
+    wait_for_track(&mut app, "10.wav - Mariana", "4/4");
+    app.wait_until_told("9.mp3 is not an audio file");
+    app.press(&["Next"]);
+    wait_for_track(&mut app, "1.wav - Mariana", "1/4");
+    app.press(&["Prior", "Prior"]);
+    wait_for_track(&mut app, "2.wav - Mariana", "2/4");
+    // Round the end only where the list repeats: all, this one, none.
+    app.press(&["l", "l", "Next"]);
+    wait_for_track(&mut app, "10.wav - Mariana", "4/4");
+    app.press(&["Next"]);
+    app.wait_until_told("the list ends here");
+    assert!(app.runs() && app.title().starts_with("10.wav"));
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {told}");
+}
+
+#[test]
+fn files_that_go_away_leave_a_show_that_goes_on() {
+    let desktop = Desktop::start();
+    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 1.0);
+    let mut app = desktop.open(&folder, SMALL);
+    wait_for_track(&mut app, "1.wav", "1/2");
+    wait_for_track(&mut app, "2.wav", "2/2");
+    std::fs::remove_dir_all(&folder).unwrap();
+    // What is open plays on; nothing else can be opened.
+    app.wait_until_told("does not exist");
+    app.press(&["Next"]);
+    app.wait_until_told("none of the 2 tracks can be played");
+    assert!(app.runs());
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {told}");
+}
+
+#[test]
+fn a_list_of_nothing_says_so_and_the_show_goes_on() {
+    let desktop = Desktop::start();
+    let list = desktop.folder().join("list.m3u8");
+    std::fs::write(&list, "gone.mp3\nhttp://radio.example/live\n../nowhere/b.ogg\nlist.m3u8\n").unwrap();
+    let mut app = desktop.open(&list, SMALL);
+    wait_for_track(&mut app, "nothing to play", "Mariana");
+    for sentence in
+        ["gone.mp3 does not exist", "http://radio.example/live", "contains itself", "none of the 2 tracks"]
+    {
+        app.wait_until_told(sentence);
+    }
+    // The scene moves on over silence.
+    let before = app.picture();
+    wait_until("another picture", || app.picture() != before);
+    // A track that comes back is found by a key.
+    write_song(&desktop.folder().join("gone.mp3"), 5.0);
+    app.press(&["Next"]);
+    wait_for_track(&mut app, "gone.mp3", "1/2");
+    app.press(&["q"]);
+    assert!(app.wait_for_end(QUIT_LIMIT).0.success());
+}
+
+#[test]
+fn a_list_that_plays_once_ends_the_program() {
+    let desktop = Desktop::start();
+    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 0.6);
+    std::fs::write(folder.join("3.flac"), b"fLaC").unwrap();
+    let app = desktop.open(&folder, &[SMALL, &["--once"]].concat());
+    let (status, told) = app.wait_for_end(Duration::from_secs(10));
+    assert!(status.success() && told.contains("3.flac"), "{status}: {told}");
+}
+
+#[test]
+fn the_desktop_steers_the_player_over_d_bus() {
+    let desktop = Desktop::start();
+    let bus = SessionBus::start(desktop.folder());
+    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 60.0);
+    let mut app = desktop.open(&folder, SMALL);
+    wait_until("the player on the bus", || bus.players().len() == 1);
+    let wait_for = |property: &str, value: &str| {
+        wait_until(&format!("{property} of {value}"), || bus.property(property).contains(value));
+    };
+    assert!(bus.property("Identity").contains("Mariana"));
+    wait_for("Player.PlaybackStatus", "Playing");
+    wait_for("Player.Metadata", "1.wav");
+    wait_for("Player.Metadata", "60000000");
+    bus.call("Player.PlayPause", &[]);
+    wait_for("Player.PlaybackStatus", "Paused");
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    bus.call("Player.Seek", &["int64:20000000"]);
+    let position = || {
+        let reply = bus.property("Player.Position");
+        reply.split_whitespace().last().and_then(|number| number.parse::<i64>().ok()).unwrap_or(-1)
+    };
+    wait_until("the seek", || (20_000_000..30_000_000).contains(&position()));
+    // Of another track, and beyond the end: ignored.
+    bus.call("Player.SetPosition", &["objpath:/org/mariana/track/1", "int64:50000000"]);
+    bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:61000000"]);
+    bus.call("Player.SetPosition", &["objpath:/org/mariana/track/0", "int64:40000000"]);
+    wait_until("the position", || position() == 40_000_000);
+    bus.call("Player.Play", &[]);
+    wait_for("Player.PlaybackStatus", "Playing");
+    bus.call("Player.Next", &[]);
+    wait_for_track(&mut app, "2.wav", "2/2");
+    wait_for("Player.Metadata", "2.wav");
+    bus.call("Player.Previous", &[]);
+    wait_for_track(&mut app, "1.wav", "1/2");
+    bus.set_property("Player.LoopStatus", "string:Track");
+    wait_for("Player.LoopStatus", "Track");
+    bus.set_property("Player.Shuffle", "boolean:true");
+    wait_for("Player.Shuffle", "true");
+    bus.set_property("Player.Volume", "double:0.5");
+    app.wait_for_title("volume", |title| title.contains("volume 50 %"));
+    for volume in ["double:nan", "double:-7", "double:1e300"] {
+        bus.set_property("Player.Volume", volume);
+    }
+    wait_for("Player.Volume", "double 1");
+    // A second one has a name of its own, and takes it along.
+    let second = desktop.open(&folder, SMALL);
+    wait_until("the second player", || bus.players().len() == 2);
+    drop(second);
+    wait_until("the second one's end", || bus.players().len() == 1);
+    bus.call("Quit", &[]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && told.is_empty(), "{status}: {told}");
+}
+
+#[test]
+fn a_bus_that_dies_or_is_none_is_nothing_to_speak_of() {
+    let desktop = Desktop::start();
+    let bus = SessionBus::start(desktop.folder());
+    let folder = folder_of(&desktop, &["1.wav", "2.wav"], 60.0);
+    let mut app = desktop.open(&folder, SMALL);
+    wait_until("the player on the bus", || bus.players().len() == 1);
+    drop(bus);
+    app.press(&["Next", "space"]);
+    wait_for_track(&mut app, "2.wav", "paused");
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && told.is_empty(), "{status}: {told}");
+    // Its socket is left behind, and nobody answers there.
+    let app = desktop.open(&folder, SMALL);
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && told.is_empty(), "{status}: {told}");
+}
