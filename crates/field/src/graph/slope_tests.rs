@@ -12,10 +12,19 @@ fn config() -> ProptestConfig {
 
 /// Whether the slopes at (a, b) lie in the bounds over the intervals.
 fn check(op: Op, a: Interval, b: Interval, points: &[(f32, f32)]) -> Result<(), String> {
-    let frame = frame();
-    let (by_a, by_b) = op.slope_bounds(a, b, op.bounds(a, b, &frame), &frame);
+    check_in(&frame(), op, a, b, points)
+}
+
+fn check_in(
+    frame: &FrameInputs,
+    op: Op,
+    a: Interval,
+    b: Interval,
+    points: &[(f32, f32)],
+) -> Result<(), String> {
+    let (by_a, by_b) = op.slope_bounds(a, b, op.bounds(a, b, frame), frame);
     for &(x, y) in points {
-        let slopes = op.slopes(x, y, op.value(x, y, &frame), &frame);
+        let slopes = op.slopes(x, y, op.value(x, y, frame), frame);
         if !by_a.contains(slopes.0) || (op.arity() == 2 && !by_b.contains(slopes.1)) {
             let name = op.name();
             return Err(format!(
@@ -87,12 +96,14 @@ fn bounds_hold_slopes_at_operands_that_are_no_numbers() {
 /// Every second one-operand operator, from `first` on, between neighbours of a dense sweep over all magnitudes.
 fn sweep(first: usize) {
     let sweep: Vec<f32> = (0..=u32::MAX).step_by(8_191).map(f32::from_bits).filter(|v| !v.is_nan()).collect();
+    let frame = frame();
+    let mut points = Vec::with_capacity(3);
     for &op in Op::ALL.iter().filter(|op| op.arity() == 1).skip(first).step_by(2) {
         for three in sweep.windows(3) {
             let (lo, hi) = (three[0].min(three[2]), three[0].max(three[2]));
-            let points = three.iter().filter(|v| (lo..=hi).contains(*v)).map(|v| (*v, 0.0));
-            let points: Vec<_> = points.collect();
-            check(op, Interval::new(lo, hi), Interval::point(0.0), &points).unwrap();
+            points.clear();
+            points.extend(three.iter().filter(|v| (lo..=hi).contains(*v)).map(|v| (*v, 0.0)));
+            check_in(&frame, op, Interval::new(lo, hi), Interval::point(0.0), &points).unwrap();
         }
     }
 }
