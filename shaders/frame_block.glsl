@@ -6,19 +6,18 @@ layout(std140) uniform FrameBlock {
     vec4 camera_right;      // xyz to the right edge of the picture
     vec4 camera_up;         // xyz to the upper edge
     vec4 camera_forward;    // xyz into the picture, unit length
-    vec4 frame_clock;       // time in seconds, tempo, phase, bass_drive
-    vec4 frame_levels;      // x left volume, y right volume: mean |sample|, 0..1 (thesis section 5, eq. 1); z lights; w pitch
-    vec4 frame_sound;       // bass, mid, treble, beat
+    vec4 frame_clock;       // x time in seconds; y lights; z the row of the history at age 0, w the rows from it to age 1
     vec4 block_bounds_low;        // xyz lower corner of what is traced; w 1 if there is anything but planes
     vec4 block_bounds_high;       // xyz upper corner; w 1 if the corners are known
     vec4 plane_objects;     // the object of each plane
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
-    vec4 frame_stereo;      // xy volumes of mid and side; z the row of the history at age 0, w the rows from it to age 1
     vec4 frame_reach;       // x how far away other things take ambient light and give theirs; y quality
     vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
     vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
                                         // side, w range or 0; half the upper side, w share that shadows take
+    vec4 frame_heard[HEARD_QUADS];      // numbers of the sound, four to a vector, in the order of their table
+                                        // (crates/field/src/graph/sound_input.rs; volumes: thesis section 5, eq. 1)
     vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not four and a choice
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame
@@ -31,13 +30,7 @@ layout(std140) uniform PassBlock {
     vec4 pass_places[8];    // xy and zw: places of samples from their pixel's centre
 };
 
-// The names of the scene language's inputs in generated code.
 #define frame_time frame_clock.x
-#define frame_tempo frame_clock.y
-#define frame_phase frame_clock.z
-#define frame_volume frame_levels
-#define frame_bass_drive frame_clock.w
-#define frame_pitch frame_levels.w
 
 // How much a picture may cost beside its number of pixels, 0..1: 1 for the best, as in stills, videos and measurements.
 // What is costly and little missed may be less by it, smoothly: the window changes it in small steps while it shows.

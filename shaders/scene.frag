@@ -45,7 +45,7 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
     vec3 light = m.emission;
     // Left at its end: a renderer that never skips a branch would run a last round in vain.
-    int last = min(int(frame_levels.z), LIGHTS_MAX) - 1;
+    int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
     do {
         Incoming incoming = light_at(i, p, s.normal, direction);

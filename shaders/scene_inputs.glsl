@@ -26,7 +26,7 @@ float table_waveform(float u) {
 }
 
 float table_history(float u, float age) {
-    float along = frame_stereo.z + (age > 0.0 ? min(age, 1.0) : 0.0) * frame_stereo.w;
+    float along = frame_clock.z + (age > 0.0 ? min(age, 1.0) : 0.0) * frame_clock.w;
     int upper = int(along);
     float y = along - float(upper);
     int first = SPECTRUM_POINTS + WAVEFORM_POINTS + upper * HISTORY_POINTS;

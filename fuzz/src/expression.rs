@@ -3,6 +3,7 @@
 //! There is no processor that runs the generated GLSL here. It is held to naga (`World::compiled_glsl`); that a driver
 //! computes the same with it is `tests/agreement.rs`.
 
+use mariana_field::graph::SoundInput;
 use std::sync::Arc;
 
 use mariana_field::graph::{
@@ -27,11 +28,11 @@ const INPUTS: [Input; 12] = [
     Input::Y,
     Input::Z,
     Input::T,
-    Input::VolumeLeft,
+    Input::Sound(SoundInput::VolumeLeft),
     Input::Band(7),
-    Input::Bass,
-    Input::Beat,
-    Input::Phase,
+    Input::Sound(SoundInput::Bass),
+    Input::Sound(SoundInput::Beat),
+    Input::Sound(SoundInput::Phase),
     Input::NX,
     Input::NY,
     Input::NZ,
@@ -127,7 +128,7 @@ impl Head {
         let mut frame = super::random::frame();
         frame.time = bytes.number();
         frame.bands[7] = bytes.number();
-        frame.bass = bytes.number();
+        frame.sound[SoundInput::Bass] = bytes.number();
         frame.history =
             TableData::scrolling(vec![bytes.finite(), 1.0, -1.0, 0.5], 2, bytes.number(), bytes.number());
         frame.textures = Some(Arc::new(Stripes));

@@ -1,6 +1,7 @@
 //! Texts in the scene language.
 
 use mariana_field::graph::FrameInputs;
+use mariana_field::graph::SoundInputs;
 use mariana_field::lang::{self, Diagnostic, Sources};
 use mariana_field::world::{World, WorldError};
 
@@ -86,18 +87,8 @@ pub(crate) fn some_sound(random: &mut Random) -> FrameInputs {
     let loud = random.below(3) as f32 / 2.0;
     let mut unit = || loud * random.between(0.0, 1.0);
     let mut inputs = FrameInputs {
-        volume: [unit(), unit()],
         bands: std::array::from_fn(|_| unit()),
-        bass: unit(),
-        mid: unit(),
-        treble: unit(),
-        beat: unit(),
-        phase: unit(),
-        volume_mid: unit(),
-        volume_side: unit(),
-        pitch: unit(),
-        bass_drive: 4.0 * unit(),
-        tempo: 180.0 * unit(),
+        sound: SoundInputs::each(|input| input.range().1 * unit()),
         ..super::random::frame()
     };
     inputs.time = random.between(0.0, 600.0);

@@ -1,5 +1,6 @@
 //! The subcommands that work on the text of scenes: `check`, `tape` and `eval`.
 
+use mariana_field::graph::{BAND_COUNT, SoundInput};
 use std::io::{BufRead, BufReader, IsTerminal};
 use std::path::{Path, PathBuf};
 
@@ -208,20 +209,9 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
     let value: f32 =
         value.trim().parse().with_context(|| format!("--set '{setting}': '{value}' is no number"))?;
     let band = name.strip_prefix("band(").and_then(|rest| rest.strip_suffix(')'));
-    let place = match name {
-        "t" => Some(&mut frame.time),
-        "volume.x" => frame.volume.first_mut(),
-        "volume.y" => frame.volume.last_mut(),
-        "bass" => Some(&mut frame.bass),
-        "mid" => Some(&mut frame.mid),
-        "treble" => Some(&mut frame.treble),
-        "beat" => Some(&mut frame.beat),
-        "tempo" => Some(&mut frame.tempo),
-        "phase" => Some(&mut frame.phase),
-        "volume_mid" => Some(&mut frame.volume_mid),
-        "volume_side" => Some(&mut frame.volume_side),
-        "bass_drive" => Some(&mut frame.bass_drive),
-        "pitch" => Some(&mut frame.pitch),
+    let place = match (name, SoundInput::named(name)) {
+        ("t", _) => Some(&mut frame.time),
+        (_, Some(input)) => Some(&mut frame.sound[input]),
         _ => match band {
             Some(number) => number.parse().ok().and_then(|number: usize| frame.bands.get_mut(number)),
             None => scene
@@ -231,9 +221,12 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
                 .and_then(|number| frame.params.get_mut(number)),
         },
     };
-    let known = "t, volume.x, volume.y, band(0) to band(31), bass, mid, treble, beat, tempo, phase, volume_mid, \
-                 volume_side, bass_drive, pitch, and the scene's params";
-    *place.with_context(|| format!("--set '{setting}': there is no input '{name}'; there are {known}"))? =
+    let known = || {
+        let sounds: Vec<&str> = SoundInput::ALL.into_iter().map(SoundInput::name).collect();
+        format!("t, {}, band(0) to band({}), and the scene's params", sounds.join(", "), BAND_COUNT - 1)
+    };
+    *place
+        .with_context(|| format!("--set '{setting}': there is no input '{name}'; there are {}", known()))? =
         value;
     Ok(())
 }

@@ -2,32 +2,35 @@
 //! `shaders/frame_block.glsl`).
 
 use super::Frame;
+use mariana_field::graph::SoundInput;
 use mariana_field::world::{LightKind, LightValues, PLANES_MAX, World};
 use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
 
 /// Vectors before the arrays of the block.
-const HEAD: usize = 15;
+const HEAD: usize = 12;
 /// Vectors of a light.
 const LIGHT: usize = 4;
 const LIGHTS_MAX: usize = mariana_field::limits::LIMITS.scene_lights_max;
+const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);
 const PARAM_QUADS: usize = mariana_field::limits::LIMITS.scene_params_max.div_ceil(4);
 const HOISTED_QUADS: usize = mariana_field::limits::LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
 pub const FRAME_BLOCK_VECTORS: usize =
-    HEAD + PLANES_MAX + LIGHT * LIGHTS_MAX + BAND_COUNT + PARAM_QUADS + HOISTED_QUADS;
+    HEAD + PLANES_MAX + LIGHT * LIGHTS_MAX + HEARD_QUADS + BAND_COUNT + PARAM_QUADS + HOISTED_QUADS;
 
 /// The block of one frame.
 pub type FrameBlock = [[f32; 4]; FRAME_BLOCK_VECTORS];
 
 /// The lengths of the block's arrays and of the sound's tables, as the defines that `shaders/frame_block.glsl` needs.
-pub fn block_defines() -> [String; 8] {
+pub fn block_defines() -> [String; 9] {
     [
         format!("PLANES_MAX {PLANES_MAX}"),
         format!("LIGHTS_MAX {LIGHTS_MAX}"),
         format!("BAND_COUNT {BAND_COUNT}"),
+        format!("HEARD_QUADS {HEARD_QUADS}"),
         format!("PARAM_QUADS {PARAM_QUADS}"),
         format!("HOISTED_QUADS {HOISTED_QUADS}"),
         format!("SPECTRUM_POINTS {SPECTRUM_POINTS}"),
@@ -82,22 +85,20 @@ impl Frame {
             xyz(right, 0.0),
             xyz(up, 0.0),
             xyz(camera.forward, 0.0),
-            [inputs.time, inputs.tempo, inputs.phase, inputs.bass_drive],
-            [inputs.volume[0], inputs.volume[1], self.values.lights.len() as f32, inputs.pitch],
-            [inputs.bass, inputs.mid, inputs.treble, inputs.beat],
+            [inputs.time, self.values.lights.len() as f32, first_row, row_span],
             // Whether anything is traced at all, and whether its box is known.
             [low[0], low[1], low[2], if world.has_rest { 1.0 } else { 0.0 }],
             [high[0], high[1], high[2], if bounds.is_some() { 1.0 } else { 0.0 }],
             plane_objects,
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
-            [inputs.volume_mid, inputs.volume_side, first_row, row_span],
             [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, 0.0],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);
         put(&mut rest, PLANES_MAX, planes);
         put(&mut rest, LIGHT * LIGHTS_MAX, lights.flat_map(light));
+        put(&mut rest, HEARD_QUADS, quads(inputs.sound.numbers()));
         put(&mut rest, BAND_COUNT, inputs.bands.map(|band| [band, 0.0, 0.0, 0.0]));
         put(&mut rest, PARAM_QUADS, quads(&inputs.params));
         put(&mut rest, HOISTED_QUADS, quads(&inputs.hoisted));

@@ -12,10 +12,11 @@ pub(crate) mod testing;
 
 use camera::Camera;
 use hand::Hand;
+use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, TableData};
 use mariana_field::world::{FrameValues, World};
 pub use mariana_music::Sound;
-use mariana_music::{HISTORY_POINTS, spectrum_place};
+use mariana_music::HISTORY_POINTS;
 use picture::Picture;
 
 /// What one picture shows.
@@ -58,18 +59,8 @@ impl Frame {
         let declared = world.scene.params.iter().enumerate();
         let inputs = FrameInputs {
             time: finite(time as f32),
-            volume: features.volume.map(unit),
+            sound: SoundInputs::each(|input| input.clamp(features.number(input.name()).unwrap_or(0.0))),
             bands: features.bands.map(unit),
-            bass: unit(features.bass),
-            mid: unit(features.mid),
-            treble: unit(features.treble),
-            beat: unit(features.beat),
-            tempo: finite(features.tempo).max(0.0),
-            phase: unit(features.phase),
-            volume_mid: unit(features.volume_mid),
-            volume_side: unit(features.volume_side),
-            bass_drive: finite(features.bass_drive).clamp(0.0, 4.0),
-            pitch: finite(spectrum_place(f64::from(features.peak_hz)) as f32),
             spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
             waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
             history: tables.history.map_or(TableData::EMPTY, |rows| {

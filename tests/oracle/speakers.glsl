@@ -28,11 +28,11 @@ float loudness(float volume) {
 }
 
 float woofer_radius(float side) {
-    return 1.3 + 0.45 * loudness(side < 0.0 ? frame_volume.x : frame_volume.y);
+    return 1.3 + 0.45 * loudness(side < 0.0 ? frame_heard[0].x : frame_heard[0].y);
 }
 
 float bridge_radius(float x) {
-    float loud = loudness(0.5 * (frame_volume.x + frame_volume.y));
+    float loud = loudness(0.5 * (frame_heard[0].x + frame_heard[0].y));
     return 0.2 + 0.22 * loud + 0.09 * loud * cos(3.4 * x) * cos(2.0 * frame_time);
 }
 

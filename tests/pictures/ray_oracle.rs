@@ -5,10 +5,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-#[allow(dead_code)]
 use crate::support::expression::Random;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_field::graph::FrameInputs;
+#[allow(dead_code)]
+use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
 use mariana_field::world::World;
@@ -304,14 +305,17 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
 fn inputs_of(world: &World, time: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,
-        volume: [0.2, 0.3],
+        sound: SoundInputs::with(&[
+            (SoundInput::VolumeLeft, 0.2),
+            (SoundInput::VolumeRight, 0.3),
+            (SoundInput::Bass, 0.4),
+            (SoundInput::Mid, 0.3),
+            (SoundInput::Treble, 0.2),
+            (SoundInput::Beat, 0.5),
+            (SoundInput::Tempo, 120.0),
+            (SoundInput::Phase, 0.25),
+        ]),
         bands: std::array::from_fn(|band| 0.4 + 0.4 * (band as f32 + time).sin()),
-        bass: 0.4,
-        mid: 0.3,
-        treble: 0.2,
-        beat: 0.5,
-        tempo: 120.0,
-        phase: 0.25,
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()
     };

@@ -1,6 +1,7 @@
 //! How long the tree of a frame takes, on one thread: of the speakers, of the surfaces, and of a scene of over 11,000
 //! clauses.
 
+use mariana_field::graph::{SoundInput, SoundInputs};
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -28,7 +29,7 @@ const SCENES: [(&str, &str); 4] = [
 fn inputs_of(world: &World) -> FrameInputs {
     let mut inputs = FrameInputs {
         time: 31.0,
-        volume: [0.18, 0.12],
+        sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.18), (SoundInput::VolumeRight, 0.12)]),
         bands: std::array::from_fn(|band| 0.3 + 0.3 * (1.7 * band as f32).sin()),
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()

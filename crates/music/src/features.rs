@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::lines::SPECTRUM_POINTS;
+use super::lines::{SPECTRUM_POINTS, spectrum_place};
 use super::tables::WAVE_PER_HOP;
 
 /// Number of frequency bands.
@@ -11,98 +11,143 @@ pub const BAND_COUNT: usize = 32;
 /// The lowest level that is told, in decibels: silence reads this, nothing reads less.
 pub const LEVEL_FLOOR_DB: f32 = -120.0;
 
-/// The features of one moment. Every number is finite, whatever the samples were.
-///
-/// What is told in decibels and hertz is measured; the others are for pictures: levelled by [`Gain`](super::Gain) and
-/// smoothed with attack and release.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Features {
+macro_rules! features {
+    ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
+        /// The features of one moment. Every number is finite, whatever the samples were.
+        ///
+        /// What is told in decibels and hertz is measured; the others are for pictures: levelled by [`Gain`](super::Gain)
+        /// and smoothed with attack and release.
+        #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+        pub struct Features {
+            $($(#[doc = $doc])+ pub $name: $type,)+
+        }
+
+        impl Features {
+            /// Features of silence.
+            pub const SILENCE: Self = Self { $($name: $silence,)+ };
+
+            /// Number by number, each by the rule of its row.
+            fn between(&self, other: &Self, amount: f32) -> Self {
+                Self { $($name: $between(self.$name, other.$name, amount),)+ }
+            }
+
+            /// The number of this name, unless it is a list or there is none.
+            fn row(&self, name: &str) -> Option<f32> {
+                match name {
+                    $(stringify!($name) => self.$name.as_number(),)+
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+// Each feature: what it is, its type, what silence reads, and what is between two moments.
+features! {
     /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (thesis, section 5,
     /// eq. 1), times the gain, followed with attack and release. 0 is silence, a full-scale sine reads 2/π = 0.637 at a
     /// gain of 0 dB, a full-scale square wave 1; only samples beyond full scale read more than 1 (at most 8).
-    pub volume: [f32; 2],
+    volume: [f32; 2] = [0.0; 2], mixed;
     /// The same of what both channels share, (left + right) / 2.
-    pub volume_mid: f32,
+    volume_mid: f32 = 0.0, mixed;
     /// The same of that in which they differ, (left - right) / 2: 0 for mono, much for wide stereo.
-    pub volume_side: f32,
+    volume_side: f32 = 0.0, mixed;
     /// Height of each band for drawing, 0..1: its level plus the gain from -66 dB to -6 dB, linear in decibels, followed
     /// with attack and release. Low frequencies first; the edges are [`band_edge`](super::band_edge)'s.
-    pub bands: [f32; BAND_COUNT],
+    bands: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
     /// Mean height of the bands below 144 Hz, 0..1.
-    pub bass: f32,
+    bass: f32 = 0.0, mixed;
     /// Mean height of the bands from 144 Hz to 1.85 kHz, 0..1.
-    pub mid: f32,
+    mid: f32 = 0.0, mixed;
     /// Mean height of the bands from 1.85 kHz to 16 kHz, 0..1.
-    pub treble: f32,
+    treble: f32 = 0.0, mixed;
     /// 1 at the onset of a sound, then falling by e in 0.15 s.
-    pub beat: f32,
+    beat: f32 = 0.0, mixed;
     /// Beats per minute; 0 while unknown.
-    pub tempo: f32,
+    tempo: f32 = 0.0, known;
     /// Way from the last beat to the next, 0 up to 1; 0 while the tempo is unknown. The next beat is foretold for
     /// 60 · (1 - phase) / tempo seconds later.
-    pub phase: f32,
+    phase: f32 = 0.0, held;
     /// The integral of `bass` over time in seconds, of which all but 1/e is forgotten in 4 s: b' = bass - b / 4 s. Time
     /// plus this runs with the bass: faster with each low note, and as fast as time in the mean.
-    pub bass_drive: f32,
+    bass_drive: f32 = 0.0, mixed;
     /// The gain that the above were levelled by, in decibels; 0 if it is off.
-    pub gain_db: f32,
+    gain_db: f32 = 0.0, mixed;
     /// Level of everything from 30 Hz to 16 kHz in decibels, as the bands'.
-    pub level_db: f32,
+    level_db: f32 = LEVEL_FLOOR_DB, mixed;
     /// Frequency of the strongest tone in hertz, to a hundredth of a bin of the long window (0.06 Hz); 0 below -80 dB.
-    pub peak_hz: f32,
+    peak_hz: f32 = 0.0, held;
     /// Level of the power in each band in decibels, both channels together, as measured: not smoothed.
     /// A sine of amplitude a in both channels reads 20·log10(a) dB in sum over the bands it falls into, in one
     /// channel alone 3.01 dB less, whatever the phase between the channels. Not below [`LEVEL_FLOOR_DB`].
-    pub band_levels_db: [f32; BAND_COUNT],
+    band_levels_db: [f32; BAND_COUNT] = [LEVEL_FLOOR_DB; BAND_COUNT], mixed;
 }
 
 impl Features {
-    /// Features of silence.
-    pub const SILENCE: Self = Self {
-        volume: [0.0; 2],
-        volume_mid: 0.0,
-        volume_side: 0.0,
-        bands: [0.0; BAND_COUNT],
-        bass: 0.0,
-        mid: 0.0,
-        treble: 0.0,
-        beat: 0.0,
-        tempo: 0.0,
-        phase: 0.0,
-        bass_drive: 0.0,
-        gain_db: 0.0,
-        level_db: LEVEL_FLOOR_DB,
-        peak_hz: 0.0,
-        band_levels_db: [LEVEL_FLOOR_DB; BAND_COUNT],
-    };
+    /// The number that scenes read by this name: a feature, a channel of one (`volume.x`), or `pitch`. None if there is
+    /// no such number.
+    pub fn number(&self, name: &str) -> Option<f32> {
+        match name {
+            "volume.x" => Some(self.volume[0]),
+            "volume.y" => Some(self.volume[1]),
+            "pitch" => Some(spectrum_place(f64::from(self.peak_hz)) as f32),
+            _ => self.row(name),
+        }
+    }
 
     /// The straight line from `self` (`amount` 0) to `other` (`amount` 1), number by number. The phase runs through 1 to
     /// 0; a tempo or a frequency that is unknown at one end stays what it is at the start.
     pub fn lerp(&self, other: &Self, amount: f32) -> Self {
-        let mix = |a: f32, b: f32| a + (b - a) * amount;
-        let known = |a: f32, b: f32| if a > 0.0 && b > 0.0 { mix(a, b) } else { a };
-        // A tracker that thought better of it may step back a little: more than half a beat is a new beat.
-        let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
-        let phase = mix(self.phase, other.phase + ahead);
-        let has_phase = self.tempo > 0.0 && other.tempo > 0.0;
-        Self {
-            volume: std::array::from_fn(|i| mix(self.volume[i], other.volume[i])),
-            volume_mid: mix(self.volume_mid, other.volume_mid),
-            volume_side: mix(self.volume_side, other.volume_side),
-            bands: std::array::from_fn(|i| mix(self.bands[i], other.bands[i])),
-            bass: mix(self.bass, other.bass),
-            mid: mix(self.mid, other.mid),
-            treble: mix(self.treble, other.treble),
-            beat: mix(self.beat, other.beat),
-            tempo: known(self.tempo, other.tempo),
-            phase: if has_phase { phase - phase.floor() } else { self.phase },
-            bass_drive: mix(self.bass_drive, other.bass_drive),
-            gain_db: mix(self.gain_db, other.gain_db),
-            level_db: mix(self.level_db, other.level_db),
-            peak_hz: self.peak_hz,
-            band_levels_db: std::array::from_fn(|i| mix(self.band_levels_db[i], other.band_levels_db[i])),
+        let mut between = self.between(other, amount);
+        if self.tempo > 0.0 && other.tempo > 0.0 {
+            // A tracker that thought better of it may step back a little: more than half a beat is a new beat.
+            let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
+            let phase = mixed(self.phase, other.phase + ahead, amount);
+            between.phase = phase - phase.floor();
         }
+        between
     }
+}
+
+/// A number, or a list of them.
+trait Numbers: Sized {
+    fn mixed(self, other: Self, amount: f32) -> Self;
+    fn as_number(self) -> Option<f32>;
+}
+
+impl Numbers for f32 {
+    fn mixed(self, other: Self, amount: f32) -> Self {
+        self + (other - self) * amount
+    }
+
+    fn as_number(self) -> Option<f32> {
+        Some(self)
+    }
+}
+
+impl<const N: usize> Numbers for [f32; N] {
+    fn mixed(self, other: Self, amount: f32) -> Self {
+        std::array::from_fn(|i| self[i].mixed(other[i], amount))
+    }
+
+    fn as_number(self) -> Option<f32> {
+        None
+    }
+}
+
+/// On the straight line between both.
+fn mixed<T: Numbers>(a: T, b: T, amount: f32) -> T {
+    a.mixed(b, amount)
+}
+
+/// The same where both are known, that is above 0, and what it was where one is not.
+fn known(a: f32, b: f32, amount: f32) -> f32 {
+    if a > 0.0 && b > 0.0 { mixed(a, b, amount) } else { a }
+}
+
+/// What it was.
+fn held(a: f32, _: f32, _: f32) -> f32 {
+    a
 }
 
 impl Default for Features {

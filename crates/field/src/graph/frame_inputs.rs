@@ -1,5 +1,6 @@
 //! What one frame gives to every point: the sound's features, the scene's parameters and the tables.
 
+use super::{BAND_COUNT, SoundInputs};
 use std::sync::Arc;
 
 use super::interval::Interval;
@@ -204,18 +205,8 @@ impl TableData {
 /// What folding gives to operators that do not read it.
 pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
-    volume: [0.0; 2],
-    bands: [0.0; 32],
-    bass: 0.0,
-    mid: 0.0,
-    treble: 0.0,
-    beat: 0.0,
-    tempo: 0.0,
-    phase: 0.0,
-    volume_mid: 0.0,
-    volume_side: 0.0,
-    bass_drive: 0.0,
-    pitch: 0.0,
+    sound: SoundInputs::SILENCE,
+    bands: [0.0; BAND_COUNT],
     eye: [0.0; 3],
     params: Vec::new(),
     hoisted: Vec::new(),
@@ -231,30 +222,10 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
 pub struct FrameInputs {
     /// Time in seconds.
     pub time: f32,
-    /// Volume of the left and the right channel.
-    pub volume: [f32; 2],
+    /// What is heard.
+    pub sound: SoundInputs,
     /// The frequency bands, low to high.
-    pub bands: [f32; 32],
-    /// Low frequencies.
-    pub bass: f32,
-    /// Middle frequencies.
-    pub mid: f32,
-    /// High frequencies.
-    pub treble: f32,
-    /// 1 on an onset, then decaying.
-    pub beat: f32,
-    /// Beats per minute.
-    pub tempo: f32,
-    /// Position in the beat, 0..1.
-    pub phase: f32,
-    /// Volume of what both channels share.
-    pub volume_mid: f32,
-    /// Volume of that in which they differ.
-    pub volume_side: f32,
-    /// The integral of the low frequencies over the last seconds.
-    pub bass_drive: f32,
-    /// Where the strongest tone lies in the spectrum.
-    pub pitch: f32,
+    pub bands: [f32; BAND_COUNT],
     /// Where the picture is seen from.
     pub eye: [f32; 3],
     /// The scene's parameters by number; missing ones are 0.
@@ -275,10 +246,6 @@ pub struct FrameInputs {
 
 /// Longest time that bounds for every frame count with, in seconds: a day.
 const TIME_MAX: f32 = 86_400.0;
-/// Largest [`FrameInputs::bass_drive`] that they count with, in seconds: what it forgets in.
-const DRIVE_MAX: f32 = 4.0;
-/// Fastest tempo that they count with, in beats per minute.
-const TEMPO_MAX: f32 = 1_000.0;
 
 impl FrameInputs {
     /// Inputs of every frame at once: any sound, any time, parameters within their ranges. Bounds over them hold for each
@@ -298,22 +265,14 @@ impl FrameInputs {
         let Some(params) = &self.ranges else { return Interval::point(self.value(input)) };
         match input {
             Input::T => Interval { lo: 0.0, hi: TIME_MAX },
-            Input::Tempo => Interval { lo: 0.0, hi: TEMPO_MAX },
-            Input::BassDrive => Interval { lo: 0.0, hi: DRIVE_MAX },
+            Input::Sound(input) => {
+                let (lo, hi) = input.range();
+                Interval { lo, hi }
+            }
+            Input::Band(_) => Interval::UNIT,
             Input::Param(i) => params.get(usize::from(i)).copied().unwrap_or(Interval::ANY),
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => Interval::ANY,
             Input::EyeX | Input::EyeY | Input::EyeZ | Input::Hoisted(_) => Interval::ANY,
-            Input::VolumeLeft
-            | Input::VolumeRight
-            | Input::Band(_)
-            | Input::Bass
-            | Input::Mid
-            | Input::Treble
-            | Input::Beat
-            | Input::Phase
-            | Input::VolumeMid
-            | Input::VolumeSide
-            | Input::Pitch => Interval::UNIT,
         }
     }
 
@@ -322,19 +281,8 @@ impl FrameInputs {
         match input {
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => 0.0,
             Input::T => self.time,
-            Input::VolumeLeft => self.volume[0],
-            Input::VolumeRight => self.volume[1],
+            Input::Sound(input) => self.sound[input],
             Input::Band(i) => self.bands.get(usize::from(i)).copied().unwrap_or(0.0),
-            Input::Bass => self.bass,
-            Input::Mid => self.mid,
-            Input::Treble => self.treble,
-            Input::Beat => self.beat,
-            Input::Tempo => self.tempo,
-            Input::Phase => self.phase,
-            Input::VolumeMid => self.volume_mid,
-            Input::VolumeSide => self.volume_side,
-            Input::BassDrive => self.bass_drive,
-            Input::Pitch => self.pitch,
             Input::EyeX => self.eye[0],
             Input::EyeY => self.eye[1],
             Input::EyeZ => self.eye[2],
@@ -350,7 +298,7 @@ impl FrameInputs {
 
     /// The number of the band that [`FrameInputs::band`] reads.
     pub fn band_number(index: f32) -> usize {
-        (index.max(0.0) as usize).min(31)
+        (index.max(0.0) as usize).min(BAND_COUNT - 1)
     }
 
     /// Bounds of [`FrameInputs::band`].
@@ -358,8 +306,11 @@ impl FrameInputs {
         if self.ranges.is_some() {
             return Interval::UNIT;
         }
-        let (first, last) =
-            if index.is_any() { (0, 31) } else { (Self::band_number(index.lo), Self::band_number(index.hi)) };
+        let (first, last) = if index.is_any() {
+            (0, BAND_COUNT - 1)
+        } else {
+            (Self::band_number(index.lo), Self::band_number(index.hi))
+        };
         self.bands[first..=last]
             .iter()
             .map(|&band| Interval::point(band))

@@ -22,6 +22,7 @@ mod rules;
 mod simplify;
 mod slope_rules;
 mod sloped;
+mod sound_input;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub use evaluate::Point;
@@ -34,6 +35,7 @@ pub use op::{
 };
 pub use order::{InputsUsed, Order};
 pub use sloped::{Pieces, Sloped};
+pub use sound_input::{SoundInput, SoundInputs};
 
 #[cfg(test)]
 pub(crate) mod random;

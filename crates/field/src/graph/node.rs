@@ -1,5 +1,6 @@
 //! Nodes of the expression graph.
 
+use super::SoundInput;
 use super::op::Op;
 
 /// Names a node of one [`super::Graph`].
@@ -33,32 +34,10 @@ pub enum Input {
     NZ,
     /// Time in seconds.
     T,
-    /// Volume of the left channel.
-    VolumeLeft,
-    /// Volume of the right channel.
-    VolumeRight,
-    /// One of the 32 frequency bands.
+    /// A number of the sound.
+    Sound(SoundInput),
+    /// One of the frequency bands.
     Band(u8),
-    /// Low frequencies.
-    Bass,
-    /// Middle frequencies.
-    Mid,
-    /// High frequencies.
-    Treble,
-    /// 1 on an onset, then decaying.
-    Beat,
-    /// Beats per minute.
-    Tempo,
-    /// Position in the beat, 0..1.
-    Phase,
-    /// Volume of what both channels share.
-    VolumeMid,
-    /// Volume of that in which they differ.
-    VolumeSide,
-    /// The integral of the low frequencies over the last seconds.
-    BassDrive,
-    /// Where the strongest tone lies in the spectrum, 0..1.
-    Pitch,
     /// Where the picture is seen from.
     EyeX,
     /// See [`Input::EyeX`].
@@ -98,21 +77,10 @@ impl Input {
             Input::NY => 4,
             Input::NZ => 5,
             Input::T => 6,
-            Input::VolumeLeft => 7,
-            Input::VolumeRight => 8,
-            Input::Bass => 9,
-            Input::Mid => 10,
-            Input::Treble => 11,
-            Input::Beat => 12,
-            Input::Tempo => 13,
-            Input::Phase => 14,
-            Input::VolumeMid => 15,
-            Input::VolumeSide => 16,
-            Input::BassDrive => 17,
-            Input::Pitch => 18,
-            Input::EyeX => 19,
-            Input::EyeY => 20,
-            Input::EyeZ => 21,
+            Input::EyeX => 7,
+            Input::EyeY => 8,
+            Input::EyeZ => 9,
+            Input::Sound(input) => 0x10 | input as u32,
             Input::Band(i) => 0x100 | i as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
             Input::Hoisted(i) => 0x2_0000 | i as u32,
@@ -131,21 +99,10 @@ impl std::fmt::Display for Input {
             Input::NY => "NY",
             Input::NZ => "NZ",
             Input::T => "T",
-            Input::VolumeLeft => "VOLUME.X",
-            Input::VolumeRight => "VOLUME.Y",
-            Input::Bass => "BASS",
-            Input::Mid => "MID",
-            Input::Treble => "TREBLE",
-            Input::Beat => "BEAT",
-            Input::Tempo => "TEMPO",
-            Input::Phase => "PHASE",
-            Input::VolumeMid => "VOLUME_MID",
-            Input::VolumeSide => "VOLUME_SIDE",
-            Input::BassDrive => "BASS_DRIVE",
-            Input::Pitch => "PITCH",
             Input::EyeX => "EYE.X",
             Input::EyeY => "EYE.Y",
             Input::EyeZ => "EYE.Z",
+            Input::Sound(input) => return f.write_str(&input.name().to_uppercase()),
             Input::Band(i) => return write!(f, "BAND({i})"),
             Input::Param(i) => return write!(f, "PARAM({i})"),
             Input::Hoisted(i) => return write!(f, "HOISTED({i})"),

@@ -1,5 +1,6 @@
 //! Random expressions for property tests.
 
+use super::{SoundInput, SoundInputs};
 use std::sync::Arc;
 
 use proptest::prelude::*;
@@ -76,10 +77,10 @@ const INPUTS: [Input; 12] = [
     Input::NY,
     Input::NZ,
     Input::T,
-    Input::VolumeLeft,
+    Input::Sound(SoundInput::VolumeLeft),
     Input::Band(7),
     Input::Param(1),
-    Input::Beat,
+    Input::Sound(SoundInput::Beat),
     Input::X,
 ];
 
@@ -134,18 +135,14 @@ pub(crate) fn frame() -> FrameInputs {
         ranges: None,
         hoisted: Vec::new(),
         time: 12.5,
-        volume: [0.25, 0.75],
+        sound: SoundInputs::each(|input| match input {
+            SoundInput::VolumeRight | SoundInput::Phase => 0.75,
+            SoundInput::Beat => 0.0,
+            SoundInput::Tempo => 120.0,
+            SoundInput::BassDrive => 1.5,
+            _ => (input as u8 as f32 + 1.0) / 16.0,
+        }),
         bands: std::array::from_fn(|i| (i as f32 * 0.7).cos() * 0.5),
-        bass: 0.5,
-        mid: 0.25,
-        treble: 0.125,
-        beat: 0.0,
-        tempo: 120.0,
-        phase: 0.75,
-        volume_mid: 0.5,
-        volume_side: 0.25,
-        bass_drive: 1.5,
-        pitch: 0.375,
         eye: [1.5, 2.0, -4.0],
         params: vec![1.0, -2.5],
         spectrum: TableData::row(wave(64, 0.3)),

@@ -2,7 +2,7 @@
 //!
 //! Everything else stands in the library, written in the language.
 
-use crate::graph::{Input, Op};
+use crate::graph::{Input, Op, SoundInput};
 
 /// What an input's name means.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,6 +32,7 @@ pub(super) mod uses {
 }
 
 /// An input: its name, its meaning, which kind of input it is, and what it is for people.
+#[derive(Clone, Copy)]
 pub(super) struct InputRow {
     pub name: &'static str,
     pub value: InputValue,
@@ -46,8 +47,8 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// Every input. A direction is read where the normal is: no expression has both.
-pub(super) const INPUTS: &[InputRow] = &[
+/// The inputs that are no numbers of the sound. A direction is read where the normal is: no expression has both.
+const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
     row("y", One(Input::Y), POINT, "p.y, up"),
@@ -67,30 +68,10 @@ pub(super) const INPUTS: &[InputRow] = &[
     row("t", One(Input::T), FRAME, "time in seconds"),
     row(
         "volume",
-        Many(&[Input::VolumeLeft, Input::VolumeRight]),
+        Many(&[Input::Sound(SoundInput::VolumeLeft), Input::Sound(SoundInput::VolumeRight)]),
         FRAME,
         "left and right volume, vec2, 0..1: the mean of |sample|",
     ),
-    row("bass", One(Input::Bass), FRAME, "low frequencies, up to 144 Hz, 0..1"),
-    row("mid", One(Input::Mid), FRAME, "middle frequencies, 144 Hz to 1.85 kHz, 0..1"),
-    row("treble", One(Input::Treble), FRAME, "high frequencies, from 1.85 kHz, 0..1"),
-    row("beat", One(Input::Beat), FRAME, "1 where a sound begins, falling by e in 0.15 s"),
-    row("tempo", One(Input::Tempo), FRAME, "beats per minute, 0 while unknown"),
-    row("phase", One(Input::Phase), FRAME, "way from the last beat to the next, 0 up to 1"),
-    row("volume_mid", One(Input::VolumeMid), FRAME, "volume of what both channels share, 0..1"),
-    row(
-        "volume_side",
-        One(Input::VolumeSide),
-        FRAME,
-        "volume of that in which they differ, 0..1; 0 for mono",
-    ),
-    row(
-        "bass_drive",
-        One(Input::BassDrive),
-        FRAME,
-        "bass summed over time in seconds and forgotten in 4 s, 0..4: t + bass_drive is a time that runs with the bass",
-    ),
-    row("pitch", One(Input::Pitch), FRAME, "where the strongest tone lies, 0..1 as in spectrum(u)"),
     row(
         "eye",
         Many(&[Input::EyeX, Input::EyeY, Input::EyeZ]),
@@ -100,6 +81,41 @@ pub(super) const INPUTS: &[InputRow] = &[
     row("pi", Constant(std::f32::consts::PI), NOTHING, "half a turn in radians"),
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];
+
+/// Every input: the numbers of the sound that have a name of their own, and the others.
+pub(super) const INPUTS: &[InputRow] = &{
+    let mut rows = [const { row("", Constant(0.0), NOTHING, "") }; OTHERS.len() + named_sounds()];
+    let mut at = 0;
+    while at < OTHERS.len() {
+        rows[at] = OTHERS[at];
+        at += 1;
+    }
+    let mut number = 0;
+    while number < SoundInput::ALL.len() {
+        let input = SoundInput::ALL[number];
+        if !is_component(input) {
+            rows[at] = row(input.name(), One(Input::Sound(input)), FRAME, input.doc());
+            at += 1;
+        }
+        number += 1;
+    }
+    rows
+};
+
+/// Whether the number is read as a component of a vector.
+const fn is_component(input: SoundInput) -> bool {
+    let name = input.name().as_bytes();
+    name.len() > 2 && name[name.len() - 2] == b'.'
+}
+
+const fn named_sounds() -> usize {
+    let (mut count, mut number) = (0, 0);
+    while number < SoundInput::ALL.len() {
+        count += !is_component(SoundInput::ALL[number]) as usize;
+        number += 1;
+    }
+    count
+}
 
 /// A function that the language brings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

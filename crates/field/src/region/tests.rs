@@ -1,3 +1,4 @@
+use crate::graph::{SoundInput, SoundInputs};
 use proptest::prelude::*;
 
 use super::*;
@@ -9,7 +10,10 @@ use crate::world::testing::{SPEAKERS, world_of};
 fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     let mut inputs = FrameInputs {
         time,
-        volume: [0.3 * loud, 0.2 * loud],
+        sound: SoundInputs::with(&[
+            (SoundInput::VolumeLeft, 0.3 * loud),
+            (SoundInput::VolumeRight, 0.2 * loud),
+        ]),
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()
     };

@@ -24,10 +24,8 @@ pub fn literal(value: f32) -> String {
 ///
 /// What is computed once a frame is in `frame_hoisted`, vec4 too. `camera_position` is a vec4 with the eye in xyz.
 ///
-/// `frame_time`, `frame_tempo`, `frame_phase`, `frame_bass_drive` and `frame_pitch` are floats, `frame_volume` (left,
-/// right) and `frame_stereo` (mid, side) vec2, `frame_sound` a vec4 (bass,
-/// mid, treble, beat), `frame_bands` 32 vec4 with a band in x, `frame_params` vec4 as many as there are parameters, divided
-/// by four.
+/// `frame_time` is a float, `frame_heard` the numbers of the sound and `frame_params` the parameters, four to a vec4, and
+/// `frame_bands` 32 vec4 with a band in x.
 pub fn input_name(input: Input) -> String {
     let packed =
         |name: &str, index: usize| format!("{name}[{}].{}", index / 4, ["x", "y", "z", "w"][index % 4]);
@@ -39,18 +37,7 @@ pub fn input_name(input: Input) -> String {
         Input::NY => "n.y".into(),
         Input::NZ => "n.z".into(),
         Input::T => "frame_time".into(),
-        Input::VolumeLeft => "frame_volume.x".into(),
-        Input::VolumeRight => "frame_volume.y".into(),
-        Input::Bass => "frame_sound.x".into(),
-        Input::Mid => "frame_sound.y".into(),
-        Input::Treble => "frame_sound.z".into(),
-        Input::Beat => "frame_sound.w".into(),
-        Input::Tempo => "frame_tempo".into(),
-        Input::Phase => "frame_phase".into(),
-        Input::VolumeMid => "frame_stereo.x".into(),
-        Input::VolumeSide => "frame_stereo.y".into(),
-        Input::BassDrive => "frame_bass_drive".into(),
-        Input::Pitch => "frame_pitch".into(),
+        Input::Sound(input) => packed("frame_heard", input as usize),
         Input::EyeX => "camera_position.x".into(),
         Input::EyeY => "camera_position.y".into(),
         Input::EyeZ => "camera_position.z".into(),

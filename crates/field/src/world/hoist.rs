@@ -121,6 +121,7 @@ pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoist
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::graph::{SoundInput, SoundInputs};
     use crate::lang::{compile, no_includes};
     use crate::tape::{PointEvaluator, Tape, TapeOptions};
     use crate::world::World;
@@ -144,8 +145,12 @@ mod tests {
     fn what_is_left_gives_the_same_values_and_less_work() {
         let scene = compile("test", TEXT, &mut no_includes).scene.unwrap();
         let world = World::new("test", scene, Vec::new()).unwrap();
-        let mut inputs =
-            FrameInputs { time: 1.5, volume: [0.25, 0.5], params: vec![1.25], ..Default::default() };
+        let mut inputs = FrameInputs {
+            time: 1.5,
+            sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.5)]),
+            params: vec![1.25],
+            ..Default::default()
+        };
         inputs.bands[3] = 0.75;
         inputs.hoisted = world.hoisted.values(&inputs);
         assert_eq!(inputs.hoisted.len(), 3, "the radius and two coordinates of the ball's place");

@@ -2,6 +2,7 @@
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};
+use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
 use crate::tape::{Dual, GradientEvaluator, Tape};
 
@@ -93,18 +94,8 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
         let row = |from: usize, count: usize| (from..from + count).map(random).collect::<Vec<f32>>();
         FrameInputs {
             time: 200.0 * random(0),
-            volume: [0.5 * random(1), 0.5 * random(2)],
-            bands: std::array::from_fn(|band| random(16 + band)),
-            bass: random(3),
-            mid: random(4),
-            treble: random(5),
-            beat: random(6),
-            tempo: 60.0 + 120.0 * random(7),
-            phase: random(8),
-            volume_mid: 0.5 * random(9),
-            volume_side: 0.5 * random(10),
-            bass_drive: 4.0 * random(11),
-            pitch: random(12),
+            sound: SoundInputs::each(|input| tried(input, random(1 + input as usize))),
+            bands: std::array::from_fn(|band| random(128 + band)),
             params: turned.map(|(i, param)| param.min + (param.max - param.min) * random(64 + i)).collect(),
             spectrum: TableData::row(row(1_000, 64)),
             waveform: TableData::row(
@@ -114,6 +105,18 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
             ..FrameInputs::default()
         }
     })
+}
+
+/// A value of the sound at `share` of what music reaches.
+fn tried(input: SoundInput, share: f32) -> f32 {
+    match input {
+        // Music is hardly louder: half a full-scale square wave.
+        SoundInput::VolumeLeft | SoundInput::VolumeRight | SoundInput::VolumeMid | SoundInput::VolumeSide => {
+            0.5 * share
+        }
+        SoundInput::Tempo => 60.0 + 120.0 * share,
+        _ => input.range().0 + (input.range().1 - input.range().0) * share,
+    }
 }
 
 #[cfg(test)]

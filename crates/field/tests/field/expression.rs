@@ -1,6 +1,7 @@
 //! Random expressions, and what rounding may do to them.
 
 use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Point, TableData};
+use mariana_field::graph::{SoundInput, SoundInputs};
 
 /// A small generator of numbers that are the same on every machine (Steele et al. 2014, splitmix64).
 pub struct Random(pub u64);
@@ -35,7 +36,7 @@ pub fn random_expression(random: &mut Random, graph: &mut Graph, operators: usiz
         Input::NY,
         Input::NZ,
         Input::T,
-        Input::VolumeLeft,
+        Input::Sound(SoundInput::VolumeLeft),
         Input::Band(7),
         Input::Param(1),
     ];
@@ -85,7 +86,7 @@ pub fn random_expression(random: &mut Random, graph: &mut Graph, operators: usiz
 pub fn frame() -> FrameInputs {
     FrameInputs {
         time: 12.5,
-        volume: [0.25, 0.75],
+        sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.75)]),
         bands: std::array::from_fn(|i| i as f32 * 0.0625 - 0.5),
         params: vec![1.0, -2.5],
         spectrum: TableData::row(vec![0.5, 0.25, 0.75, 1.0, 0.125]),
@@ -98,7 +99,7 @@ pub fn frame() -> FrameInputs {
 /// What the shader around the generated code declares, with the numbers of [`frame`].
 pub const TABLES_GLSL: &str = "\
 const float frame_time = 12.5;
-const vec2 frame_volume = vec2(0.25, 0.75);
+const vec4 frame_heard[1] = vec4[1](vec4(0.25, 0.75, 0.0, 0.0));
 const vec4 frame_params[1] = vec4[1](vec4(1.0, -2.5, 0.0, 0.0));
 const vec4 frame_bands[8] = vec4[8](vec4(-0.5), vec4(-0.4375), vec4(-0.375), vec4(-0.3125), vec4(-0.25),
     vec4(-0.1875), vec4(-0.125), vec4(-0.0625));

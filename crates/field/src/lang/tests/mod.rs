@@ -17,6 +17,7 @@ pub(crate) use shapes::SHAPES;
 
 use super::{Compiled, Scene, compile, no_includes};
 use crate::graph::{FrameInputs, Point};
+use crate::graph::{SoundInput, SoundInputs};
 
 /// A scene that has to be without mistakes.
 pub(super) fn scene(text: &str) -> Scene {
@@ -37,7 +38,7 @@ pub(super) fn broken(text: &str) -> Compiled {
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,
-        volume: [0.25, 0.5],
+        sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.5)]),
         bands: std::array::from_fn(|index| index as f32 / 100.0),
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()

@@ -1,0 +1,144 @@
+//! The numbers of the sound that scenes read by a name, one row each. Everything that knows of them is made of the rows:
+//! the names of the language and their documentation, tapes, GLSL, the frame's block for the shaders, the bounds that hold
+//! for any sound, the frames that a scene is tried with, and `mariana eval --set`.
+//!
+//! Bands and tables (`band(i)`, `spectrum(u)`) are read by functions: they stand in [`FrameInputs`](super::FrameInputs).
+
+use std::ops::{Index, IndexMut};
+
+macro_rules! sound_inputs {
+    ($($(#[doc = $doc:literal])+ $input:ident, $name:literal, $least:literal..$most:literal, $told:literal;)+) => {
+        /// A number of the sound, the same all over a frame.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum SoundInput {
+            $($(#[doc = $doc])+ $input,)+
+        }
+
+        /// Name, least and greatest value, and what the language's page says.
+        const ROWS: &[(&str, f32, f32, &str)] = &[$(($name, $least, $most, $told),)+];
+
+        impl SoundInput {
+            /// All of them, in the order in which frames hold them.
+            pub const ALL: [Self; ROWS.len()] = [$(Self::$input,)+];
+        }
+    };
+}
+
+sound_inputs! {
+    /// Volume of the left channel.
+    VolumeLeft, "volume.x", 0.0..1.0, "volume of the left channel, 0..1";
+    /// Volume of the right channel.
+    VolumeRight, "volume.y", 0.0..1.0, "volume of the right channel, 0..1";
+    /// Low frequencies.
+    Bass, "bass", 0.0..1.0, "low frequencies, up to 144 Hz, 0..1";
+    /// Middle frequencies.
+    Mid, "mid", 0.0..1.0, "middle frequencies, 144 Hz to 1.85 kHz, 0..1";
+    /// High frequencies.
+    Treble, "treble", 0.0..1.0, "high frequencies, from 1.85 kHz, 0..1";
+    /// 1 on an onset, then decaying.
+    Beat, "beat", 0.0..1.0, "1 where a sound begins, falling by e in 0.15 s";
+    /// Beats per minute.
+    Tempo, "tempo", 0.0..1000.0, "beats per minute, 0 while unknown";
+    /// Position in the beat.
+    Phase, "phase", 0.0..1.0, "way from the last beat to the next, 0 up to 1";
+    /// Volume of what both channels share.
+    VolumeMid, "volume_mid", 0.0..1.0, "volume of what both channels share, 0..1";
+    /// Volume of that in which they differ.
+    VolumeSide, "volume_side", 0.0..1.0, "volume of that in which they differ, 0..1; 0 for mono";
+    /// The integral of the low frequencies over the last seconds.
+    BassDrive, "bass_drive", 0.0..4.0,
+        "bass summed over time in seconds and forgotten in 4 s, 0..4: t + bass_drive is a time that runs with the bass";
+    /// Where the strongest tone lies in the spectrum.
+    Pitch, "pitch", 0.0..1.0, "where the strongest tone lies, 0..1 as in spectrum(u)";
+}
+
+impl SoundInput {
+    /// The name in a scene; that of a vector's component has a dot.
+    pub const fn name(self) -> &'static str {
+        ROWS[self as usize].0
+    }
+
+    /// Least and greatest value.
+    pub const fn range(self) -> (f32, f32) {
+        (ROWS[self as usize].1, ROWS[self as usize].2)
+    }
+
+    /// What it is, for people.
+    pub const fn doc(self) -> &'static str {
+        ROWS[self as usize].3
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|input| input.name() == name)
+    }
+
+    /// The value within the range; what is no number is its least.
+    pub fn clamp(self, value: f32) -> f32 {
+        let (least, most) = self.range();
+        if value.is_nan() { least } else { value.clamp(least, most) }
+    }
+}
+
+/// A number for each [`SoundInput`]; by default those of silence.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SoundInputs([f32; ROWS.len()]);
+
+impl SoundInputs {
+    /// Silence.
+    pub const SILENCE: Self = Self([0.0; ROWS.len()]);
+
+    /// What `value` gives for each.
+    pub fn each(value: impl FnMut(SoundInput) -> f32) -> Self {
+        Self(SoundInput::ALL.map(value))
+    }
+
+    /// Silence but for these.
+    pub fn with(values: &[(SoundInput, f32)]) -> Self {
+        let mut sound = Self::SILENCE;
+        for &(input, value) in values {
+            sound[input] = value;
+        }
+        sound
+    }
+
+    /// The numbers in the order of [`SoundInput::ALL`].
+    pub fn numbers(&self) -> &[f32] {
+        &self.0
+    }
+}
+
+impl Index<SoundInput> for SoundInputs {
+    type Output = f32;
+
+    fn index(&self, input: SoundInput) -> &f32 {
+        &self.0[input as usize]
+    }
+}
+
+impl IndexMut<SoundInput> for SoundInputs {
+    fn index_mut(&mut self, input: SoundInput) -> &mut f32 {
+        &mut self.0[input as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_stand_at_the_numbers_of_their_inputs() {
+        for (number, input) in SoundInput::ALL.into_iter().enumerate() {
+            assert_eq!(input as usize, number);
+            assert_eq!(SoundInput::named(input.name()), Some(input), "two rows are called {}", input.name());
+            let (least, most) = input.range();
+            assert!(least <= 0.0 && 0.0 < most, "{input:?}: silence reads 0");
+            assert!(
+                [f32::NAN, f32::INFINITY, -1.0, 0.5]
+                    .iter()
+                    .all(|v| (least..=most).contains(&input.clamp(*v)))
+            );
+        }
+    }
+}
