@@ -170,9 +170,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         if (i == 1) s.glow = glow_from(vec4(first, READ(head.x, 3)));
 #endif
     }
-    s.material = Material(vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2)), READ(head.x, 3), READ(head.y, 0),
-                          vec3(READ(head.y, 1), READ(head.y, 2), READ(head.y, 3)), READ(head.z, 0), READ(head.z, 1),
-                          READ(head.z, 2), READ(head.z, 3));
+    s.material = READ_MATERIAL(head);
     return s;
 }
 

@@ -142,15 +142,7 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
     let mut roots = vec![scene.distance];
     roots.extend(scene.objects.iter().filter_map(|object| object.bound));
     for material in &scene.materials {
-        roots.extend(material.color.iter().chain(&material.emission));
-        roots.extend([
-            material.roughness,
-            material.metalness,
-            material.reflect,
-            material.coat,
-            material.haze,
-            material.blur,
-        ]);
+        roots.extend(material.numbers());
     }
     let constants = tape
         .table()

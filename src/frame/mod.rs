@@ -15,8 +15,8 @@ use hand::Hand;
 use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, TableData};
 use mariana_field::world::{FrameValues, World};
-pub use mariana_music::Sound;
 use mariana_music::HISTORY_POINTS;
+pub use mariana_music::Sound;
 use picture::Picture;
 
 /// What one picture shows.

@@ -10,8 +10,12 @@ use std::path::{Path, PathBuf};
 use include_dir::{Dir, include_dir};
 
 use crate::limits::LIMITS;
+use mariana_field::lang::material_glsl;
 
 static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
+
+/// A file that is no file: what the shaders know of materials is made of the table of their fields.
+const MATERIAL_FIELDS: &str = "material_fields.glsl";
 
 /// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core.
 pub const DRIVER_PREAMBLE: &str = "#version 330 core\n";
@@ -170,6 +174,7 @@ impl Assembly<'_> {
         let generated = self.generated.iter().find(|(generated, _)| generated == name);
         let source = match generated {
             Some((_, text)) => text.clone(),
+            None if name == MATERIAL_FIELDS => material_glsl(),
             None => self.library.read(name, asked_by)?,
         };
         self.mark(name, 1);

@@ -27,6 +27,7 @@ mod lexer;
 mod library;
 mod load;
 mod lower;
+mod material;
 mod parser;
 mod path;
 mod scene;
@@ -40,9 +41,9 @@ mod value;
 
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use library::{Accuracy, Entry, entries, inputs};
-pub use scene::{
-    Camera, Light, LightPlace, Material, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap, Vec3,
-};
+pub(crate) use material::material_members;
+pub use material::{MATERIAL_NUMBERS, Material, MaterialField, MaterialRange, material_glsl};
+pub use scene::{Camera, Light, LightPlace, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap, Vec3};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! A checked scene: one graph, and which of its nodes mean what.
 
+use super::material::Material;
 use super::source::Span;
 use crate::graph::{Graph, NodeId};
 
@@ -48,29 +49,6 @@ pub struct Object {
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
-}
-
-/// What a surface is made of: functions of point, normal and frame (the thesis' R⁶ → R³, section 3.2).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Material {
-    /// Its name; `default` for the one of objects that name none.
-    pub name: String,
-    /// Diffuse reflectance, or the metal's colour, 0..1.
-    pub color: Vec3,
-    /// 0 polished, 1 matt.
-    pub roughness: NodeId,
-    /// 0 insulator, 1 metal.
-    pub metalness: NodeId,
-    /// Light of its own.
-    pub emission: Vec3,
-    /// Share of light that is mirrored when looked at straight on, 0..1: the ray goes on.
-    pub reflect: NodeId,
-    /// How rough the mirror is, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights.
-    pub blur: NodeId,
-    /// Strength of a clear coat, 0..1.
-    pub coat: NodeId,
-    /// Share of it that the sky covers, 0..1: for what fades into the distance.
-    pub haze: NodeId,
 }
 
 /// Where a light's rays come from.

@@ -3,8 +3,9 @@
 use std::fmt::Write as _;
 
 use super::validate::validate;
-use super::{MATERIAL_OUTPUTS, World, WorldError};
+use super::{World, WorldError};
 use crate::graph::{Input, Node, NodeId};
+use crate::lang::material_members;
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
@@ -69,8 +70,7 @@ impl World {
         text.push_str(
             "Material scene_material(int object, vec3 p, vec3 n, vec3 dx, vec3 dy) {\n    Material m;\n    ",
         );
-        let members: Vec<String> = MATERIAL_OUTPUTS.iter().map(|output| format!("m.{output}")).collect();
-        let members = members.join(", ");
+        let members = material_members("m").join(", ");
         for material in 0..self.roots.materials.len() {
             let objects = self.scene.objects.iter().enumerate();
             let of_it: Vec<String> = objects

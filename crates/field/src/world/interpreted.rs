@@ -15,7 +15,7 @@
 //! **Textures** are sampled before a program's own tape runs, so that only their coordinates, a few clauses, are
 //! computed for the neighbouring pixels, too. A texture whose coordinates depend on another one comes after it.
 
-use super::{MATERIAL_OUTPUTS, World, WorldError};
+use super::{World, WorldError};
 use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
@@ -185,7 +185,6 @@ impl World {
         let of_light = [&self.roots.sky[..], &self.roots.ambient, &self.roots.glow];
         let mut programs = of_light.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
         for roots in &self.roots.materials {
-            debug_assert_eq!(roots.len(), MATERIAL_OUTPUTS.len());
             programs.push(program(roots)?);
         }
         let of_objects =

@@ -33,7 +33,7 @@ use std::sync::Arc;
 use image::RgbaImage;
 
 use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
-use crate::lang::{Scene, compile, no_includes};
+use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
 
 /// Why a scene cannot be made ready.
@@ -74,22 +74,6 @@ pub enum WorldError {
     },
 }
 
-/// The numbers that a material gives for a point and a normal, in this order.
-pub const MATERIAL_OUTPUTS: [&str; 12] = [
-    "color.r",
-    "color.g",
-    "color.b",
-    "roughness",
-    "metalness",
-    "emission.r",
-    "emission.g",
-    "emission.b",
-    "reflect",
-    "coat",
-    "haze",
-    "blur",
-];
-
 /// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled shader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Roots {
@@ -98,8 +82,8 @@ pub struct Roots {
     pub distance: [NodeId; 2],
     /// Of the rest: the number of the nearest object.
     pub object: NodeId,
-    /// See [`MATERIAL_OUTPUTS`].
-    pub materials: Vec<[NodeId; 12]>,
+    /// See [`Material::numbers`](crate::lang::Material::numbers).
+    pub materials: Vec<Vec<NodeId>>,
     /// Light from a direction.
     pub sky: [NodeId; 3],
     /// Light on a surface from everywhere.
@@ -121,7 +105,11 @@ impl Roots {
         Self {
             distance: self.distance.map(&new),
             object: new(self.object),
-            materials: self.materials.iter().map(|material| material.map(&new)).collect(),
+            materials: self
+                .materials
+                .iter()
+                .map(|material| material.iter().map(|number| new(*number)).collect())
+                .collect(),
             sky: self.sky.map(&new),
             ambient: self.ambient.map(&new),
             glow: self.glow.map(&new),
@@ -216,13 +204,7 @@ impl World {
 }
 
 fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> Roots {
-    let materials = scene.materials.iter().map(|material| {
-        let ([r, g, b], [er, eg, eb]) = (material.color, material.emission);
-        let (roughness, metalness) = (material.roughness, material.metalness);
-        let (reflect, coat, haze) = (material.reflect, material.coat, material.haze);
-        [r, g, b, roughness, metalness, er, eg, eb, reflect, coat, haze, material.blur]
-    });
-    let materials = materials.collect();
+    let materials = scene.materials.iter().map(Material::numbers).collect();
     let nothing = scene.graph.constant(0.0);
     Roots {
         distance: rest.map_or([nothing; 2], |rest| [rest.bound, rest.estimate]),

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mariana_field::lang::{Accuracy, Entry, entries, inputs};
+use mariana_field::lang::{Accuracy, Entry, Material, entries, inputs};
 
 use super::pictures::PICTURES;
 
@@ -13,6 +13,13 @@ pub fn text() -> String {
     text.push_str("\n## Inputs\n\n| name | what it is |\n|---|---|\n");
     for (name, doc) in inputs() {
         line(&mut text, format_args!("| `{name}` | {doc} |", doc = cell(doc)));
+    }
+    text.push_str(
+        "\n## Fields of a material\n\n| field | what it is | where it is not given |\n|---|---|---|\n",
+    );
+    for field in Material::FIELDS {
+        let kind = if field.parts == 3 { " (vec3)" } else { "" };
+        line(&mut text, format_args!("| `{}`{kind} | {} | {} |", field.name, cell(field.doc), field.default));
     }
     let entries = entries();
     for group in entries.chunk_by(|a, b| a.group == b.group) {

@@ -32,7 +32,7 @@ impl Lowering<'_> {
     }
 
     fn light_place(&mut self, name: &str, span: Span, values: &Values) -> Option<LightPlace> {
-        let given = |field: usize| values.given.get(field).copied().flatten().map(|(_, span)| span);
+        let given = |field: usize| values.given(field).map(|(_, span)| span);
         let origin = self.vector([0.0; 3]);
         let (position, direction) = (given(POSITION), given(DIRECTION));
         let wrong = match (position, direction, given(RIGHT), given(UP)) {

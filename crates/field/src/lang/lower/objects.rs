@@ -1,7 +1,8 @@
 //! Objects, and those that melt into the one before them.
 
 use super::super::diagnostic::Diagnostic;
-use super::super::scene::{Material, Object, Vec3};
+use super::super::material::Material;
+use super::super::scene::Object;
 use super::super::source::Span;
 use super::super::value::Value;
 use super::Lowering;
@@ -17,12 +18,12 @@ const MELT: usize = 3;
 
 impl Lowering<'_> {
     pub(super) fn object(&mut self, parts: &mut Parts, name: String, span: Span, values: &Values) {
-        let material = match (values.material, values.given[MATERIAL]) {
+        let material = match (values.material, values.given(MATERIAL)) {
             (Some(index), _) => index,
             (None, Some(_)) => return,
             (None, None) => self.default_material(parts),
         };
-        let shape = match values.given[SHAPE] {
+        let shape = match values.given(SHAPE) {
             Some((Value::Vector(shape), _)) => shape.first(),
             Some(_) => return,
             None if values.broken => return,
@@ -32,9 +33,9 @@ impl Lowering<'_> {
                 return;
             }
         };
-        let bound = values.given[BOUND].map(|_| self.number_of(values, BOUND, shape));
+        let bound = values.given(BOUND).map(|_| self.number_of(values, BOUND, shape));
         let object = Object { name, span, shape, bound, material };
-        let Some((_, melts)) = values.given[MELT] else { return self.add_object(parts, object) };
+        let Some((_, melts)) = values.given(MELT) else { return self.add_object(parts, object) };
         let radius = self.number_of(values, MELT, shape);
         match parts.objects.pop() {
             Some(before) => {
@@ -84,19 +85,8 @@ impl Lowering<'_> {
 
     /// A material between two: the first at share 0.
     fn mixed(&mut self, a: &Material, b: &Material, share: NodeId) -> Material {
-        let mut number = |a: NodeId, b: NodeId| self.graph.mix(a, b, share);
-        let mut vector = |a: Vec3, b: Vec3| [0, 1, 2].map(|part| number(a[part], b[part]));
-        let (color, emission) = (vector(a.color, b.color), vector(a.emission, b.emission));
-        Material {
-            name: format!("{} and {}", a.name, b.name),
-            color,
-            roughness: number(a.roughness, b.roughness),
-            metalness: number(a.metalness, b.metalness),
-            emission,
-            reflect: number(a.reflect, b.reflect),
-            coat: number(a.coat, b.coat),
-            haze: number(a.haze, b.haze),
-            blur: number(a.blur, b.blur),
-        }
+        let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
+        let mixed = both.into_iter().map(|(a, b)| self.graph.mix(a, b, share));
+        Material::of(format!("{} and {}", a.name, b.name), mixed)
     }
 }

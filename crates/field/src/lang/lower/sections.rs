@@ -5,7 +5,8 @@
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
 use super::super::builtin::uses::{DIRECTION, EYE, FRAME, NORMAL, POINT, TEXTURE};
 use super::super::diagnostic::Diagnostic;
-use super::super::scene::{Camera, Material, Picture, Sky, ToneMap, Vec3};
+use super::super::material::{MATERIAL_NUMBERS, Material};
+use super::super::scene::{Camera, Picture, Sky, ToneMap, Vec3};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
@@ -28,6 +29,17 @@ type Field = (&'static str, Holds, u8);
 
 const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
+const MATERIAL: &[Field] = &{
+    let mut fields = [("", Holds::Number, SURFACE); Material::FIELDS.len()];
+    let mut at = 0;
+    while at < fields.len() {
+        let field = &Material::FIELDS[at];
+        fields[at] = (field.name, if field.parts == 3 { Holds::Vector } else { Holds::Number }, SURFACE);
+        at += 1;
+    }
+    fields
+};
+
 fn fields(section: Section) -> &'static [Field] {
     use Holds::{Material, Number, ToneMap, Vector};
     match section {
@@ -37,16 +49,7 @@ fn fields(section: Section) -> &'static [Field] {
             ("bound", Number, POINT | FRAME),
             ("melt", Number, FRAME),
         ],
-        Section::Material => &[
-            ("color", Vector, SURFACE),
-            ("roughness", Number, SURFACE),
-            ("metalness", Number, SURFACE),
-            ("emission", Vector, SURFACE),
-            ("reflect", Number, SURFACE),
-            ("coat", Number, SURFACE),
-            ("haze", Number, SURFACE),
-            ("blur", Number, SURFACE),
-        ],
+        Section::Material => MATERIAL,
         Section::Light => &[
             ("position", Vector, FRAME),
             ("direction", Vector, FRAME),
@@ -105,19 +108,23 @@ fn place(section: Section) -> &'static str {
     }
 }
 
-/// The most fields that a section has.
-const FIELDS_MAX: usize = 8;
-
 /// The values of a section's fields in the order of [`fields`].
 #[derive(Default)]
 pub(super) struct Values {
-    pub(super) given: [Option<(Value, Span)>; FIELDS_MAX],
+    given: Vec<Option<(Value, Span)>>,
     /// Index of the material that an object names.
     pub(super) material: Option<usize>,
     /// The tone map that a picture names.
     tone_map: Option<ToneMap>,
     /// Whether a field was wrong, so that what is made of them is of no use.
     pub(super) broken: bool,
+}
+
+impl Values {
+    /// The value of the field with that number in [`fields`], and where it is given.
+    pub(super) fn given(&self, index: usize) -> Option<(Value, Span)> {
+        self.given.get(index).copied().flatten()
+    }
 }
 
 impl Lowering<'_> {
@@ -167,7 +174,7 @@ impl Lowering<'_> {
                     fov: self.number_of(values, 2, base.fov),
                     roll: self.number_of(values, 3, base.roll),
                     aperture: self.number_of(values, 4, base.aperture),
-                    focus: values.given[5].map(|_| self.number_of(values, 5, base.fov)),
+                    focus: values.given(5).map(|_| self.number_of(values, 5, base.fov)),
                     keep: self.number_of(values, 6, base.keep),
                 });
             }
@@ -206,7 +213,7 @@ impl Lowering<'_> {
     /// Lowers a section's lets and fields in their order.
     pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {
         let known = fields(section);
-        let mut values = Values { broken, ..Values::default() };
+        let mut values = Values { given: vec![None; known.len()], broken, ..Values::default() };
         let mark = self.scope.len();
         let outside = std::mem::replace(&mut self.frame, mark);
         let all = known.iter().fold(0, |all, field| all | field.2);
@@ -354,31 +361,29 @@ impl Lowering<'_> {
     }
 
     pub(super) fn material(&mut self, name: String, values: &Values) -> Material {
-        let (zero, half) = (self.constant(0.0), self.constant(0.5));
-        let (gray, black) = (self.vector([0.8; 3]), self.vector([0.0; 3]));
-        Material {
-            name,
-            color: self.vector_of(values, 0, gray),
-            roughness: self.number_of(values, 1, half),
-            metalness: self.number_of(values, 2, zero),
-            emission: self.vector_of(values, 3, black),
-            reflect: self.number_of(values, 4, zero),
-            coat: self.number_of(values, 5, zero),
-            haze: self.number_of(values, 6, zero),
-            blur: self.number_of(values, 7, zero),
+        let mut numbers = Vec::with_capacity(MATERIAL_NUMBERS);
+        for (index, field) in Material::FIELDS.iter().enumerate() {
+            if field.parts == 3 {
+                let default = self.vector([field.default; 3]);
+                numbers.extend(self.vector_of(values, index, default));
+            } else {
+                let default = self.constant(field.default);
+                numbers.push(self.number_of(values, index, default));
+            }
         }
+        Material::of(name, numbers)
     }
 
     pub(super) fn vector_of(&mut self, values: &Values, index: usize, default: Vec3) -> Vec3 {
-        match values.given.get(index) {
-            Some(Some((Value::Vector(vector), _))) => [vector.part(0), vector.part(1), vector.part(2)],
+        match values.given(index) {
+            Some((Value::Vector(vector), _)) => [vector.part(0), vector.part(1), vector.part(2)],
             _ => default,
         }
     }
 
     pub(super) fn number_of(&mut self, values: &Values, index: usize, default: NodeId) -> NodeId {
-        match values.given.get(index) {
-            Some(Some((Value::Vector(vector), _))) => vector.first(),
+        match values.given(index) {
+            Some((Value::Vector(vector), _)) => vector.first(),
             _ => default,
         }
     }
