@@ -169,9 +169,9 @@ mod tests {
         let block = block.block(&world, &tree);
         assert!(block.as_flattened().iter().all(|value| value.is_finite()));
         assert_eq!(block[0], [1.0, 7.0, 1.0, 1.0 / 7.0]);
-        assert_eq!(block[6], [0.25, 0.0, 1.0, 0.0]);
-        assert_eq!((block[8][3], block[9][3]), (1.0, 1.0));
-        assert_eq!(block[11..13], [[1.0; 4], [8.0, 4.0, 2.0, 9.0]]);
+        assert_eq!(block[5], [0.0, 1.0, 0.0, 0.0], "the time, the lights, the history's rows");
+        assert_eq!((block[6][3], block[7][3]), (1.0, 1.0));
+        assert_eq!(block[9..11], [[1.0; 4], [8.0, 4.0, 2.0, 9.0]]);
         assert_eq!(block[HEAD], [0.0, 1.0, 0.0, -0.5]);
         let lights = HEAD + PLANES_MAX;
         assert_eq!(block[lights], [0.0, -1.0, 0.0, 2.0]);
@@ -179,6 +179,8 @@ mod tests {
         assert_eq!(block[lights + 3], [0.0, 0.0, 0.0, 1.0], "nothing is said of its shadow");
         assert_eq!(block[lights + LIGHT][3], 0.0, "there is no second light");
         let bands = lights + LIGHT * LIGHTS_MAX;
+        assert_eq!(block[bands][..2], [0.25, 0.0], "the volumes");
+        let bands = bands + HEARD_QUADS;
         assert_eq!(block[bands + 3], [3.0 / 32.0, 0.0, 0.0, 0.0]);
         assert_eq!(block[bands + 7][0], 0.0);
         assert_eq!(block[bands + BAND_COUNT], [0.5, 4.0, 0.0, 0.0]);

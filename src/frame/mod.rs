@@ -141,3 +141,18 @@ fn finite(value: f32) -> f32 {
 fn unit(value: f32) -> f32 {
     finite(value).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use mariana_field::graph::SoundInput;
+    use mariana_music::Features;
+
+    /// An input that the analysis does not know would read 0 without a word.
+    #[test]
+    fn every_number_of_the_sound_that_scenes_read_is_heard() {
+        for input in SoundInput::ALL {
+            assert!(Features::SILENCE.number(input.name()).is_some(), "nothing hears `{}`", input.name());
+        }
+        assert_eq!(mariana_field::graph::BAND_COUNT, mariana_music::BAND_COUNT);
+    }
+}

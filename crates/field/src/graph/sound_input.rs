@@ -74,10 +74,10 @@ impl SoundInput {
         Self::ALL.into_iter().find(|input| input.name() == name)
     }
 
-    /// The value within the range; what is no number is its least.
+    /// The value within the range; what is not finite becomes the least.
     pub fn clamp(self, value: f32) -> f32 {
         let (least, most) = self.range();
-        if value.is_nan() { least } else { value.clamp(least, most) }
+        if value.is_finite() { value.clamp(least, most) } else { least }
     }
 }
 
