@@ -19,7 +19,7 @@ use mariana_field::lang::render_all;
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 use tempfile::TempDir;
 
-const WAIT_LIMIT: Duration = Duration::from_secs(10);
+const WAIT_LIMIT: Duration = Duration::from_secs(60);
 /// For how long nothing is loaded where nothing should be: many times what a loader takes.
 const STILLNESS: Duration = Duration::from_millis(200);
 

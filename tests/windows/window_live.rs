@@ -13,7 +13,7 @@ use mariana_testing::sound_server::SoundServer;
 use mariana_testing::wave::write_wav;
 
 const SMALL: &str = "320x180";
-const QUIT_LIMIT: Duration = Duration::from_secs(6);
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// A scene that stands still without sound.
 const LEVEL: &str = "min(y, max(length(p - vec3(0, 1, 0)) - 0.2 - 2 * volume.x, -1 * y))";
 

@@ -158,7 +158,7 @@ fn a_context_that_was_lost_ended_the_show() {
         difference(&app.picture(), &before, LOOSE.visible).share <= LOOSE.share_max
     });
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(Duration::from_secs(20));
+    let (status, told) = app.wait_for_end(Duration::from_secs(60));
     assert!(status.success(), "{status}: {told}");
 }
 
@@ -177,6 +177,6 @@ fn a_driver_without_room_for_a_picture_ended_the_show() {
     }
     wait_until("a picture", || app.picture().pixels().any(|pixel| pixel.0[..3] != [0; 3]));
     app.press(&["q"]);
-    let (status, told) = app.wait_for_end(Duration::from_secs(20));
+    let (status, told) = app.wait_for_end(Duration::from_secs(60));
     assert!(status.success(), "{status}: {told}");
 }

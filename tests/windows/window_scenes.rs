@@ -16,7 +16,7 @@ use mariana_testing::process::wait_until;
 use mariana_testing::wave::write_wav;
 
 /// Longest time from the wish to quit to the end, whatever the drivers are at.
-const QUIT_LIMIT: Duration = Duration::from_secs(10);
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// The window of most tests: small, because it is drawn without a graphics card.
 const SMALL: &str = "160x90";
 const TINY: &str = "32x18";

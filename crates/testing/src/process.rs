@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// How long a test waits for anything.
-pub const WAIT_LIMIT: Duration = Duration::from_secs(10);
+pub const WAIT_LIMIT: Duration = Duration::from_secs(60);
 /// How often it looks meanwhile.
 pub const LOOK_PERIOD: Duration = Duration::from_millis(10);
 
