@@ -21,8 +21,6 @@ float count_surface_clauses = 0.0;  // those of materials and light
 #define COUNT_TEXEL(kind)
 #endif
 
-const int STORE = 3, RELOAD = 4, TEXTURE = 6;
-
 // --- What a word says ---
 
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)

@@ -8,15 +8,6 @@
 uniform usamplerBuffer regions;     // RGBA32UI
 
 const uint DIVIDED = 0xFFFFFFFFu;
-// Texels that are read to find a cell: in the root, in a brick.
-const int REGION_LEVELS = 2;
-const float ROOT_SIDE = 16.0;
-// The object of a cell that holds several.
-const int SEVERAL = 255;
-// The most cells that a ray passes without an evaluation.
-const int SKIPS_MAX = 1024;
-// A ray takes each step at least so far, and so much of its way.
-const float PAST_FACE = 4e-7;
 // Rays look for their cells so much further on, in root cells, and by this share of how far off they began.
 const float AHEAD = 1e-5;
 const float AHEAD_OF_FAR = 5e-7;

@@ -1,17 +1,11 @@
 // Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. Planes are solved exactly.
 
-const int STEPS_MAX = 128;
-// Share of a pixel's cone that counts as the surface, and its growth per step once there were many: a ray that creeps
-// along a surface ends there.
-const float HIT_SHARE = 0.25;
-const float HIT_SHARE_GROWTH = 0.03;
-const int STEPS_MANY = 32;
+// STEPS_MAX, HIT_SHARE and other numbers that tests follow rays by: crates/field/src/rays.rs.
+
 // The last step is longer than the distance by this at most.
 const float SLANT_MAX = 4.0;
 // The same share for a ray whose steps are used up.
 const float CAPPED_SHARE = 8.0;
-// As far as rays go where a scene has no bounds.
-const float FAR = 1000.0;
 
 struct Hit {
     float t;        // along the ray

@@ -2,17 +2,6 @@
 // how steep the formula may be inside (src/region/gradient.rs), so a step that cannot pass a surface is known, too: the
 // value over the rate at which it can fall along the ray, or up to the cell's face.
 
-// Steps of a ray, grazing ones counted in (llvmpipe ends every loop after 65,535 rounds of all loops of a pixel together,
-// those of the tapes included), and rounds that close in on where the sign changed.
-const int STEEP_STEPS_MAX = 512;
-const int CLOSINGS_MAX = 6;
-// The smallest step, as a share of the radius of the pixel's cone: nothing that is seen is thinner.
-const float STEEP_STEP_MIN = 0.5;
-// The smallest step grows so much with each: a ray that grazes a surface ends.
-const float STEEP_STEP_GROWTH = 0.04;
-// So close is close enough to where the sign changes, as a share of the same.
-const float CLOSE_ENOUGH = 0.05;
-
 // Bounds of the gradient.
 struct Slopes {
     vec3 low;

@@ -16,10 +16,10 @@ mod words;
 
 use std::path::Path;
 
-pub use seeds::{Seed, changed, dictionary};
+pub(crate) use seeds::{Seed, changed, dictionary};
 
 /// A kind of input.
-pub struct Target {
+pub(crate) struct Target {
     /// What it is called, as its program in `bin/`.
     pub name: &'static str,
     /// Takes an input in.
@@ -33,19 +33,19 @@ pub struct Target {
 }
 
 /// Lexer and parser.
-pub const SYNTAX: Target =
+pub(crate) const SYNTAX: Target =
     Target { name: "syntax", run: text::syntax, seeds: seeds::scenes, speaks: true, changes: 400 };
 /// From a text to tapes and GLSL.
-pub const SCENE: Target =
+pub(crate) const SCENE: Target =
     Target { name: "scene", run: text::scene, seeds: seeds::scenes, speaks: true, changes: 100 };
 /// Regions of the scene that a text is.
-pub const REGIONS: Target =
+pub(crate) const REGIONS: Target =
     Target { name: "regions", run: regions::regions, seeds: seeds::small_scenes, speaks: true, changes: 60 };
 /// Tapes of expressions, and their words.
-pub const TAPE: Target =
+pub(crate) const TAPE: Target =
     Target { name: "tape", run: expression::tape, seeds: seeds::steps, speaks: false, changes: 1_000 };
 /// All evaluators of an expression.
-pub const DIFFERENTIAL: Target = Target {
+pub(crate) const DIFFERENTIAL: Target = Target {
     name: "differential",
     run: expression::differential,
     seeds: seeds::steps,
@@ -53,17 +53,17 @@ pub const DIFFERENTIAL: Target = Target {
     changes: 300,
 };
 /// A sound in any container.
-pub const DECODE: Target =
+pub(crate) const DECODE: Target =
     Target { name: "decode", run: files::decode, seeds: seeds::sounds, speaks: false, changes: 600 };
 /// A playlist or cue sheet.
-pub const LISTS: Target =
+pub(crate) const LISTS: Target =
     Target { name: "lists", run: files::lists, seeds: seeds::lists, speaks: false, changes: 600 };
 /// The file of settings.
-pub const SETTINGS: Target =
+pub(crate) const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
 
 /// All of them.
-pub const TARGETS: [&Target; 8] =
+pub(crate) const TARGETS: [&Target; 8] =
     [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS];
 
 /// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
@@ -71,7 +71,7 @@ pub const TARGETS: [&Target; 8] =
 ///
 /// # Panics
 /// They cannot be written.
-pub fn prepare(target: &Target) {
+pub(crate) fn prepare(target: &Target) {
     let Some(folder) = std::env::var_os("MARIANA_FUZZ_SEEDS") else { return };
     let folder = Path::new(&folder);
     let seeds = folder.join("seeds");

@@ -9,7 +9,7 @@ use super::files::{LIST_ENDS, SOUND_ENDS};
 use super::random::Random;
 
 /// An input to begin with.
-pub struct Seed {
+pub(crate) struct Seed {
     /// What to call its file.
     pub name: String,
     /// The input.
@@ -209,7 +209,7 @@ pub(crate) fn settings() -> Vec<Seed> {
 }
 
 /// Words of the scene language in libFuzzer's form.
-pub fn dictionary() -> String {
+pub(crate) fn dictionary() -> String {
     const SIGNS: &[&str] = &[
         "(",
         ")",
@@ -282,7 +282,7 @@ pub fn dictionary() -> String {
 }
 
 /// A seed with some changes: bytes flipped, replaced, taken out, doubled, moved, or put in from another seed.
-pub fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
+pub(crate) fn changed(seeds: &[Seed], number: usize) -> Vec<u8> {
     let mut random = Random(0x5EED ^ number as u64);
     let mut bytes = seeds[number % seeds.len()].bytes.clone();
     for _ in 0..1 + random.below(6) {

@@ -13,7 +13,7 @@ const WAITING_MAX: usize = 3;
 
 /// See the module.
 #[derive(Default)]
-pub struct Announcer {
+pub(super) struct Announcer {
     waiting: VecDeque<String>,
     shown: Option<(String, Instant)>,
     troubles: u64,
@@ -23,7 +23,7 @@ pub struct Announcer {
 
 impl Announcer {
     /// Shows `text` as soon as what shows is gone.
-    pub fn say(&mut self, text: String) {
+    pub(super) fn say(&mut self, text: String) {
         if self.waiting.len() == WAITING_MAX {
             self.waiting.pop_front();
         }
@@ -31,12 +31,12 @@ impl Announcer {
     }
 
     /// Shows `text` at once.
-    pub fn answer(&mut self, text: String) {
+    pub(super) fn answer(&mut self, text: String) {
         self.shown = Some((text, Instant::now()));
     }
 
     /// Tells what is new: troubles and what was not heard, on the terminal too, and another track.
-    pub fn look(&mut self, status: &PlayerStatus) {
+    pub(super) fn look(&mut self, status: &PlayerStatus) {
         self.look_at_troubles(&status.troubles);
         self.look_at_unheard(status.unheard);
         let track = (status.track.entry, status.track.name.clone());
@@ -71,14 +71,14 @@ impl Announcer {
     }
 
     /// Makes room for what waits.
-    pub fn update(&mut self, now: Instant) {
+    pub(super) fn update(&mut self, now: Instant) {
         if self.notice().is_none_or(|notice| notice.is_gone(now)) {
             self.shown = self.waiting.pop_front().map(|text| (text, now));
         }
     }
 
     /// What shows.
-    pub fn notice(&self) -> Option<Notice<'_>> {
+    pub(super) fn notice(&self) -> Option<Notice<'_>> {
         self.shown.as_ref().map(|(text, since)| Notice { text, since: *since })
     }
 }
@@ -92,7 +92,7 @@ fn described(track: &TrackInfo) -> String {
 }
 
 /// The next way to repeat.
-pub fn next_repeat(repeat: Repeat) -> Repeat {
+pub(super) fn next_repeat(repeat: Repeat) -> Repeat {
     match repeat {
         Repeat::All => Repeat::One,
         Repeat::One => Repeat::Off,
@@ -101,7 +101,7 @@ pub fn next_repeat(repeat: Repeat) -> Repeat {
 }
 
 /// Another order in words: how it repeats, or whether it is random, whichever is new.
-pub fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
+pub(super) fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
     match after {
         (_, true) if !before.1 => "tracks in random order",
         (_, false) if before.1 => "tracks in their own order",

@@ -7,7 +7,7 @@ const KEPT: usize = 4096;
 
 /// The durations of the last frames.
 #[derive(Debug, Default)]
-pub struct FrameTimes {
+pub(super) struct FrameTimes {
     /// In milliseconds; a ring once it is full.
     last: Vec<f32>,
     count: usize,
@@ -15,7 +15,7 @@ pub struct FrameTimes {
 
 impl FrameTimes {
     /// Notes a frame that took `time`.
-    pub fn note(&mut self, time: Duration) {
+    pub(super) fn note(&mut self, time: Duration) {
         let milliseconds = time.as_secs_f32() * 1000.0;
         let at = self.count % KEPT;
         match self.last.get_mut(at) {

@@ -13,7 +13,7 @@ use crate::gpu::edge_samples::EdgeSamples;
 
 /// How a picture is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Level {
+pub(super) struct Level {
     /// Part of the window's width and height that is drawn, 0..1; the rest is interpolated.
     pub scale: f64,
     /// The shaders' `frame_quality`.
@@ -85,7 +85,7 @@ const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_
 
 impl Level {
     /// The size in which a window of `window` pixels is drawn. Of short sides no pixel is left out.
-    pub fn size_in(self, window: (u32, u32)) -> (u32, u32) {
+    pub(super) fn size_in(self, window: (u32, u32)) -> (u32, u32) {
         let side =
             |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(pixels.clamp(1, SIDE_MIN));
         (side(window.0), side(window.1))
@@ -103,7 +103,7 @@ fn level_at(index: usize) -> Level {
 
 /// The controller of a window.
 #[derive(Debug, Clone)]
-pub struct Governor {
+pub(super) struct Governor {
     choice: QualityChoice,
     /// Seconds for a frame.
     interval: f64,
@@ -125,7 +125,7 @@ pub struct Governor {
 
 impl Governor {
     /// For at most `fps` frames per second.
-    pub fn new(choice: QualityChoice, fps: f64) -> Self {
+    pub(super) fn new(choice: QualityChoice, fps: f64) -> Self {
         let level = match choice {
             QualityChoice::Auto | QualityChoice::Best => 0,
             QualityChoice::High => HIGH,
@@ -149,12 +149,12 @@ impl Governor {
     }
 
     /// How the next picture is drawn.
-    pub fn level(&self) -> Level {
+    pub(super) fn level(&self) -> Level {
         level_at(self.level)
     }
 
     /// How a picture that stands still is drawn: there is time for it.
-    pub fn still_level(&self) -> Level {
+    pub(super) fn still_level(&self) -> Level {
         match self.choice {
             QualityChoice::Auto | QualityChoice::Best if !self.lacks_room => STILL,
             _ => self.level(),
@@ -162,7 +162,7 @@ impl Governor {
     }
 
     /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without what waits for the monitor.
-    pub fn note(&mut self, now: Instant, cost: Duration) {
+    pub(super) fn note(&mut self, now: Instant, cost: Duration) {
         if self.choice != QualityChoice::Auto {
             return;
         }
@@ -194,7 +194,7 @@ impl Governor {
     }
 
     /// Takes note that a picture that was begun will cost so many seconds. Whether it should be begun again, in another way.
-    pub fn expects(&mut self, now: Instant, seconds: f64) -> bool {
+    pub(super) fn expects(&mut self, now: Instant, seconds: f64) -> bool {
         let before = self.level;
         if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
             self.give_way(now, seconds);
@@ -203,7 +203,7 @@ impl Governor {
     }
 
     /// Draws fewer pixels from now on, whatever they cost. False if there are no fewer.
-    pub fn make_smaller(&mut self) -> bool {
+    pub(super) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
         if has_smaller {
             self.lacks_room = true;

@@ -14,7 +14,7 @@ const NOTCH_PIXELS: f64 = 40.0;
 
 /// What the mouse did.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Gesture {
+pub(super) enum Gesture {
     /// Two clicks in one place.
     DoubleClick,
     /// A way with the button held, to the right and down, in pixels.
@@ -25,7 +25,7 @@ pub enum Gesture {
 
 /// The mouse, as far as events that are not the overlay's tell.
 #[derive(Debug, Default)]
-pub struct Pointer {
+pub(super) struct Pointer {
     place: PhysicalPosition<f64>,
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
     /// While the button is held: where it went from, and whether that is a drag already.
@@ -34,7 +34,7 @@ pub struct Pointer {
 
 impl Pointer {
     /// Takes note of an event; what the mouse did by it.
-    pub fn take(&mut self, event: &WindowEvent, now: Instant) -> Option<Gesture> {
+    pub(super) fn take(&mut self, event: &WindowEvent, now: Instant) -> Option<Gesture> {
         match event {
             WindowEvent::CursorMoved { position, .. } => self.moved(*position),
             WindowEvent::MouseInput { state: ElementState::Pressed, button: MouseButton::Left, .. } => {

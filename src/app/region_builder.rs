@@ -14,7 +14,7 @@ use crate::gpu::scene_resources::{BuiltRegions, RegionRequest};
 use mariana_field::region::RegionPlan;
 
 /// A tree to be built.
-pub struct TreeJob<Tag> {
+pub(super) struct TreeJob<Tag> {
     /// What the asker knows it by.
     pub tag: Tag,
     /// The frame that is to be drawn with it.
@@ -28,7 +28,7 @@ pub struct TreeJob<Tag> {
 }
 
 /// A tree that is done.
-pub struct BuiltTree<Tag> {
+pub(super) struct BuiltTree<Tag> {
     /// What the asker knows it by.
     pub tag: Tag,
     /// The frame that is to be drawn with it.
@@ -60,7 +60,7 @@ impl<Tag> Shared<Tag> {
 }
 
 /// The thread and what lies between it and the frames.
-pub struct RegionBuilder<Tag> {
+pub(super) struct RegionBuilder<Tag> {
     shared: Arc<Shared<Tag>>,
     thread: Option<JoinHandle<()>>,
 }
@@ -70,7 +70,7 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
     ///
     /// # Errors
     /// What the system says about threads.
-    pub fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub(super) fn start(wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let state = State { next: None, done: None, forgotten: 0, over: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), changed: Condvar::new() });
         let theirs = shared.clone();
@@ -80,25 +80,25 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
     }
 
     /// Asks for a tree in place of any that was not begun.
-    pub fn request(&self, job: TreeJob<Tag>) {
+    pub(super) fn request(&self, job: TreeJob<Tag>) {
         self.shared.lock().next = Some(job);
         self.shared.changed.notify_one();
     }
 
     /// The latest tree that is done, once.
-    pub fn poll(&self) -> Option<BuiltTree<Tag>> {
+    pub(super) fn poll(&self) -> Option<BuiltTree<Tag>> {
         self.shared.lock().done.take()
     }
 
     /// Drops all that was asked for and not taken.
-    pub fn forget(&self) {
+    pub(super) fn forget(&self) {
         let mut state = self.shared.lock();
         (state.next, state.done) = (None, None);
         state.forgotten += 1;
     }
 
     /// Whether [`RegionBuilder::poll`] has something.
-    pub fn has_built(&self) -> bool {
+    pub(super) fn has_built(&self) -> bool {
         self.shared.lock().done.is_some()
     }
 }

@@ -25,7 +25,7 @@ const TRIAL_SIZE: (u32, u32) = (16, 9);
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shown {
+pub(super) struct Shown {
     /// The moment of the song.
     pub moment: Moment,
     /// Width and height in pixels.
@@ -37,7 +37,7 @@ pub struct Shown {
 }
 
 /// What is asked of the builder, and whether it is.
-pub struct SceneRegions {
+pub(super) struct SceneRegions {
     wanted: bool,
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
@@ -61,7 +61,7 @@ impl SceneRegions {
     ///
     /// # Errors
     /// What the system says about threads.
-    pub fn start(wanted: bool, wake: impl Fn() + Send + Clone + 'static) -> std::io::Result<Self> {
+    pub(super) fn start(wanted: bool, wake: impl Fn() + Send + Clone + 'static) -> std::io::Result<Self> {
         Ok(Self {
             wanted,
             insists: false,
@@ -77,7 +77,7 @@ impl SceneRegions {
 
     /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, which sounds like `sound`, or an earlier picture whose tree has
     /// come by now. None if there is nothing to draw but what was drawn before.
-    pub fn drawable(
+    pub(super) fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
         scene: &SceneResources,
@@ -120,12 +120,12 @@ impl SceneRegions {
     }
 
     /// Whether cells are used where they can be.
-    pub fn are_wanted(&self) -> bool {
+    pub(super) fn are_wanted(&self) -> bool {
         self.wanted
     }
 
     /// Asks for the first tree of a scene that is to come on the stage, in place of any other one's.
-    pub fn try_tree(&self, id: u64, scene: &SceneResources) {
+    pub(super) fn try_tree(&self, id: u64, scene: &SceneResources) {
         scene.set_cells(self.wanted || scene.world().steep);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
         let request = scene.region_request(&frame);
@@ -135,28 +135,33 @@ impl SceneRegions {
     }
 
     /// A first tree that was asked for, and its scene; no tree if it takes longer than anybody waits.
-    pub fn tried_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
+    pub(super) fn tried_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll().map(|built| (built.tag, built.regions))
     }
 
     /// Draws a compiled scene without a tree, from its first picture on.
-    pub fn do_without(&mut self, id: u64) {
+    pub(super) fn do_without(&mut self, id: u64) {
         self.late_for = Some((id, Mode::Compiled));
     }
 
     /// Waits for trees from now on, however long they take, or not.
-    pub fn insist(&mut self, insists: bool) {
+    pub(super) fn insist(&mut self, insists: bool) {
         self.insists = insists;
     }
 
     /// Whether a tree that was asked for has come.
-    pub fn have_come(&self) -> bool {
+    pub(super) fn have_come(&self) -> bool {
         self.builder.has_built()
     }
 
     /// Takes note of how long a frame of a scene and mode took that was drawn with `built`. Tells whether it should be
     /// drawn in another way from now on.
-    pub fn note_frame_time(&mut self, drawn: (u64, Mode), built: &BuiltRegions, time: Duration) -> bool {
+    pub(super) fn note_frame_time(
+        &mut self,
+        drawn: (u64, Mode),
+        built: &BuiltRegions,
+        time: Duration,
+    ) -> bool {
         if drawn.1 != Mode::Compiled || !self.wanted {
             return false;
         }
@@ -178,13 +183,13 @@ impl SceneRegions {
     }
 
     /// Uses cells from now on, or not, and says which.
-    pub fn toggle(&mut self) -> &'static str {
+    pub(super) fn toggle(&mut self) -> &'static str {
         self.wanted = !self.wanted;
         if self.wanted { "regions" } else { "no regions" }
     }
 
     /// What the line about the scene says of them.
-    pub fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>) -> String {
+    pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>) -> String {
         match last {
             _ if !self.wanted => "no regions".to_owned(),
             _ if self.late_for == Some(drawn) => {

@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-pub use drawing::Drawn;
+pub(super) use drawing::Drawn;
 use drawing::Making;
 use kept::KeptPrograms;
 use views::{Views, ViewsOf};
@@ -42,7 +42,7 @@ use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSour
 use crate::view::ViewChoice;
 
 /// What the loader gives.
-pub type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
+pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
 /// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is in the
 /// making: there a frame of a longer one takes many times as long as compiling it.
@@ -86,7 +86,7 @@ enum Task {
 }
 
 /// What outlives the context that scenes are drawn in.
-pub struct KeptScenes {
+pub(super) struct KeptScenes {
     /// What loads scenes.
     pub loader: SceneLoader,
     /// The scene that was shown.
@@ -100,7 +100,7 @@ pub struct KeptScenes {
 }
 
 /// The scene on the stage, and the one behind it.
-pub struct SceneStage {
+pub(super) struct SceneStage {
     gl: Gl,
     choice: SdfChoice,
     loader: SceneLoader,
@@ -140,7 +140,7 @@ impl SceneStage {
     ///
     /// # Errors
     /// What the driver or the system refuses.
-    pub fn new(
+    pub(super) fn new(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
@@ -183,7 +183,7 @@ impl SceneStage {
     }
 
     /// Ends with all that is of its context, and gives what another stage goes on with.
-    pub fn let_go(self) -> KeptScenes {
+    pub(super) fn let_go(self) -> KeptScenes {
         let shown = self.on_stage.or(self.coming).map(|cast| {
             let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
             (cast.source, ReadyScene { world, buffers, plan: cast.resources.plan().clone() })
@@ -198,7 +198,7 @@ impl SceneStage {
     }
 
     /// Goes on where another stage ended: with the parameters that were moved, and the scene that was asked for.
-    pub fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
+    pub(super) fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
         self.moved = moved;
         if wanted != self.source {
             self.list = SceneList::around(&wanted);
@@ -211,7 +211,7 @@ impl SceneStage {
     ///
     /// # Errors
     /// The driver refuses what nothing else can stand in for.
-    pub fn update(&mut self) -> Result<(), GpuError> {
+    pub(super) fn update(&mut self) -> Result<(), GpuError> {
         while let Some(loaded) = self.loader.poll() {
             self.take_loaded(loaded)?;
         }
@@ -508,7 +508,7 @@ impl SceneStage {
     }
 
     /// How the scene on the stage is drawn; none before there is one.
-    pub fn mode(&self) -> Option<Mode> {
+    pub(super) fn mode(&self) -> Option<Mode> {
         let cast = self.on_stage.as_ref()?;
         let order = match self.choice {
             SdfChoice::Interpreted => [Mode::Interpreted, Mode::Compiled],
@@ -530,12 +530,12 @@ impl SceneStage {
     }
 
     /// Whether the regions of a picture that was asked for have come.
-    pub fn has_regions(&self) -> bool {
+    pub(super) fn has_regions(&self) -> bool {
         self.regions.have_come()
     }
 
     /// Takes note of how long a frame took.
-    pub fn note_frame_time(&mut self, time: Duration) {
+    pub(super) fn note_frame_time(&mut self, time: Duration) {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
         let built = cast.resources.regions();
         // Views are drawn by other programs.
@@ -548,22 +548,22 @@ impl SceneStage {
     }
 
     /// Whether there is something to draw.
-    pub fn is_ready(&self) -> bool {
+    pub(super) fn is_ready(&self) -> bool {
         self.on_stage.is_some()
     }
 
     /// A number that changes whenever the same moment would look different.
-    pub fn revision(&self) -> u64 {
+    pub(super) fn revision(&self) -> u64 {
         self.revision
     }
 
     /// Whether the scene on the stage reads curves of the sound.
-    pub fn hears_curves(&self) -> bool {
+    pub(super) fn hears_curves(&self) -> bool {
         self.on_stage.as_ref().is_none_or(|cast| cast.hears_curves)
     }
 
     /// Whether the scene on the stage moves without sound, too.
-    pub fn moves_by_itself(&self) -> bool {
+    pub(super) fn moves_by_itself(&self) -> bool {
         self.on_stage.as_ref().is_none_or(|cast| cast.moves)
     }
 }

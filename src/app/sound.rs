@@ -12,7 +12,7 @@ use mariana_player::roster::{Roster, RosterEntry, RosterWatch};
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
 /// How much `[` and `]` shift the picture, in milliseconds.
-pub const SHIFT_STEP_MS: f64 = 5.0;
+pub(super) const SHIFT_STEP_MS: f64 = 5.0;
 
 /// How long the list of sources stands after it was asked for.
 const LIST_STANDS: Duration = Duration::from_secs(4);
@@ -25,7 +25,7 @@ enum Source {
 }
 
 /// See the module.
-pub struct Sound {
+pub(super) struct Sound {
     player: Option<Player>,
     live: Option<Live>,
     /// What the user wants.
@@ -47,7 +47,7 @@ pub struct Sound {
 }
 
 /// What the show starts with.
-pub struct Start {
+pub(super) struct Start {
     /// The song; none if only an input is listened to.
     pub player: Option<Player>,
     /// An input.
@@ -65,7 +65,7 @@ impl Sound {
     ///
     /// # Errors
     /// A thread cannot be started.
-    pub fn start(start: Start) -> Result<Self, AppError> {
+    pub(super) fn start(start: Start) -> Result<Self, AppError> {
         let (file, error) = SettingsFile::of_user();
         let mut sound = Self {
             player: start.player,
@@ -93,12 +93,12 @@ impl Sound {
     }
 
     /// The song, if it is what is listened to.
-    pub fn player(&mut self) -> Option<&mut Player> {
+    pub(super) fn player(&mut self) -> Option<&mut Player> {
         self.player.as_mut().filter(|_| self.live.is_none())
     }
 
     /// Pauses or goes on.
-    pub fn set_paused(&mut self, paused: bool) {
+    pub(super) fn set_paused(&mut self, paused: bool) {
         self.paused = paused;
         if let Some(live) = &mut self.live {
             live.set_paused(paused);
@@ -108,7 +108,7 @@ impl Sound {
     }
 
     /// What is heard now.
-    pub fn now(&mut self) -> Option<Moment> {
+    pub(super) fn now(&mut self) -> Option<Moment> {
         let shift = self.shift_ms() / 1000.0;
         match (&mut self.live, &mut self.player) {
             (Some(live), _) => Some(live.now(shift)),
@@ -118,7 +118,7 @@ impl Sound {
     }
 
     /// The sound of what [`Sound::now`] told last, with its curves.
-    pub fn heard(&self) -> mariana_music::Sound {
+    pub(super) fn heard(&self) -> mariana_music::Sound {
         match (&self.live, &self.player) {
             (Some(live), _) => live.sound(),
             (None, Some(player)) => player.sound(),
@@ -127,14 +127,14 @@ impl Sound {
     }
 
     /// How the song stands, if it is what is listened to. Takes note of its device.
-    pub fn song_status(&mut self) -> Option<PlayerStatus> {
+    pub(super) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.player()?.status();
         self.device.clone_from(&status.device);
         Some(status)
     }
 
     /// How the input stands, if one is listened to. Tells on the terminal what is new.
-    pub fn live_status(&mut self) -> Option<LiveStatus> {
+    pub(super) fn live_status(&mut self) -> Option<LiveStatus> {
         if self.list(Instant::now()).is_none() {
             self.remember_choice();
         }
@@ -152,7 +152,7 @@ impl Sound {
     }
 
     /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers that of the device. Says in words what it is now.
-    pub fn shift(&mut self, steps: f64) -> String {
+    pub(super) fn shift(&mut self, steps: f64) -> String {
         // What is heard live cannot be shown before it comes.
         let least = if self.live.is_some() { 0.0 } else { -mariana_player::limits::LIMITS.latency_ms_max };
         let shift = (self.shift_ms() + steps * SHIFT_STEP_MS)
@@ -176,7 +176,7 @@ impl Sound {
     }
 
     /// Listens to the next source, or to the one where there is signal, and shows the list of them.
-    pub fn next_source(&mut self) {
+    pub(super) fn next_source(&mut self) {
         let roster = match &self.watch {
             Some(watch) => watch.latest().1,
             None => match RosterWatch::shared() {
@@ -264,12 +264,12 @@ impl Sound {
     }
 
     /// What stays over the picture.
-    pub fn hint(&self) -> Option<&str> {
+    pub(super) fn hint(&self) -> Option<&str> {
         self.hint.as_deref().filter(|_| self.live.is_some())
     }
 
     /// The list of sources, as long as it shows.
-    pub fn list(&self, now: Instant) -> Option<SourceList> {
+    pub(super) fn list(&self, now: Instant) -> Option<SourceList> {
         let (sources, since) = self.list.as_ref()?;
         let present = self.present();
         (now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {

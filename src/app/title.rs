@@ -5,7 +5,7 @@ use mariana_player::input::LiveStatus;
 
 /// The window's title: the track, the program, what there is to say of the scene, and what is not as usual; silence is, if
 /// it was asked for.
-pub fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
+pub(super) fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
     let track = &status.track;
     let mut title = format!("{} - Mariana", track.name);
     let mut notes = Vec::new();
@@ -31,7 +31,7 @@ pub fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> 
 }
 
 /// The same while an input is listened to.
-pub fn live_title(status: &LiveStatus, scene: Vec<String>, paused: bool) -> String {
+pub(super) fn live_title(status: &LiveStatus, scene: Vec<String>, paused: bool) -> String {
     let mut notes = scene;
     if paused {
         notes.push("paused".to_owned());

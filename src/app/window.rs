@@ -26,7 +26,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 
 /// Which window to open.
-pub struct WindowWishes {
+pub(super) struct WindowWishes {
     /// Its title.
     pub title: String,
     /// Width and height in pixels.
@@ -39,7 +39,7 @@ pub struct WindowWishes {
 
 /// A window without a context yet. It is opened on the thread of the window's events and bound on the one that draws, as
 /// drivers take their time.
-pub struct OpenWindow {
+pub(super) struct OpenWindow {
     config: glutin::config::Config,
     window: Arc<Window>,
     size: (u32, u32),
@@ -48,7 +48,7 @@ pub struct OpenWindow {
 }
 
 /// A window, its surface and its current context.
-pub struct GlWindowContext {
+pub(super) struct GlWindowContext {
     // Dropped in this order: the context before the surface before the window.
     gl: Gl,
     context: PossiblyCurrentContext,
@@ -65,7 +65,7 @@ impl OpenWindow {
     ///
     /// # Errors
     /// No window, or no OpenGL.
-    pub fn open(event_loop: &ActiveEventLoop, wishes: &WindowWishes) -> Result<Self, AppError> {
+    pub(super) fn open(event_loop: &ActiveEventLoop, wishes: &WindowWishes) -> Result<Self, AppError> {
         let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
         let attributes = WindowAttributes::default()
             .with_title(&wishes.title)
@@ -91,7 +91,7 @@ impl OpenWindow {
     }
 
     /// The window.
-    pub fn window(&self) -> Arc<Window> {
+    pub(super) fn window(&self) -> Arc<Window> {
         self.window.clone()
     }
 
@@ -99,7 +99,7 @@ impl OpenWindow {
     ///
     /// # Errors
     /// The driver refuses, or has no OpenGL 3.3.
-    pub fn bind(self) -> Result<GlWindowContext, AppError> {
+    pub(super) fn bind(self) -> Result<GlWindowContext, AppError> {
         let Self { config, window, size, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
         let handle = window.window_handle().map_err(|error| no_context(&error))?.as_raw();
@@ -139,7 +139,7 @@ impl OpenWindow {
 impl GlWindowContext {
     /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for where the
     /// driver gives none.
-    pub fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
+    pub(super) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
         let made = (0..count).map(|_| {
             WorkerContext::new(&self.config.display(), &self.config).map_err(|error| {
                 tracing::info!("no second context ({error}); scenes are compiled between frames");
@@ -150,7 +150,7 @@ impl GlWindowContext {
     }
 
     /// Gives up the context, and the surface with it; what was made in it must be gone. [`OpenWindow::bind`] makes another.
-    pub fn let_go(self) -> OpenWindow {
+    pub(super) fn let_go(self) -> OpenWindow {
         let Self { gl, context, surface, config, window, size, refresh_rate } = self;
         drop(gl);
         // A surface that is in use lives on, and a window has no second one.
@@ -162,23 +162,23 @@ impl GlWindowContext {
     }
 
     /// The functions of the context.
-    pub fn gl(&self) -> &Gl {
+    pub(super) fn gl(&self) -> &Gl {
         &self.gl
     }
 
     /// The window.
-    pub fn window(&self) -> &Window {
+    pub(super) fn window(&self) -> &Window {
         &self.window
     }
 
     /// Size of the drawable, in pixels; none while it has no area.
-    pub fn size(&self) -> Option<(u32, u32)> {
+    pub(super) fn size(&self) -> Option<(u32, u32)> {
         let (width, height) = self.size.get();
         (width > 0 && height > 0).then_some((width, height))
     }
 
     /// Brings the surface to the window's new size.
-    pub fn resize(&self, size: (u32, u32)) {
+    pub(super) fn resize(&self, size: (u32, u32)) {
         self.size.set(size);
         if let Some((width, height)) = self.size()
             && let (Some(width), Some(height)) = (NonZeroU32::new(width), NonZeroU32::new(height))
@@ -191,7 +191,7 @@ impl GlWindowContext {
     ///
     /// # Errors
     /// A lost surface.
-    pub fn swap(&self) -> Result<(), AppError> {
+    pub(super) fn swap(&self) -> Result<(), AppError> {
         self.window.pre_present_notify();
         self.surface.swap_buffers(&self.context).map_err(|error| match error.error_kind() {
             ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
@@ -200,17 +200,17 @@ impl GlWindowContext {
     }
 
     /// Frames per second of the window's monitor, where it tells.
-    pub fn refresh_rate(&self) -> Option<f64> {
+    pub(super) fn refresh_rate(&self) -> Option<f64> {
         self.refresh_rate
     }
 
     /// Whether the window is in full screen.
-    pub fn is_fullscreen(&self) -> bool {
+    pub(super) fn is_fullscreen(&self) -> bool {
         self.window.fullscreen().is_some()
     }
 
     /// Enters or leaves full screen.
-    pub fn set_fullscreen(&self, on: bool) {
+    pub(super) fn set_fullscreen(&self, on: bool) {
         self.window.set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
     }
 }

@@ -3,6 +3,7 @@
 
 use super::Frame;
 use mariana_field::graph::SoundInput;
+use mariana_field::rays::ROOT_SIDE;
 use mariana_field::world::{LightKind, LightValues, PLANES_MAX, World};
 use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
@@ -52,8 +53,6 @@ pub struct RegionTree {
     pub whole_tape: u32,
 }
 
-/// Cells along each side of the root.
-const REGION_ROOT_SIDE: f32 = 16.0;
 /// The shader divides by the reach of ambient light.
 const REACH_MIN: f32 = 1e-4;
 
@@ -77,7 +76,7 @@ impl Frame {
             *to = plane.object as f32;
         }
         let has_cells = tree.size.iter().all(|side| *side > 0.0);
-        let per_unit = tree.size.map(|side| if has_cells { REGION_ROOT_SIDE / side } else { 1.0 });
+        let per_unit = tree.size.map(|side| if has_cells { ROOT_SIDE / side } else { 1.0 });
         let mut block = [[0.0; 4]; FRAME_BLOCK_VECTORS];
         let head: [[f32; 4]; HEAD] = [
             [width, height, 1.0 / width, 1.0 / height].map(|value| value as f32),

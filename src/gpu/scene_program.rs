@@ -134,6 +134,7 @@ pub fn compiled_variant(functions: &str, textures: usize, traits: Traits, counti
 fn common(textures: usize, traits: Traits, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
+    variant.defines.extend(mariana_field::rays::defines());
     variant.defines.push(format!("TEXTURES {textures}"));
     variant.defines.extend(traits.defines().map(str::to_owned));
     if counting == Counting::On {

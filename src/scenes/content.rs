@@ -33,19 +33,19 @@ pub(super) enum Content {
 pub(super) struct Stamp(Option<(u64, Option<SystemTime>)>);
 
 impl Stamp {
-    pub fn of(path: &Path) -> Self {
+    pub(super) fn of(path: &Path) -> Self {
         let metadata = fs::metadata(path).ok();
         Self(metadata.map(|metadata| (metadata.len(), metadata.modified().ok())))
     }
 
     /// Whether the file may have changed at `time` or later.
-    pub fn is_since(&self, time: SystemTime) -> bool {
+    pub(super) fn is_since(&self, time: SystemTime) -> bool {
         matches!(self.0, Some((_, Some(modified))) if modified >= time)
     }
 }
 
 impl Look {
-    pub fn at(path: &Path) -> Self {
+    pub(super) fn at(path: &Path) -> Self {
         // First the stamp: if the file changes meanwhile, the next look finds another one.
         let stamp = Stamp::of(path);
         let content = match hash(path) {
@@ -59,7 +59,7 @@ impl Look {
 
 impl Content {
     /// Whether there is nothing where there was something: a save that empties or deletes the file first.
-    pub fn is_gone_since(&self, before: &Self) -> bool {
+    pub(super) fn is_gone_since(&self, before: &Self) -> bool {
         let nothing = |content: &Self| matches!(content, Self::Missing | Self::Bytes { length: 0, .. });
         nothing(self) && !nothing(before)
     }

@@ -31,17 +31,17 @@ pub(super) struct Folder(PathBuf);
 const ENTRIES_MAX: usize = 10_000;
 
 impl Folder {
-    pub fn of(scene: &Path) -> Self {
+    pub(super) fn of(scene: &Path) -> Self {
         Self(scene.parent().map_or_else(PathBuf::new, Path::to_owned))
     }
 
     /// Where `name` lies, as long as no link is in the way.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(super) fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
     /// The bytes of `name`, `max` at most.
-    pub fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
+    pub(super) fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
         let path = self.inside(name)?;
         let refused = |error: io::Error| Refusal::Unreadable(error.to_string());
         // Asked before it is opened: opening a pipe waits for somebody who writes.
@@ -52,13 +52,13 @@ impl Folder {
     }
 
     /// The text of `name`, `max` bytes at most.
-    pub fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
+    pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
         String::from_utf8(self.bytes(name, max)?)
             .map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
     }
 
     /// The names, written as `name` is, of what lies in the same folder as it; those that are no text are left out.
-    pub fn beside(&self, name: &str) -> Vec<String> {
+    pub(super) fn beside(&self, name: &str) -> Vec<String> {
         let (prefix, folder) = match name.rsplit_once('/') {
             Some((folder, _)) => (format!("{folder}/"), self.inside(folder)),
             None => (String::new(), Ok(self.opened().to_owned())),

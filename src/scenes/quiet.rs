@@ -30,7 +30,7 @@ pub(super) struct Waits {
 }
 
 impl Waits {
-    pub const USUAL: Self = Self {
+    pub(super) const USUAL: Self = Self {
         quiet: Duration::from_millis(20),
         patience: Duration::from_millis(400),
         look: Duration::from_secs(2),
@@ -48,7 +48,7 @@ pub(super) struct Changes {
 }
 
 impl Changes {
-    pub fn note(&mut self, file: PathBuf, kind: Kind, now: Instant) {
+    pub(super) fn note(&mut self, file: PathBuf, kind: Kind, now: Instant) {
         match kind {
             Kind::Writing => {
                 self.writing.insert(file.clone());
@@ -64,7 +64,7 @@ impl Changes {
     }
 
     /// When to read the files; none while nothing changed.
-    pub fn due(&self, waits: &Waits) -> Option<Instant> {
+    pub(super) fn due(&self, waits: &Waits) -> Option<Instant> {
         let latest = self.first? + waits.patience;
         if !self.writing.is_empty() {
             return Some(latest);
@@ -73,7 +73,7 @@ impl Changes {
     }
 
     /// The files that changed, which are none from now on.
-    pub fn take(&mut self) -> BTreeSet<PathBuf> {
+    pub(super) fn take(&mut self) -> BTreeSet<PathBuf> {
         std::mem::take(self).touched
     }
 }

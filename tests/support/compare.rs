@@ -6,7 +6,7 @@ use image::{Rgba, RgbaImage};
 
 /// How far two pictures may be apart. Colours count in steps of 0..255; alpha is not looked at.
 #[derive(Debug, Clone, Copy)]
-pub struct Tolerance {
+pub(crate) struct Tolerance {
     /// Largest mean difference over all colour channels, in steps.
     pub mean_max: f64,
     /// A pixel differs visibly when one of its channels is further apart than this, in steps.
@@ -16,14 +16,14 @@ pub struct Tolerance {
 }
 
 /// For pictures of one machine that should be the same but were computed another way.
-pub const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, share_max: 0.001 };
+pub(crate) const TIGHT: Tolerance = Tolerance { mean_max: 0.5, visible: 8, share_max: 0.001 };
 
 /// For pictures of different drivers: roundings move edges and penumbras, texture filters differ.
-pub const LOOSE: Tolerance = Tolerance { mean_max: 1.0, visible: 16, share_max: 0.005 };
+pub(crate) const LOOSE: Tolerance = Tolerance { mean_max: 1.0, visible: 16, share_max: 0.005 };
 
 /// How far two pictures are apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Difference {
+pub(crate) struct Difference {
     /// Mean over all colour channels, in steps of 0..255.
     pub mean: f64,
     /// Share of the pixels that differ visibly, 0..1.
@@ -33,12 +33,12 @@ pub struct Difference {
 }
 
 /// The largest difference of the colour channels of two pixels, in steps of 0..255.
-pub fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
+pub(crate) fn pixel_difference(a: &Rgba<u8>, b: &Rgba<u8>) -> u8 {
     (0..3).map(|channel| a.0[channel].abs_diff(b.0[channel])).max().unwrap_or(0)
 }
 
 /// Measures how far two pictures of one size are apart; `visible` as in [`Tolerance::visible`].
-pub fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Difference {
+pub(crate) fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Difference {
     assert_eq!(a.dimensions(), b.dimensions(), "pictures of different sizes");
     let (mut sum, mut seen, mut largest) = (0_u64, 0_u64, 0);
     for (a, b) in a.pixels().zip(b.pixels()) {
@@ -52,7 +52,7 @@ pub fn difference(a: &RgbaImage, b: &RgbaImage, visible: u8) -> Difference {
 }
 
 /// Fails if `actual` is further from `expected` than `tolerance`, and then leaves the pictures for the eye.
-pub fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) {
+pub(crate) fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolerance: Tolerance) {
     if let Err(reason) = compare(name, actual, expected, tolerance) {
         panic!("{reason}");
     }
@@ -60,7 +60,7 @@ pub fn assert_alike(name: &str, actual: &RgbaImage, expected: &RgbaImage, tolera
 
 /// Compares `actual` with `tests/golden/NAME.png` by [`LOOSE`]. With MARIANA_BLESS=1 in the environment it
 /// becomes that file instead.
-pub fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String> {
+pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{name}.png"));
     if std::env::var_os("MARIANA_BLESS").is_some_and(|value| value == "1") {
         return write(&path, actual);

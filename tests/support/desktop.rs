@@ -15,10 +15,10 @@ use mariana_testing::process::{
 };
 
 /// The program.
-pub const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
+pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
 
 /// Width and height of the screen, in pixels. Small: the pictures are drawn without a graphics card.
-pub const SCREEN: (u32, u32) = (800, 600);
+pub(crate) const SCREEN: (u32, u32) = (800, 600);
 
 /// Ticks per second in which the system counts the time of processors.
 const TICKS_PER_SECOND: f64 = 100.0;
@@ -52,7 +52,7 @@ impl Drop for Place {
 }
 
 /// An X server with a window manager, and a folder for the session. All end when dropped.
-pub struct Desktop {
+pub(crate) struct Desktop {
     // In this order: the window manager goes before its server.
     _manager: Process,
     server: Process,
@@ -63,7 +63,7 @@ pub struct Desktop {
 
 impl Desktop {
     /// Starts on a display that is free.
-    pub fn start() -> Self {
+    pub(crate) fn start() -> Self {
         let place = Place::wait_for();
         let folder = private_folder();
         let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
@@ -91,29 +91,29 @@ impl Desktop {
     }
 
     /// The session's folder, for songs too.
-    pub fn folder(&self) -> &Path {
+    pub(crate) fn folder(&self) -> &Path {
         self.folder.path()
     }
 
     /// A command that runs on this desktop.
-    pub fn command(&self, name: &str) -> Command {
+    pub(crate) fn command(&self, name: &str) -> Command {
         command_in(name, self.folder(), Some(&self.display))
     }
 
     /// The program with `song`, when its window shows.
-    pub fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
+    pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
         self.open_printing_to(Stdio::piped(), song, options)
     }
 
     /// The program that listens instead of playing a song, when its window shows.
-    pub fn listen(&self, options: &[&str]) -> App<'_> {
+    pub(crate) fn listen(&self, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
         self.show(command, Path::new(""))
     }
 
     /// The same as [`Desktop::open`] with more variables in the program's environment.
-    pub fn open_with(&self, variables: &[(&str, &str)], song: &Path, options: &[&str]) -> App<'_> {
+    pub(crate) fn open_with(&self, variables: &[(&str, &str)], song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.envs(variables.iter().copied()).arg(song).args(options);
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -121,25 +121,25 @@ impl Desktop {
     }
 
     /// Kills the X server, and with it the display.
-    pub fn kill_server(&self) {
+    pub(crate) fn kill_server(&self) {
         let number = self.server.id().to_string();
         output_of(Command::new("kill").args(["-KILL", &number]), "procps").unwrap();
     }
 
     /// The display's name.
-    pub fn display(&self) -> &str {
+    pub(crate) fn display(&self) -> &str {
         &self.display
     }
 
     /// The same as [`Desktop::open`] with another standard output.
-    pub fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
+    pub(crate) fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
         command.arg(song).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, song)
     }
 
     /// Runs `command`, which is the program with `song`, until its window shows.
-    pub fn show(&self, mut command: Command, song: &Path) -> App<'_> {
+    pub(crate) fn show(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
         let told = collect(process.child().stderr.take().unwrap());
@@ -162,7 +162,7 @@ impl Desktop {
 }
 
 /// A command for the session in `folder`, with a display or without.
-pub fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
+pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
     let mut command = Command::new(name);
     command.stdin(Stdio::null()).envs(session_environment(folder));
     for other in [
@@ -182,10 +182,10 @@ pub fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Command {
 }
 
 /// Width and height of the picture in a window, or of the window, in pixels.
-pub type Size = (u32, u32);
+pub(crate) type Size = (u32, u32);
 
 /// The program with a window on a [`Desktop`]. It ends when dropped.
-pub struct App<'d> {
+pub(crate) struct App<'d> {
     desktop: &'d Desktop,
     process: Process,
     song: PathBuf,
@@ -196,34 +196,34 @@ pub struct App<'d> {
 
 impl App<'_> {
     /// Presses keys, one after the other, by their X11 names.
-    pub fn press(&self, keys: &[&str]) {
+    pub(crate) fn press(&self, keys: &[&str]) {
         self.xdotool(&[&["key"], keys].concat());
     }
 
     /// Runs xdotool and gives what it prints.
-    pub fn xdotool(&self, arguments: &[&str]) -> String {
+    pub(crate) fn xdotool(&self, arguments: &[&str]) -> String {
         let printed = output_of(self.desktop.command("xdotool").args(arguments), "xdotool");
         String::from_utf8_lossy(&printed.unwrap_or_else(|error| panic!("{error}; {}", self.told())))
             .into_owned()
     }
 
     /// The window's number for X11's tools.
-    pub fn window(&self) -> &str {
+    pub(crate) fn window(&self) -> &str {
         &self.window
     }
 
     /// The window's title.
-    pub fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
     }
 
     /// Waits until the title is as wanted.
-    pub fn wait_for_title(&mut self, what: &str, wanted: impl Fn(&str) -> bool) {
+    pub(crate) fn wait_for_title(&mut self, what: &str, wanted: impl Fn(&str) -> bool) {
         self.wait(&format!("a title that says {what}"), |app| wanted(&app.title()).then_some(()));
     }
 
     /// Size of the window without its frame.
-    pub fn size(&self) -> Size {
+    pub(crate) fn size(&self) -> Size {
         let text = self.xdotool(&["getwindowgeometry", "--shell", &self.window]);
         let number = |name: &str| {
             let line = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
@@ -233,12 +233,12 @@ impl App<'_> {
     }
 
     /// Waits until the window has the size.
-    pub fn wait_for_size(&mut self, size: Size) {
+    pub(crate) fn wait_for_size(&mut self, size: Size) {
         self.wait(&format!("a window of {size:?}"), |app| (app.size() == size).then_some(()));
     }
 
     /// What the window shows, as soon as it does.
-    pub fn picture(&self) -> RgbaImage {
+    pub(crate) fn picture(&self) -> RgbaImage {
         let mut picture = None;
         wait_until("a picture in the window", || {
             picture = self.try_picture().ok();
@@ -260,7 +260,7 @@ impl App<'_> {
     }
 
     /// The picture without a window of a moment of the song.
-    pub fn still(&self, at: f64, size: Size) -> RgbaImage {
+    pub(crate) fn still(&self, at: f64, size: Size) -> RgbaImage {
         let path = self.desktop.folder().join("still.png");
         let mut command = command_in(PROGRAM, self.desktop.folder(), None);
         command.arg("still").arg(&self.song).arg("-o").arg(&path);
@@ -270,7 +270,7 @@ impl App<'_> {
     }
 
     /// Waits until the window shows what `mariana still` makes of that moment at the window's size.
-    pub fn wait_for_moment(&mut self, at: f64) -> RgbaImage {
+    pub(crate) fn wait_for_moment(&mut self, at: f64) -> RgbaImage {
         let size = self.size();
         let wanted = self.still(at, size);
         let start = Instant::now();
@@ -293,14 +293,14 @@ impl App<'_> {
     }
 
     /// How much of a processor the program takes, watched for `time`.
-    pub fn load(&self, time: Duration) -> f64 {
+    pub(crate) fn load(&self, time: Duration) -> f64 {
         let (worked, since) = (self.processor_seconds(), Instant::now());
         std::thread::sleep(time);
         (self.processor_seconds() - worked) / since.elapsed().as_secs_f64()
     }
 
     /// Memory that the program holds, in MiB (the resident set).
-    pub fn memory_mib(&self) -> f64 {
+    pub(crate) fn memory_mib(&self) -> f64 {
         let text = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).unwrap();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
         line.trim().trim_end_matches(" kB").trim().parse::<f64>().unwrap() / 1024.0
@@ -317,27 +317,27 @@ impl App<'_> {
     }
 
     /// What it has printed on standard output.
-    pub fn printed(&self) -> String {
+    pub(crate) fn printed(&self) -> String {
         lock(&self.printed).clone()
     }
 
     /// What it has printed on standard error.
-    pub fn told(&self) -> String {
+    pub(crate) fn told(&self) -> String {
         lock(&self.told).clone()
     }
 
     /// Waits until the program has told something.
-    pub fn wait_until_told(&mut self, what: &str) {
+    pub(crate) fn wait_until_told(&mut self, what: &str) {
         self.wait(&format!("'{what}'"), |app| app.told().contains(what).then_some(()));
     }
 
     /// Whether it runs.
-    pub fn runs(&mut self) -> bool {
+    pub(crate) fn runs(&mut self) -> bool {
         self.process.ended().is_none()
     }
 
     /// Waits for its end, and fails if that takes longer than `limit`.
-    pub fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
+    pub(crate) fn wait_for_end(mut self, limit: Duration) -> (ExitStatus, String) {
         let start = Instant::now();
         loop {
             if let Some(status) = self.process.ended() {

@@ -26,7 +26,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 /// The stage of a shader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
+pub(crate) enum Stage {
     /// A vertex shader.
     Vertex,
     /// A fragment shader.
@@ -35,7 +35,7 @@ pub enum Stage {
 
 impl Stage {
     /// The stage that a file's extension names.
-    pub fn of(file: &str) -> Self {
+    pub(crate) fn of(file: &str) -> Self {
         match file.rsplit_once('.').map(|(_, extension)| extension) {
             Some("vert") => Self::Vertex,
             Some("frag") => Self::Fragment,
@@ -64,7 +64,7 @@ fn run_glslang(stage: Stage, text: &str, options: &[&str]) -> Result<String, Str
 }
 
 /// Checks a whole shader with glslang. The error quotes the offending lines.
-pub fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String> {
+pub(crate) fn check_with_glslang(stage: Stage, text: &str) -> Result<(), String> {
     run_glslang(stage, text, &[]).map(drop)
 }
 
@@ -88,7 +88,7 @@ const REWRITTEN: &str = "rewritten, whole shader";
 
 /// Takes a whole OpenGL shader through naga's GLSL front end and its validator. The error quotes the offending
 /// line of the rewritten text.
-pub fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
+pub(crate) fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
     let expanded = run_glslang(stage, text, &["-E"])?;
     let vulkan = vulkan_form(&expanded)?;
     let naga_stage = match stage {
@@ -107,7 +107,7 @@ pub fn check_with_naga(stage: Stage, text: &str) -> Result<(), String> {
 /// OpenGL 3.30 text as Vulkan 4.50 text; see the table at the head of this file.
 ///
 /// A block or a texture without a fixed place in the program is an error: the renderer would not bind it.
-pub fn vulkan_form(text: &str) -> Result<String, String> {
+pub(crate) fn vulkan_form(text: &str) -> Result<String, String> {
     let samplers: Vec<(&str, &str)> = text.lines().filter_map(declared_sampler).collect();
     let mut vulkan = String::new();
     for line in text.lines() {

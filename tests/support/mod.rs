@@ -4,16 +4,16 @@
 #![allow(dead_code, reason = "every test program uses its own part of this")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test fails by panicking")]
 
-pub mod compare;
+pub(crate) mod compare;
 #[cfg(target_os = "linux")]
-pub mod desktop;
+pub(crate) mod desktop;
 #[path = "../../crates/field/tests/field/expression.rs"]
-pub mod expression;
-pub mod glsl;
-pub mod oracle;
+pub(crate) mod expression;
+pub(crate) mod glsl;
+pub(crate) mod oracle;
 #[cfg(target_os = "linux")]
-pub mod pings;
+pub(crate) mod pings;
 #[cfg(target_os = "linux")]
-pub mod program;
-pub mod shader_folder;
-pub mod studio;
+pub(crate) mod program;
+pub(crate) mod shader_folder;
+pub(crate) mod studio;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// The functions of the scene, in GLSL.
-pub const BY_HAND: &str = include_str!("../oracle/speakers.glsl");
+pub(crate) const BY_HAND: &str = include_str!("../oracle/speakers.glsl");
 
 /// The arguments of `const TYPE NAME = ...;`.
 fn constant_numbers(name: &str) -> Vec<f64> {
@@ -22,14 +22,14 @@ fn constant_numbers(name: &str) -> Vec<f64> {
 }
 
 /// `const float NAME = number;` of the oracle.
-pub fn constant(name: &str) -> f64 {
+pub(crate) fn constant(name: &str) -> f64 {
     let numbers = constant_numbers(name);
     assert_eq!(numbers.len(), 1, "{name} is no single number");
     numbers[0]
 }
 
 /// `const vec3 NAME = vec3(x, y, z);` of the oracle.
-pub fn vector_constant(name: &str) -> DVec3 {
+pub(crate) fn vector_constant(name: &str) -> DVec3 {
     let numbers = constant_numbers(name);
     assert_eq!(numbers.len(), 3, "{name} is no vector of three numbers");
     DVec3::new(numbers[0], numbers[1], numbers[2])

@@ -19,7 +19,7 @@ const PERIOD: Duration = Duration::from_millis(20);
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A thread that asks a window until it is told to stop.
-pub struct Pings {
+pub(crate) struct Pings {
     thread: Option<JoinHandle<()>>,
     over: Arc<AtomicBool>,
     answers: Arc<Mutex<Vec<Answer>>>,
@@ -30,7 +30,7 @@ type Answer = (Duration, Instant);
 
 /// How long answers took.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Answers {
+pub(crate) struct Answers {
     /// How many there were.
     pub count: usize,
     /// Half of them took no longer.
@@ -45,7 +45,7 @@ pub struct Answers {
 
 impl Pings {
     /// Asks the window with this number on this display.
-    pub fn start(display: &str, window: Window) -> Self {
+    pub(crate) fn start(display: &str, window: Window) -> Self {
         let over = Arc::new(AtomicBool::new(false));
         let answers = Arc::<Mutex<Vec<Answer>>>::default();
         let (display, stop, noted) = (display.to_owned(), over.clone(), answers.clone());
@@ -54,7 +54,7 @@ impl Pings {
     }
 
     /// Stops asking.
-    pub fn stop(mut self) -> Answers {
+    pub(crate) fn stop(mut self) -> Answers {
         self.over.store(true, Ordering::Relaxed);
         self.thread.take().unwrap().join().unwrap();
         let mut times = self.answers.lock().unwrap_or_else(PoisonError::into_inner).clone();

@@ -13,7 +13,7 @@ use mariana_testing::process::{LOOK_PERIOD, Process, output_of, private_folder};
 use mariana_testing::wave::write_wav;
 
 /// How long the program may take for anything asked of it here.
-pub const RUN_LIMIT: Duration = Duration::from_secs(60);
+pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 
 /// Words that tell the user what to do; every refusal has at least one.
 const ADVICE: &[&str] = &[
@@ -26,7 +26,7 @@ const INTERNALS: &[&str] =
     &["panicked", "RUST_BACKTRACE", "stack backtrace", ".rs:", ".cargo", "unwrap()", ".mariana-"];
 
 /// A folder of its own in which the program runs: without a display, without sound.
-pub struct Workplace {
+pub(crate) struct Workplace {
     folder: TempDir,
     /// Apart, so that the folder holds the test's files and the program's output only.
     session: TempDir,
@@ -34,28 +34,28 @@ pub struct Workplace {
 
 impl Workplace {
     /// An empty one.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap(), session: private_folder() }
     }
 
     /// The path of a file in the folder.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// Writes a file in the folder.
-    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
         std::fs::write(self.path(name), bytes).unwrap();
     }
 
     /// The bytes of a file in the folder.
-    pub fn read(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         let path = self.path(name);
         std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
     }
 
     /// The names in the folder, sorted.
-    pub fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.folder.path()).unwrap();
         let mut names: Vec<String> =
             entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
@@ -64,7 +64,7 @@ impl Workplace {
     }
 
     /// A stereo wave file of `seconds` of sines of `hz` with the peaks `left` and `right`, at 48 kHz.
-    pub fn write_tone(&self, name: &str, hz: f64, seconds: f64, [left, right]: [f64; 2]) {
+    pub(crate) fn write_tone(&self, name: &str, hz: f64, seconds: f64, [left, right]: [f64; 2]) {
         let frames = (seconds * 48_000.0) as usize;
         let samples = (0..frames).flat_map(|frame| {
             let sine = (std::f64::consts::TAU * hz * frame as f64 / 48_000.0).sin();
@@ -74,7 +74,7 @@ impl Workplace {
     }
 
     /// Has ffmpeg write `output`, which must work.
-    pub fn ffmpeg(&self, arguments: &[&str], output: &str) {
+    pub(crate) fn ffmpeg(&self, arguments: &[&str], output: &str) {
         let mut command = Command::new("ffmpeg");
         command.args(["-v", "error", "-nostdin", "-y"]).args(arguments).arg(self.path(output));
         output_of(command.current_dir(self.folder.path()), "ffmpeg")
@@ -82,7 +82,7 @@ impl Workplace {
     }
 
     /// The program with `arguments`, to be started.
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = command_in(PROGRAM, self.session.path(), None);
         command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
         // The driver's own words are not the program's; its compiled shaders serve every test.
@@ -91,14 +91,14 @@ impl Workplace {
     }
 
     /// Runs the program with `arguments`.
-    pub fn run(&self, arguments: &[&str]) -> Outcome {
+    pub(crate) fn run(&self, arguments: &[&str]) -> Outcome {
         Outcome::of(&mut self.command(arguments), RUN_LIMIT)
     }
 }
 
 /// How the program ended.
 #[derive(Debug)]
-pub struct Outcome {
+pub(crate) struct Outcome {
     /// What was run.
     pub command: String,
     /// The exit code.
@@ -111,14 +111,14 @@ pub struct Outcome {
 
 impl Outcome {
     /// Runs `command`, which must end by itself within `limit` and not by a signal.
-    pub fn of(command: &mut Command, limit: Duration) -> Self {
+    pub(crate) fn of(command: &mut Command, limit: Duration) -> Self {
         let (stdout, stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
         command.stdout(stdout.try_clone().unwrap()).stderr(stderr.try_clone().unwrap());
         Self::with_files(command, limit, stdout, stderr)
     }
 
     /// The same for a command whose standard output goes elsewhere.
-    pub fn printing_elsewhere(command: &mut Command, stdout: impl Into<Stdio>) -> Self {
+    pub(crate) fn printing_elsewhere(command: &mut Command, stdout: impl Into<Stdio>) -> Self {
         let stderr = tempfile::tempfile().unwrap();
         command.stdout(stdout).stderr(stderr.try_clone().unwrap());
         Self::with_files(command, RUN_LIMIT, tempfile::tempfile().unwrap(), stderr)
@@ -150,19 +150,19 @@ impl Outcome {
     }
 
     /// What it printed, the job being done without a complaint.
-    pub fn done(self) -> String {
+    pub(crate) fn done(self) -> String {
         assert!(self.code == 0 && self.stderr.is_empty(), "{self:?}");
         self.stdout
     }
 
     /// The sentence with which it refuses the job, which holds all `parts`: code 1, one line, nothing printed.
-    pub fn refused(self, parts: &[&str]) -> String {
+    pub(crate) fn refused(self, parts: &[&str]) -> String {
         assert!(self.stderr.lines().count() == 1, "one sentence is wanted: {self:?}");
         self.refused_with_details(parts)
     }
 
     /// The same where a driver's log follows the sentence.
-    pub fn refused_with_details(self, parts: &[&str]) -> String {
+    pub(crate) fn refused_with_details(self, parts: &[&str]) -> String {
         assert!(self.code == 1 && self.stdout.is_empty(), "{self:?}");
         self.assert_advises();
         for part in parts {
@@ -172,13 +172,13 @@ impl Outcome {
     }
 
     /// Fails unless what it complains of begins with its name and says what to do.
-    pub fn assert_advises(&self) {
+    pub(crate) fn assert_advises(&self) {
         assert!(self.stderr.starts_with("mariana: "), "{self:?}");
         assert!(ADVICE.iter().any(|word| self.stderr.contains(word)), "what is to be done? {self:?}");
     }
 
     /// Fails unless the arguments were refused, naming the option and holding all `parts`: code 2.
-    pub fn refused_arguments(&self, option: &str, parts: &[&str]) {
+    pub(crate) fn refused_arguments(&self, option: &str, parts: &[&str]) {
         assert!(self.code == 2 && self.stdout.is_empty(), "{self:?}");
         let sentence = self.stderr.lines().next().unwrap_or_default();
         for part in [&["error: ", option], parts].concat() {
@@ -195,7 +195,7 @@ fn text_of(mut file: File) -> String {
 }
 
 /// A way to store sound.
-pub struct Format {
+pub(crate) struct Format {
     /// A file's name.
     pub file: &'static str,
     /// What makes ffmpeg write it.
@@ -207,7 +207,7 @@ const fn format(file: &'static str, arguments: &'static [&'static str]) -> Forma
 }
 
 /// Every format that users may bring.
-pub const FORMATS: &[Format] = &[
+pub(crate) const FORMATS: &[Format] = &[
     format("song.wav", &["-c:a", "pcm_s16le"]),
     format("song.aiff", &["-c:a", "pcm_s24be"]),
     format("song.flac", &["-c:a", "flac"]),

@@ -6,23 +6,23 @@ use mariana::gpu::shader_source::ShaderLibrary;
 use tempfile::TempDir;
 
 /// The folder `shaders/` of the repository.
-pub fn shader_folder() -> PathBuf {
+pub(crate) fn shader_folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders")
 }
 
 /// The names of all shader files, sorted. The folder's README is none.
-pub fn shader_names() -> Vec<String> {
+pub(crate) fn shader_names() -> Vec<String> {
     ShaderLibrary::embedded_names().into_iter().filter(|name| name != "README.md").collect()
 }
 
 /// The text of one file of `shaders/`.
-pub fn shader_text(name: &str) -> String {
+pub(crate) fn shader_text(name: &str) -> String {
     let path = shader_folder().join(name);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// A copy of the shaders in which the files of `replaced` have other texts; it lasts as long as the folder.
-pub fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
+pub(crate) fn changed_shaders(replaced: &[(&str, &str)]) -> (TempDir, ShaderLibrary) {
     let folder = tempfile::tempdir().unwrap();
     for name in shader_names() {
         let text = replaced.iter().find(|(other, _)| *other == name);

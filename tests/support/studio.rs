@@ -18,18 +18,18 @@ use mariana_field::world::World;
 use mariana_music::{Features, HISTORY_POINTS, SPECTRUM_POINTS, Sound, Tables, WAVEFORM_POINTS};
 
 /// The thesis' speakers: the scene that is also written by hand, in GLSL.
-pub fn speakers() -> SceneSource {
+pub(crate) fn speakers() -> SceneSource {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/oracle/speakers.scene");
     SceneSource::find(path).unwrap()
 }
 
 /// A scene ready to be drawn; fails with what is wrong with it.
-pub fn ready(scene: &SceneSource) -> ReadyScene {
+pub(crate) fn ready(scene: &SceneSource) -> ReadyScene {
     scene.ready().unwrap_or_else(|error| panic!("{}: {error}", scene.name()))
 }
 
 /// A driver that nobody has, with no more than OpenGL 3.3 promises.
-pub fn driver(software: bool) -> GlInfo {
+pub(crate) fn driver(software: bool) -> GlInfo {
     GlInfo {
         vendor: String::new(),
         renderer: String::new(),
@@ -44,7 +44,7 @@ pub fn driver(software: bool) -> GlInfo {
 }
 
 /// A renderer with its context, a scene, and a program that draws it.
-pub struct Studio {
+pub(crate) struct Studio {
     // Before the context that their objects live in.
     pub renderer: Renderer,
     pub program: Program,
@@ -56,12 +56,12 @@ pub struct Studio {
 
 impl Studio {
     /// The thesis' speakers, compiled.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::of(&speakers(), Mode::Compiled, Counting::Off)
     }
 
     /// Another scene and mode, or the counting variant.
-    pub fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
+    pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
         let ReadyScene { world, buffers, plan } = ready(scene);
         let context = Headless::new(false).unwrap();
         let gl = context.gl();
@@ -75,7 +75,7 @@ impl Studio {
     }
 
     /// The program of the scene in a mode, for [`Studio::program`].
-    pub fn program_of(&self, mode: Mode, counting: Counting) -> Program {
+    pub(crate) fn program_of(&self, mode: Mode, counting: Counting) -> Program {
         let (world, buffers, plan) = (self.world(), self.resources.buffers(), self.resources.plan());
         let variant = variant_of(world, buffers, plan, mode, self.context.gl().info(), counting)
             .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
@@ -83,29 +83,29 @@ impl Studio {
     }
 
     /// A program in the studio's context.
-    pub fn link(&self, library: &ShaderLibrary, variant: &Variant) -> Program {
+    pub(crate) fn link(&self, library: &ShaderLibrary, variant: &Variant) -> Program {
         link(&self.context, library, variant)
     }
 
     /// The scene.
-    pub fn world(&self) -> &World {
+    pub(crate) fn world(&self) -> &World {
         self.resources.world()
     }
 
     /// The frame of one moment.
-    pub fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
+    pub(crate) fn frame(&self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Frame {
         let mut frame = Frame::new(self.world(), time, sound, size);
         (self.adjust)(&mut frame.picture);
         frame
     }
 
     /// The finished picture of one moment.
-    pub fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
+    pub(crate) fn picture(&mut self, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> RgbaImage {
         self.try_picture(time, sound, size).unwrap_or_else(|error| panic!("{size:?} at {time} s: {error}"))
     }
 
     /// The same, or why there is none.
-    pub fn try_picture(
+    pub(crate) fn try_picture(
         &mut self,
         time: f64,
         sound: impl Into<Sound>,
@@ -123,12 +123,12 @@ fn link(context: &Headless, library: &ShaderLibrary, variant: &Variant) -> Progr
 }
 
 /// No sound.
-pub fn silence() -> Features {
+pub(crate) fn silence() -> Features {
     Features::default()
 }
 
 /// Loud music: much bass, less treble, a little louder on the left.
-pub fn loud_music() -> Features {
+pub(crate) fn loud_music() -> Features {
     let bands = std::array::from_fn(|i| {
         let slope = 0.95 - 0.018 * i as f32;
         slope * (0.75 + 0.25 * (1.7 * i as f32).sin())
@@ -140,7 +140,7 @@ pub fn loud_music() -> Features {
 }
 
 /// The same with curves: a hilly spectrum that wanders, a wave.
-pub fn loud_sound() -> Sound {
+pub(crate) fn loud_sound() -> Sound {
     let points = |count: usize, of: &dyn Fn(f32) -> f32| -> Arc<[f32]> {
         (0..count).map(|index| of(index as f32 / (count - 1) as f32)).collect()
     };
@@ -159,7 +159,7 @@ pub fn loud_sound() -> Sound {
 }
 
 /// Music of medium loudness.
-pub fn soft_music() -> Features {
+pub(crate) fn soft_music() -> Features {
     let loud = loud_music();
     Features { volume: loud.volume.map(|v| 0.3 * v), bands: loud.bands.map(|b| 0.6 * b), ..loud }
 }

@@ -3,6 +3,7 @@
 pub mod graph;
 pub mod lang;
 pub mod limits;
+pub mod rays;
 pub mod region;
 pub mod tape;
 pub mod world;

@@ -34,7 +34,7 @@ macro_rules! features {
             /// The number of this name, unless it is a list or there is none.
             fn row(&self, name: &str) -> Option<f32> {
                 match name {
-                    $(stringify!($name) => self.$name.as_number(),)+
+                    $(stringify!($name) => self.$name.number_alone(),)+
                     _ => None,
                 }
             }
@@ -112,7 +112,7 @@ impl Features {
 /// A number, or a list of them.
 trait Numbers: Sized {
     fn mixed(self, other: Self, amount: f32) -> Self;
-    fn as_number(self) -> Option<f32>;
+    fn number_alone(self) -> Option<f32>;
 }
 
 impl Numbers for f32 {
@@ -120,7 +120,7 @@ impl Numbers for f32 {
         self + (other - self) * amount
     }
 
-    fn as_number(self) -> Option<f32> {
+    fn number_alone(self) -> Option<f32> {
         Some(self)
     }
 }
@@ -130,7 +130,7 @@ impl<const N: usize> Numbers for [f32; N] {
         std::array::from_fn(|i| self[i].mixed(other[i], amount))
     }
 
-    fn as_number(self) -> Option<f32> {
+    fn number_alone(self) -> Option<f32> {
         None
     }
 }

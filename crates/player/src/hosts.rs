@@ -23,19 +23,19 @@ type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
 static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
 /// The hosts of this system, the sound server first: it reports failures best, and it shares the device.
-pub fn hosts_by_preference() -> Vec<cpal::HostId> {
+pub(crate) fn hosts_by_preference() -> Vec<cpal::HostId> {
     let mut hosts = cpal::available_hosts();
     hosts.sort_by_key(|host| !is_server(*host));
     hosts
 }
 
 /// Whether the host is a sound server, which converts rates and channels, lists monitors and may go and come back.
-pub fn is_server(host: cpal::HostId) -> bool {
+pub(crate) fn is_server(host: cpal::HostId) -> bool {
     host.name().eq_ignore_ascii_case("pulseaudio")
 }
 
 /// Keeps libasound from printing on stderr what it also returns as an error, for this thread.
-pub fn hush_sound_library() {
+pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]
     if let Err(error) = alsa::Output::local_error_handler() {
         tracing::debug!("libasound goes on printing: {error}");
@@ -46,7 +46,7 @@ pub fn hush_sound_library() {
 ///
 /// # Errors
 /// What the sound system says.
-pub fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
+pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
         return Ok(Arc::new(cpal::host_from_id(id)?));
     }
@@ -72,7 +72,7 @@ pub fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
 }
 
 /// A connection that no other stream plays on, as long as it is held.
-pub struct PlaybackConnection(Option<Connected>);
+pub(crate) struct PlaybackConnection(Option<Connected>);
 
 impl PlaybackConnection {
     /// How the server knows it, if it is known.
@@ -94,7 +94,7 @@ impl Drop for PlaybackConnection {
 ///
 /// # Errors
 /// What the sound system says.
-pub fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
+pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, PlaybackConnection), cpal::Error> {
     let id = device.id()?;
     if !is_server(id.host()) {
         return Ok((device, PlaybackConnection(None)));
@@ -123,11 +123,11 @@ fn lock() -> std::sync::MutexGuard<'static, Option<Arc<cpal::Host>>> {
 }
 
 /// The id of the input that records what the output plays, on a sound server.
-pub fn monitor_id(output_id: &str) -> String {
+pub(crate) fn monitor_id(output_id: &str) -> String {
     format!("{output_id}{MONITOR_SUFFIX}")
 }
 
 /// The id of the output whose sound the input records, if it is a monitor.
-pub fn monitored_output(input_id: &str) -> Option<&str> {
+pub(crate) fn monitored_output(input_id: &str) -> Option<&str> {
     input_id.strip_suffix(MONITOR_SUFFIX)
 }

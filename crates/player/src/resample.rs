@@ -88,11 +88,6 @@ impl Resampler {
         self.from
     }
 
-    /// Rate of the output, in hertz.
-    pub fn to_hz(&self) -> u32 {
-        self.to
-    }
-
     /// True where the rates are equal and every frame comes out as it went in.
     pub fn is_pass_through(&self) -> bool {
         self.engine.is_none()

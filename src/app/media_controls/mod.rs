@@ -19,7 +19,7 @@ const JUMP: f64 = 0.5;
 
 /// What the desktop asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Asked {
+pub(super) enum Asked {
     /// Go on (true) or pause.
     Play(bool),
     /// Pause or go on.
@@ -94,7 +94,7 @@ impl SharedSeen {
 }
 
 /// The desktop's controls of this program. See the module.
-pub struct MediaControls {
+pub(super) struct MediaControls {
     seen: SharedSeen,
     asked: Receiver<Asked>,
     #[cfg(target_os = "linux")]
@@ -103,7 +103,7 @@ pub struct MediaControls {
 
 impl MediaControls {
     /// Offers the program to the desktop, on a thread of its own; `wake` is called when something is asked.
-    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> Self {
+    pub(super) fn start(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
         let (asks, asked) = channel();
         let ask = move |what| {
@@ -125,12 +125,12 @@ impl MediaControls {
     }
 
     /// What was asked for next, if anything.
-    pub fn poll(&self) -> Option<Asked> {
+    pub(super) fn poll(&self) -> Option<Asked> {
         self.asked.try_recv().ok()
     }
 
     /// Shows the desktop how playback stands.
-    pub fn show(&self, status: &PlayerStatus, fullscreen: bool) {
+    pub(super) fn show(&self, status: &PlayerStatus, fullscreen: bool) {
         let now = Instant::now();
         let new = Seen {
             track: Some(status.track.clone()),

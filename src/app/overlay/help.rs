@@ -33,7 +33,7 @@ struct Table {
 }
 
 /// Draws the panel in the middle of `space`; where it is.
-pub fn draw(painter: &Painter, space: Rect) -> Rect {
+pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
     let room = space.size() - 2.0 * style::PADDING;
     // As many columns as make for the largest text.
     let shrink_of = |table: &Table| (room / table.size()).min_elem().min(1.0);

@@ -17,12 +17,12 @@ const PROBLEM_HEIGHT_MAX: f32 = 0.75;
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 
 /// egui, and how the panels look.
-pub struct Panels {
+pub(super) struct Panels {
     context: Context,
 }
 
 /// What was laid out.
-pub struct LaidOut {
+pub(super) struct LaidOut {
     /// Shapes, textures and the cursor's look.
     pub output: FullOutput,
     /// Panels that take clicks, in points.
@@ -35,19 +35,19 @@ pub struct LaidOut {
 
 impl Panels {
     /// Lays nothing out yet.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let context = Context::default();
         style::apply(&context);
         Self { context }
     }
 
     /// egui's context.
-    pub fn context(&self) -> &Context {
+    pub(super) fn context(&self) -> &Context {
         &self.context
     }
 
     /// Lays `content` out in the screen that `input` tells.
-    pub fn lay_out(&self, input: RawInput, content: &mut OverlayContent<'_>, now: Instant) -> LaidOut {
+    pub(super) fn lay_out(&self, input: RawInput, content: &mut OverlayContent<'_>, now: Instant) -> LaidOut {
         let (mut panels, mut params_changed) = (Vec::new(), false);
         // egui may ask for another pass when it learns sizes.
         let output = self.context.run_pass(input, |context| {

@@ -18,13 +18,13 @@ const HOLD_HEIGHT: f32 = 18.0;
 const RESET_SIZE: f32 = 16.0;
 
 /// Width of the panel in a window of that width, in points.
-pub fn width(window: f32) -> f32 {
+pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
 /// Lays the panel out at the upper right of `space`: where it is, and whether a value changed. Sliders that `cover` may
 /// hide are not to be moved by accident.
-pub fn show(
+pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     cover: Option<Rect>,

@@ -5,7 +5,7 @@ use winit::event::{ElementState, TouchPhase, WindowEvent};
 
 /// Where the pointer and the panels are, in pixels.
 #[derive(Debug, Default)]
-pub struct Pointer {
+pub(super) struct Pointer {
     /// The pointer's place, while it is in the window.
     pub place: Option<Pos2>,
     /// The panels that take clicks.
@@ -16,7 +16,7 @@ pub struct Pointer {
 
 impl Pointer {
     /// Takes note of an event; whether it is the overlay's alone.
-    pub fn on_event(&mut self, event: &WindowEvent) -> bool {
+    pub(super) fn on_event(&mut self, event: &WindowEvent) -> bool {
         match event {
             WindowEvent::CursorMoved { position, .. } => {
                 self.place = Some(pos2(position.x as f32, position.y as f32));

@@ -14,7 +14,7 @@ const LINE_HEIGHT: f32 = 1.1;
 
 /// Draws the panel at the lower left of `space`; where it is. It is as large as its text, which is cut where it does
 /// not fit.
-pub fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
+pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
     let inner = space.size() - 2.0 * style::PADDING;
     let heading = style::line(
         painter,

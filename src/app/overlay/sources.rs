@@ -11,7 +11,7 @@ const ROW: f32 = 1.6;
 const WIDTH_MAX: f32 = 0.6;
 
 /// Draws the panel at the upper left of `space`, which lies below the sentences at the top: the rows that fit around the present source.
-pub fn draw(painter: &Painter, space: Rect, list: &SourceList) {
+pub(super) fn draw(painter: &Painter, space: Rect, list: &SourceList) {
     let row_height = ROW * style::TEXT_SIZE;
     let room = ((space.height() - 2.0 * style::PADDING.y) / row_height).floor().max(2.0) as usize - 1;
     let first = list.present.unwrap_or(0).saturating_sub(room / 2).min(list.names.len().saturating_sub(room));

@@ -8,15 +8,15 @@ use egui::text::{LayoutJob, TextWrapping};
 use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeKind, Vec2};
 
 /// Text.
-pub const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
+pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 /// Text that steps back.
-pub const DIM: Color32 = Color32::from_rgb(152, 158, 170);
+pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
 /// What is wrong.
-pub const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
+pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
 /// What helps, and what is set.
-pub const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
+pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
 /// Rails of sliders and caps of keys.
-pub const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
+pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
 /// The ground of a panel: near black, 84 % opaque.
 const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
@@ -24,35 +24,35 @@ const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
 const CORNERS: CornerRadius = CornerRadius::same(7);
 
 /// Distance of panels from the window's edge and from each other, in points.
-pub const MARGIN: f32 = 14.0;
+pub(super) const MARGIN: f32 = 14.0;
 /// Distance of a panel's text from its edge, in points.
-pub const PADDING: Vec2 = Vec2::new(14.0, 11.0);
+pub(super) const PADDING: Vec2 = Vec2::new(14.0, 11.0);
 /// Sizes of text, in points.
-pub const TEXT_SIZE: f32 = 14.0;
+pub(super) const TEXT_SIZE: f32 = 14.0;
 /// The same for the line in the corner.
-pub const SMALL_SIZE: f32 = 12.5;
+pub(super) const SMALL_SIZE: f32 = 12.5;
 /// The same for a heading.
-pub const HEADING_SIZE: f32 = 15.5;
+pub(super) const HEADING_SIZE: f32 = 15.5;
 
 /// Text whose letters have their own widths.
-pub fn proportional(size: f32) -> FontId {
+pub(super) fn proportional(size: f32) -> FontId {
     FontId::proportional(size)
 }
 
 /// Text whose letters all have one width.
-pub fn monospace(size: f32) -> FontId {
+pub(super) fn monospace(size: f32) -> FontId {
     FontId::monospace(size)
 }
 
 /// One line of text, cut with an ellipsis beyond `width` points.
-pub fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
+pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
     let mut job = LayoutJob::simple_singleline(text.to_owned(), font, color);
     job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
     painter.layout_job(job)
 }
 
 /// Text in lines of `width` points, `rows` of them at most, centred, the last cut with an ellipsis.
-pub fn lines(
+pub(super) fn lines(
     painter: &Painter,
     text: &str,
     font: FontId,
@@ -67,12 +67,12 @@ pub fn lines(
 }
 
 /// The ground of a panel.
-pub fn ground(painter: &Painter, rect: Rect) {
+pub(super) fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
 }
 
 /// The same for a panel that egui lays out.
-pub fn frame() -> egui::Frame {
+pub(super) fn frame() -> egui::Frame {
     egui::Frame::new()
         .fill(GROUND)
         .stroke(Stroke::new(1.0, EDGE))
@@ -81,7 +81,7 @@ pub fn frame() -> egui::Frame {
 }
 
 /// Makes egui's own parts (scroll bars) fit.
-pub fn apply(context: &egui::Context) {
+pub(super) fn apply(context: &egui::Context) {
     context.set_theme(egui::Theme::Dark);
     context.all_styles_mut(|style| {
         style.animation_time = 0.0;
@@ -93,7 +93,7 @@ pub fn apply(context: &egui::Context) {
 
 /// How much larger than the window system's points a window's panels are: smaller in windows too small for them, larger
 /// in those larger than 1920x1080 points, which are looked at from further away.
-pub fn zoom(size: Vec2) -> f32 {
+pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(0.6, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);
     shrunk * grown

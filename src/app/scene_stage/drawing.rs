@@ -24,7 +24,7 @@ const GO: Duration = Duration::from_millis(100);
 
 /// A picture that was finished.
 #[derive(Debug, Clone, Copy)]
-pub struct Drawn {
+pub(crate) struct Drawn {
     /// What it shows.
     pub shown: Shown,
     /// How long it took.
@@ -48,7 +48,7 @@ impl SceneStage {
     ///
     /// # Errors
     /// What the driver refuses.
-    pub fn draw(
+    pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
         (moment, sound): (Moment, Sound),
@@ -102,23 +102,23 @@ impl SceneStage {
     }
 
     /// Whether a picture was begun and is not finished.
-    pub fn is_drawing(&self) -> bool {
+    pub(crate) fn is_drawing(&self) -> bool {
         self.making.is_some()
     }
 
     /// How long the picture that was begun will take, in seconds, once that is known.
-    pub fn seconds_of_picture(&self) -> Option<f64> {
+    pub(crate) fn seconds_of_picture(&self) -> Option<f64> {
         self.making.as_ref()?.seconds
     }
 
     /// Gives up the picture that was begun, as the next one is to be drawn in another way.
-    pub fn give_picture_up(&mut self) {
+    pub(crate) fn give_picture_up(&mut self) {
         self.making = None;
     }
 
     /// Takes a scene from the stage whose first picture would take so many seconds, and brings the one before back, if there is
     /// one. It is drawn in the other way, if that is in the making.
-    pub fn take_back(&mut self, seconds: f64) {
+    pub(crate) fn take_back(&mut self, seconds: f64) {
         let Some((mode, before)) = self.mode().zip(self.before.take()) else { return };
         let Some(mut dear) = self.on_stage.replace(before) else { return };
         self.making = None;

@@ -10,14 +10,14 @@ impl SceneStage {
     }
 
     /// What the title says of the scene: its name, how it is drawn, its view.
-    pub fn notes(&self) -> Vec<String> {
+    pub(crate) fn notes(&self) -> Vec<String> {
         let Some((name, mode)) = self.name().zip(self.mode()) else { return Vec::new() };
         let view = self.view().map(|view| format!("view {view}"));
         [name, mode.to_string()].into_iter().chain(view).collect()
     }
 
     /// A line about the scene on the stage: its name, its mode, its clauses, its regions.
-    pub fn corner(&self) -> Option<String> {
+    pub(crate) fn corner(&self) -> Option<String> {
         let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
         let cost = cast.resources.buffers().cost;
         let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
@@ -25,7 +25,7 @@ impl SceneStage {
     }
 
     /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.
-    pub fn overlay<'a>(
+    pub(crate) fn overlay<'a>(
         &'a mut self,
         corner: Option<&'a str>,
         with_sliders: bool,

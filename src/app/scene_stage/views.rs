@@ -18,7 +18,7 @@ use crate::view::{View, ViewChoice};
 
 /// What a program of views draws.
 #[derive(Debug, Clone, PartialEq)]
-pub enum ViewsOf {
+pub(super) enum ViewsOf {
     /// A scene, compiled.
     Compiled(u64),
     /// Every scene that this interpreter covers.
@@ -37,7 +37,7 @@ impl ViewsOf {
 
 /// The view that is shown, and what there is to draw it.
 #[derive(Default)]
-pub struct Views {
+pub(super) struct Views {
     choice: Option<ViewChoice>,
     programs: KeptPrograms<ViewsOf>,
     legends: Option<LegendPainter>,
@@ -47,13 +47,13 @@ pub struct Views {
 
 impl Views {
     /// Shows one from the start.
-    pub fn starting_with(choice: Option<ViewChoice>) -> Self {
+    pub(super) fn starting_with(choice: Option<ViewChoice>) -> Self {
         Self { choice, ..Self::default() }
     }
 
     /// The chosen view of a scene with a program that draws it and its mode: the scene's or, until there is one, the
     /// other, so that a view stays when the mode changes.
-    pub fn program(&mut self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
+    pub(super) fn program(&mut self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
         let choice = self.choice?;
         let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
         [mode, other].into_iter().find_map(|mode| {
@@ -63,7 +63,7 @@ impl Views {
     }
 
     /// Forgets the programs of scenes that are gone.
-    pub fn keep(&mut self, is_kept: impl Fn(u64) -> bool) {
+    pub(super) fn keep(&mut self, is_kept: impl Fn(u64) -> bool) {
         self.programs.retain(|of| match of {
             ViewsOf::Compiled(id) => is_kept(*id),
             ViewsOf::Interpreted(_) => true,
@@ -71,12 +71,12 @@ impl Views {
     }
 
     /// The view that was chosen.
-    pub fn choice(&self) -> Option<ViewChoice> {
+    pub(super) fn choice(&self) -> Option<ViewChoice> {
         self.choice
     }
 
     /// Begins a view of a frame, and gives the legend that is to stand over it.
-    pub fn begin(
+    pub(super) fn begin(
         &mut self,
         renderer: &mut Renderer,
         frame: &Frame,
@@ -104,18 +104,18 @@ impl Cast {
 
 impl SceneStage {
     /// The view that was chosen.
-    pub fn view(&self) -> Option<ViewChoice> {
+    pub(crate) fn view(&self) -> Option<ViewChoice> {
         self.views.choice
     }
 
     /// Shows the next view, or the one before; the picture is between the last and the first.
-    pub fn go_view(&mut self, forward: bool) {
+    pub(crate) fn go_view(&mut self, forward: bool) {
         let next = View::beside(self.views.choice.map(|choice| choice.view), forward);
         self.show_view(next.map(ViewChoice::from));
     }
 
     /// Shows the same view with a larger or smaller number.
-    pub fn step_view(&mut self, larger: bool) {
+    pub(crate) fn step_view(&mut self, larger: bool) {
         let Some(choice) = self.views.choice else {
             return self.tell("numbers are for views: V shows them".to_owned());
         };
@@ -189,7 +189,7 @@ impl SceneStage {
     }
 
     /// Moves the camera by hand; the first move tells how it comes back.
-    pub fn move_camera(&mut self, change: impl FnOnce(&mut Hand, f64)) {
+    pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut Hand, f64)) {
         let was_off = self.hand == Hand::OFF;
         change(&mut self.hand, self.own_pitch);
         if was_off && self.hand != Hand::OFF {
@@ -199,7 +199,7 @@ impl SceneStage {
     }
 
     /// Gives the camera back to the scene.
-    pub fn give_camera_back(&mut self) {
+    pub(crate) fn give_camera_back(&mut self) {
         self.hand = Hand::OFF;
         self.tell("the scene's own camera".to_owned());
         self.revision += 1;

@@ -6,7 +6,7 @@ use crate::gpu::scene_program::Mode;
 
 impl SceneStage {
     /// Changes between interpreted and compiled. What is not there yet is made; until then the picture stays.
-    pub fn toggle_mode(&mut self) {
+    pub(crate) fn toggle_mode(&mut self) {
         let Some((mode, id)) = self.mode().zip(self.on_stage.as_ref().map(|cast| cast.id)) else { return };
         let other = match mode {
             Mode::Interpreted => Mode::Compiled,
@@ -43,7 +43,7 @@ impl SceneStage {
     }
 
     /// Asks for the next or the previous scene.
-    pub fn go(&mut self, forward: bool) {
+    pub(crate) fn go(&mut self, forward: bool) {
         let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
         self.tell(next.title());
         self.source = next.clone();
@@ -51,14 +51,14 @@ impl SceneStage {
     }
 
     /// Uses the cells of regions from now on, or the whole tape everywhere.
-    pub fn toggle_regions(&mut self) {
+    pub(crate) fn toggle_regions(&mut self) {
         let now = self.regions.toggle();
         self.tell(now.to_owned());
         self.revision += 1;
     }
 
     /// Takes over what the user did to the sliders.
-    pub fn note_moved(&mut self) {
+    pub(crate) fn note_moved(&mut self) {
         let Some(cast) = &self.on_stage else { return };
         for slider in &cast.sliders {
             if slider.value == slider.default {

@@ -218,11 +218,6 @@ impl Graph {
         }
     }
 
-    /// sqrt(x² + y²).
-    pub fn length2(&mut self, x: NodeId, y: NodeId) -> NodeId {
-        self.length(&[x, y])
-    }
-
     /// sqrt(x² + y² + z²).
     pub fn length3(&mut self, x: NodeId, y: NodeId, z: NodeId) -> NodeId {
         self.length(&[x, y, z])

@@ -59,11 +59,6 @@ impl TableData {
         self.values.as_deref().unwrap_or_default()
     }
 
-    /// How many rows there are.
-    pub fn row_count(&self) -> usize {
-        self.rows
-    }
-
     /// The row at 0 and how many there are to the one at 1.
     pub fn scroll(&self) -> (f32, f32) {
         self.scroll.unwrap_or((0.0, self.rows.saturating_sub(1) as f32))

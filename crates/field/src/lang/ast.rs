@@ -29,7 +29,7 @@ pub(super) enum BinaryOp {
 }
 
 impl BinaryOp {
-    pub fn sign(self) -> &'static str {
+    pub(super) fn sign(self) -> &'static str {
         match self {
             Self::Add => "+",
             Self::Subtract => "-",
@@ -78,29 +78,29 @@ pub(super) struct Ast {
 }
 
 impl Ast {
-    pub fn push(&mut self, expr: Expr, span: Span) -> ExprId {
+    pub(super) fn push(&mut self, expr: Expr, span: Span) -> ExprId {
         self.nodes.push((expr, span));
         ExprId(self.nodes.len() as u32 - 1)
     }
 
     /// Number of expressions.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    pub fn reserve(&mut self, nodes: usize) {
+    pub(super) fn reserve(&mut self, nodes: usize) {
         self.nodes.reserve(nodes);
     }
 
-    pub fn expr(&self, id: ExprId) -> Expr {
+    pub(super) fn expr(&self, id: ExprId) -> Expr {
         self.nodes.get(id.0 as usize).map_or(Expr::Error, |node| node.0)
     }
 
-    pub fn span(&self, id: ExprId) -> Span {
+    pub(super) fn span(&self, id: ExprId) -> Span {
         self.nodes.get(id.0 as usize).map_or(Span::default(), |node| node.1)
     }
 
-    pub fn extra(&self, index: u32) -> u32 {
+    pub(super) fn extra(&self, index: u32) -> u32 {
         self.extra.get(index as usize).copied().unwrap_or(0)
     }
 }
@@ -125,10 +125,11 @@ pub(super) enum Type {
 }
 
 impl Type {
-    pub const ALL: [Self; 6] = [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Texture];
+    pub(super) const ALL: [Self; 6] =
+        [Self::Number, Self::Bool, Self::Vec2, Self::Vec3, Self::Vec4, Self::Texture];
 
     /// The type's name in the language.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Number => "number",
             Self::Bool => "bool",
@@ -140,7 +141,7 @@ impl Type {
     }
 
     /// With its article, for messages.
-    pub fn described(self) -> &'static str {
+    pub(super) fn described(self) -> &'static str {
         match self {
             Self::Number => "a number",
             Self::Bool => "a condition",

@@ -17,18 +17,18 @@ pub(super) enum InputValue {
 /// Which inputs an expression may use, as a set.
 pub(super) mod uses {
     /// The point in space.
-    pub const POINT: u8 = 1;
+    pub(crate) const POINT: u8 = 1;
     /// The surface's normal.
-    pub const NORMAL: u8 = 2;
+    pub(crate) const NORMAL: u8 = 2;
     /// The direction of a ray that meets nothing.
-    pub const DIRECTION: u8 = 4;
+    pub(crate) const DIRECTION: u8 = 4;
     /// Pictures.
-    pub const TEXTURE: u8 = 8;
+    pub(crate) const TEXTURE: u8 = 8;
     /// Time, sound and parameters.
-    pub const FRAME: u8 = 16;
+    pub(crate) const FRAME: u8 = 16;
     /// Where the picture is seen from.
-    pub const EYE: u8 = 32;
-    pub const NOTHING: u8 = 0;
+    pub(crate) const EYE: u8 = 32;
+    pub(crate) const NOTHING: u8 = 0;
 }
 
 /// An input: its name, its meaning, which kind of input it is, and what it is for people.

@@ -230,12 +230,12 @@ pub(super) struct Diagnostics {
 }
 
 impl Diagnostics {
-    pub fn new(max: usize) -> Self {
+    pub(super) fn new(max: usize) -> Self {
         Self { list: Vec::new(), max: max.max(1), dropped: 0 }
     }
 
     /// Keeps `diagnostic` unless the same was said of the same place, or there are too many already.
-    pub fn push(&mut self, diagnostic: Diagnostic) {
+    pub(super) fn push(&mut self, diagnostic: Diagnostic) {
         let known = |one: &Diagnostic| one.span == diagnostic.span && one.message == diagnostic.message;
         if self.list.iter().any(known) {
             return;
@@ -244,16 +244,16 @@ impl Diagnostics {
     }
 
     /// Whether nothing more would be kept.
-    pub fn full(&self) -> bool {
+    pub(super) fn full(&self) -> bool {
         self.dropped > 0
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
 
     /// All in the order of their places; where some were dropped, the last says that there are more.
-    pub fn finish(mut self) -> Vec<Diagnostic> {
+    pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.list.sort_by_key(|one| one.span);
         if self.dropped > 0 {
             let span = self.list.last().map_or(Span::default(), |last| last.span);

@@ -5,7 +5,7 @@
 pub(super) struct Symbol(pub u32);
 
 impl Symbol {
-    pub fn index(self) -> usize {
+    pub(super) fn index(self) -> usize {
         self.0 as usize
     }
 }
@@ -29,11 +29,11 @@ struct Place {
 
 impl Interner {
     /// How many names are known.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.ends.len()
     }
 
-    pub fn name(&self, symbol: Symbol) -> &str {
+    pub(super) fn name(&self, symbol: Symbol) -> &str {
         let index = symbol.index();
         let start =
             index.checked_sub(1).and_then(|before| self.ends.get(before)).map_or(0, |&end| end as usize);
@@ -41,13 +41,13 @@ impl Interner {
         self.text.get(start..end).unwrap_or("")
     }
 
-    pub fn intern(&mut self, name: &str) -> Symbol {
+    pub(super) fn intern(&mut self, name: &str) -> Symbol {
         self.intern_with_key(name, Key::of(name.as_bytes()))
     }
 
     /// The same for a caller that has the name's key already.
     #[inline]
-    pub fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
+    pub(super) fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
         match self.find(name, key) {
             Some(known) => known,
             None => self.add(name, key),
@@ -65,7 +65,7 @@ impl Interner {
     }
 
     /// The symbol of a name that is known already.
-    pub fn get(&self, name: &str) -> Option<Symbol> {
+    pub(super) fn get(&self, name: &str) -> Option<Symbol> {
         self.find(name, Key::of(name.as_bytes()))
     }
 
@@ -112,13 +112,13 @@ impl Key {
     const WHOLE_MAX: usize = 7;
     const DIGEST: u64 = 0xff << 56;
 
-    pub fn of(name: &[u8]) -> Self {
+    pub(super) fn of(name: &[u8]) -> Self {
         Self::of_first(name, name.len())
     }
 
     /// The key of the first `length` bytes of `text`, which is at least that long.
     #[inline]
-    pub fn of_first(text: &[u8], length: usize) -> Self {
+    pub(super) fn of_first(text: &[u8], length: usize) -> Self {
         if length > Self::WHOLE_MAX {
             return Self::digest(text.get(..length).unwrap_or(text));
         }

@@ -60,33 +60,33 @@ pub(super) const RESERVED: &[&str] = &["let", "fn", "for", "in", "if", "then", "
 /// The symbols of [`RESERVED`], which every interner begins with.
 pub(super) mod word {
     use super::Symbol;
-    pub const LET: Symbol = Symbol(0);
-    pub const FN: Symbol = Symbol(1);
-    pub const FOR: Symbol = Symbol(2);
-    pub const IN: Symbol = Symbol(3);
-    pub const IF: Symbol = Symbol(4);
-    pub const THEN: Symbol = Symbol(5);
-    pub const ELSE: Symbol = Symbol(6);
-    pub const TRUE: Symbol = Symbol(7);
-    pub const FALSE: Symbol = Symbol(8);
+    pub(crate) const LET: Symbol = Symbol(0);
+    pub(crate) const FN: Symbol = Symbol(1);
+    pub(crate) const FOR: Symbol = Symbol(2);
+    pub(crate) const IN: Symbol = Symbol(3);
+    pub(crate) const IF: Symbol = Symbol(4);
+    pub(crate) const THEN: Symbol = Symbol(5);
+    pub(crate) const ELSE: Symbol = Symbol(6);
+    pub(crate) const TRUE: Symbol = Symbol(7);
+    pub(crate) const FALSE: Symbol = Symbol(8);
 }
 
 impl Token {
-    pub fn is_reserved(self) -> bool {
+    pub(super) fn is_reserved(self) -> bool {
         self.kind == Kind::Name && self.symbol.index() < RESERVED.len()
     }
 
     /// The value of a number; infinite where it is too large.
-    pub fn value(self) -> f32 {
+    pub(super) fn value(self) -> f32 {
         f32::from_bits(self.symbol.0)
     }
 
     /// A name that is not reserved.
-    pub fn is_name(self) -> bool {
+    pub(super) fn is_name(self) -> bool {
         self.kind == Kind::Name && !self.is_reserved()
     }
 
-    pub fn is_word(self, word: Symbol) -> bool {
+    pub(super) fn is_word(self, word: Symbol) -> bool {
         self.kind == Kind::Name && self.symbol == word
     }
 }

@@ -13,43 +13,43 @@ pub(super) struct Vector {
 }
 
 impl Vector {
-    pub fn scalar(part: NodeId) -> Self {
+    pub(super) fn scalar(part: NodeId) -> Self {
         Self { len: 1, parts: [part; 4] }
     }
 
-    pub fn of<const N: usize>(parts: [NodeId; N]) -> Option<Self> {
+    pub(super) fn of<const N: usize>(parts: [NodeId; N]) -> Option<Self> {
         Self::from_slice(&parts)
     }
 
     /// None for anything but one to four parts.
-    pub fn from_slice(parts: &[NodeId]) -> Option<Self> {
+    pub(super) fn from_slice(parts: &[NodeId]) -> Option<Self> {
         let first = *parts.first()?;
         let mut all = [first; 4];
         all.get_mut(..parts.len())?.copy_from_slice(parts);
         Some(Self { len: parts.len() as u8, parts: all })
     }
 
-    pub fn len(self) -> usize {
+    pub(super) fn len(self) -> usize {
         usize::from(self.len)
     }
 
-    pub fn parts(&self) -> &[NodeId] {
+    pub(super) fn parts(&self) -> &[NodeId] {
         self.parts.get(..self.len()).unwrap_or(&self.parts)
     }
 
-    pub fn first(self) -> NodeId {
+    pub(super) fn first(self) -> NodeId {
         self.parts[0]
     }
 
     /// The part at `index`; a scalar is every part of itself.
-    pub fn part(self, index: usize) -> NodeId {
+    pub(super) fn part(self, index: usize) -> NodeId {
         match self.len {
             1 => self.parts[0],
             _ => self.parts.get(index).copied().unwrap_or(self.parts[0]),
         }
     }
 
-    pub fn map(self, mut change: impl FnMut(NodeId) -> NodeId) -> Self {
+    pub(super) fn map(self, mut change: impl FnMut(NodeId) -> NodeId) -> Self {
         let mut parts = self.parts;
         for part in parts.iter_mut().take(self.len()) {
             *part = change(*part);
@@ -61,7 +61,7 @@ impl Vector {
     }
 
     /// With a scalar repeated up to `len` parts; none where the sizes do not fit.
-    pub fn widened(self, len: usize) -> Option<Self> {
+    pub(super) fn widened(self, len: usize) -> Option<Self> {
         match self.len() {
             own if own == len => Some(self),
             1 if len <= 4 => Some(Self { len: len as u8, parts: self.parts }),
@@ -82,12 +82,12 @@ pub(super) enum Value {
 }
 
 impl Value {
-    pub fn scalar(part: NodeId) -> Self {
+    pub(super) fn scalar(part: NodeId) -> Self {
         Self::Vector(Vector::scalar(part))
     }
 
     /// None for the unknown.
-    pub fn type_of(self) -> Option<Type> {
+    pub(super) fn type_of(self) -> Option<Type> {
         match self {
             Self::Unknown => None,
             Self::Vector(vector) => Some(match vector.len() {
@@ -102,7 +102,7 @@ impl Value {
     }
 
     /// For messages.
-    pub fn described(self) -> &'static str {
+    pub(super) fn described(self) -> &'static str {
         self.type_of().map_or("a mistake", Type::described)
     }
 }

@@ -45,7 +45,7 @@ use encode::{Encoder, SLOTS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 
 /// Cells of the root to each side.
-pub const ROOT_SIDE: usize = 16;
+pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
 /// Cells of a brick to each side.
 pub const BRICK_SIDE: usize = 4;
 /// Texels beside those of the clauses of both whole tapes, which share most of their steps.

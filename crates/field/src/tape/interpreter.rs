@@ -166,6 +166,9 @@ impl Variant {
             ("MEMORY", self.memory),
             ("SAMPLES", self.samples),
             ("REGION_SLOTS", region_slots),
+            ("STORE", usize::from(opcode::STORE)),
+            ("RELOAD", usize::from(opcode::RELOAD)),
+            ("TEXTURE", usize::from(opcode::TEXTURE)),
         ];
         for (name, number) in numbers {
             let _ = writeln!(text, "#define {name} {number}");

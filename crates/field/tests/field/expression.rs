@@ -4,10 +4,10 @@ use mariana_field::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Point, T
 use mariana_field::graph::{SoundInput, SoundInputs};
 
 /// A small generator of numbers that are the same on every machine (Steele et al. 2014, splitmix64).
-pub struct Random(pub u64);
+pub(crate) struct Random(pub u64);
 
 impl Random {
-    pub fn word(&mut self) -> u64 {
+    pub(crate) fn word(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mixed = (self.0 ^ self.0 >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
         let mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
@@ -15,19 +15,19 @@ impl Random {
     }
 
     /// A whole number below `end`.
-    pub fn below(&mut self, end: usize) -> usize {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
         (self.word() % end as u64) as usize
     }
 
     /// Any number from `low` to `high`.
-    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * (self.word() >> 40) as f32 / (1u32 << 24) as f32
     }
 }
 
 /// Builds an expression of about `operators` operators, every operator as likely as the others, and gives its
 /// root. Most operands are recent results, so that what is built is used.
-pub fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
+pub(crate) fn random_expression(random: &mut Random, graph: &mut Graph, operators: usize) -> NodeId {
     const INPUTS: [Input; 10] = [
         Input::X,
         Input::Y,
@@ -83,7 +83,7 @@ pub fn random_expression(random: &mut Random, graph: &mut Graph, operators: usiz
 }
 
 /// The inputs of a frame in which something sounds; the tables as [`TABLES_GLSL`] has them.
-pub fn frame() -> FrameInputs {
+pub(crate) fn frame() -> FrameInputs {
     FrameInputs {
         time: 12.5,
         sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.75)]),
@@ -97,7 +97,7 @@ pub fn frame() -> FrameInputs {
 }
 
 /// What the shader around the generated code declares, with the numbers of [`frame`].
-pub const TABLES_GLSL: &str = "\
+pub(crate) const TABLES_GLSL: &str = "\
 const float frame_time = 12.5;
 const vec4 frame_heard[1] = vec4[1](vec4(0.25, 0.75, 0.0, 0.0));
 const vec4 frame_params[1] = vec4[1](vec4(1.0, -2.5, 0.0, 0.0));
@@ -124,11 +124,11 @@ float table_history(float u, float v) {
 ";
 
 /// How far a driver may be off in an operator, by its first operand and its result.
-pub type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
+pub(crate) type Disturbance = fn(op: Op, a: f32, result: f32) -> f32;
 
 /// How far the value of the last node of `order` at a point is moved by disturbing the result of every operator: the
 /// largest change seen in a few tries, infinite where anything is not finite.
-pub fn spread(
+pub(crate) fn spread(
     graph: &Graph,
     order: &[NodeId],
     point: &Point,

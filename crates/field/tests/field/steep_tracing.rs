@@ -8,14 +8,11 @@ use std::collections::HashMap;
 use crate::expression::Random;
 use mariana_field::graph::{FrameInputs, Interval, Point};
 use mariana_field::lang::{compile, no_includes};
+use mariana_field::rays::{
+    CLOSE_ENOUGH, CLOSINGS_MAX, PAST_FACE, STEEP_STEP_GROWTH, STEEP_STEP_MIN, STEEP_STEPS_MAX,
+};
 use mariana_field::tape::{Batch, GradientIntervals, PointEvaluator, Points, Tape, TapeOptions};
 
-/// As in the shader.
-const STEPS_MAX: usize = 512;
-const CLOSINGS_MAX: usize = 6;
-const STEP_MIN: f32 = 0.5;
-const CLOSE_ENOUGH: f32 = 0.05;
-const PAST_FACE: f32 = 4e-6;
 /// Growth of a pixel's cone: 360 rows, 40 degrees.
 const SPREAD: f32 = 0.002;
 /// Cells of the root to each side, and of the levels below it.
@@ -102,7 +99,7 @@ fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
 struct Traced {
     hit: Option<f32>,
     evaluations: usize,
-    steps: usize,
+    steps: u32,
     capped: bool,
 }
 
@@ -120,7 +117,7 @@ fn trace(
     let (mut before, mut above) = (start, f32::NAN);
     let mut behind: Option<(f32, f32)> = None;
     let mut closings = 0;
-    while traced.steps < STEPS_MAX {
+    while traced.steps < STEEP_STEPS_MAX {
         traced.steps += 1;
         let Some(cell) = cells.at(at(t)) else { return traced };
         let past = |t: f32| t * (1.0 + PAST_FACE) + PAST_FACE;
@@ -152,7 +149,7 @@ fn trace(
         let slope = slope_towards(cell.gradient, direction);
         let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
         let step = safe.min(past(exit_of(&cell, origin, direction)) - t);
-        t += step.max(STEP_MIN * cone).max(1e-5);
+        t += step.max((STEEP_STEP_MIN + STEEP_STEP_GROWTH * traced.steps as f32) * cone).max(1e-5);
     }
     traced.capped = true;
     traced
@@ -246,7 +243,7 @@ fn no_hit_is_missed() {
             "{name}: {} rays, {hits} hits, {:.1} evaluations a ray, at most {worst}, {:.1} steps, {capped} capped, {} cells",
             traced_rays,
             per(evaluations),
-            per(steps),
+            per(steps as usize),
             cells.known.len()
         );
         assert!(capped * 100 <= traced_rays, "{name}: {capped} of {traced_rays} rays used up their steps");

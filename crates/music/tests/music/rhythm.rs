@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use mariana_music::StereoFrame;
 
 /// Frames per second of what is made here.
-pub const RATE: u32 = 48_000;
+pub(crate) const RATE: u32 = 48_000;
 
 /// What is struck.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Drum {
+pub(crate) enum Drum {
     Click,
     Kick,
     Snare,
@@ -18,23 +18,23 @@ pub enum Drum {
 }
 
 /// A stroke of a pattern: its place in beats, its drum and its loudness.
-pub type Stroke = (f64, Drum, f64);
+pub(crate) type Stroke = (f64, Drum, f64);
 
 /// A pattern of so many beats.
 #[derive(Clone, Debug)]
-pub struct Pattern {
+pub(crate) struct Pattern {
     pub name: &'static str,
     pub beats: f64,
     pub strokes: Vec<Stroke>,
 }
 
 /// The pattern of a metronome, a click for each beat.
-pub fn clicks() -> Pattern {
+pub(crate) fn clicks() -> Pattern {
     Pattern { name: "clicks", beats: 1.0, strokes: vec![(0.0, Drum::Click, 0.8)] }
 }
 
 /// Patterns of drums. `swing` is where the second eighth of a beat stands: 0.5 straight, 0.667 triplets.
-pub fn drums(swing: f64) -> Vec<Pattern> {
+pub(crate) fn drums(swing: f64) -> Vec<Pattern> {
     let eighths = |drum, loud: f64| {
         (0..4).flat_map(move |beat| {
             [(f64::from(beat), drum, loud), (f64::from(beat) + swing, drum, 0.7 * loud)]
@@ -81,7 +81,11 @@ pub fn drums(swing: f64) -> Vec<Pattern> {
 }
 
 /// `seconds` of a pattern and the times of its beats; `tempo(t)` gives beats per minute at `t` seconds.
-pub fn play(pattern: &Pattern, seconds: f64, tempo: impl Fn(f64) -> f64) -> (Vec<StereoFrame>, Vec<f64>) {
+pub(crate) fn play(
+    pattern: &Pattern,
+    seconds: f64,
+    tempo: impl Fn(f64) -> f64,
+) -> (Vec<StereoFrame>, Vec<f64>) {
     let count = (seconds * f64::from(RATE)) as usize;
     let mut frames = vec![[0.0_f32; 2]; count];
     let mut beats = Vec::new();
@@ -142,7 +146,7 @@ fn strike(frames: &mut [StereoFrame], drum: Drum, loud: f64, noise: &mut u32) {
 }
 
 /// The F-measure of beats between two times, in seconds, each matched with one that is true, within 70 ms.
-pub fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64 {
+pub(crate) fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64 {
     const TOLERANCE: f64 = 0.07;
     let inside = |time: &f64| (from..to).contains(time);
     let (mut hits, mut next) = (0, 0);

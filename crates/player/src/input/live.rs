@@ -184,11 +184,6 @@ impl Live {
         }
     }
 
-    /// The sample that the newest features belong to: the number of the stream, and its own in the stream.
-    pub fn newest_sample(&self) -> Option<(u64, u64)> {
-        self.latest.as_ref().map(|heard| (heard.stream, heard.position))
-    }
-
     /// How listening stands now. Looks for an input with signal if the present one has none.
     pub fn status(&mut self) -> LiveStatus {
         let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();

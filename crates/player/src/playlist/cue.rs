@@ -10,13 +10,13 @@ use super::lists::{Cut, Item};
 use super::text::{decode, resolve};
 
 /// Frames of a disc in a second.
-pub const DISC_FRAMES: u64 = 75;
+pub(super) const DISC_FRAMES: u64 = 75;
 
 /// Highest count of minutes that is believed.
 const MINUTES_MAX: u64 = 100_000;
 
 /// What the sheet in the folder `base` names; none where it names no file.
-pub fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
+pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
     let (mut file, mut track) = (None, Track::default());
     let mut disc_artist = None;

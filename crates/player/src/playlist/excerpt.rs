@@ -6,7 +6,7 @@ use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
 /// The frames of a source from one to another. What follows each other without a gap in a file does so as excerpts, too.
-pub struct Excerpt {
+pub(super) struct Excerpt {
     source: Box<dyn FrameSource>,
     /// The first frame, by the source's count.
     start: u64,
@@ -21,7 +21,7 @@ impl Excerpt {
     ///
     /// # Errors
     /// What the source says.
-    pub fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
+    pub(super) fn new(source: Box<dyn FrameSource>, cut: Cut) -> Result<Self, SourceError> {
         let rate = u64::from(source.sample_rate());
         let frame = |disc: u64| disc.saturating_mul(rate) / DISC_FRAMES;
         let (start, end) = (frame(cut.start), cut.end.map_or(u64::MAX, frame));

@@ -24,7 +24,7 @@ const TROUBLES_KEPT: usize = 20;
 
 /// A track that was not opened yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Entry {
+pub(super) struct Entry {
     /// Where its sound is.
     pub song: Song,
     /// The part of it that is played.
@@ -43,7 +43,7 @@ impl From<Song> for Entry {
 
 /// What was found, and what was in the way.
 #[derive(Debug, Default)]
-pub struct Gathered {
+pub(super) struct Gathered {
     /// The tracks in order, at most the limits' `playlist_tracks_max`.
     pub entries: Vec<Entry>,
     /// What could not be taken: the first sentences.
@@ -58,13 +58,13 @@ pub struct Gathered {
 }
 
 /// Whether `path` leads to more than a track: it is a folder or a list.
-pub fn is_many(path: &Path) -> bool {
+pub(super) fn is_many(path: &Path) -> bool {
     path.is_dir() || Kind::of(path).is_some()
 }
 
 /// Gathers what `paths` name: files as they are, lists with what they name, folders with the audio files in them and in
 /// their folders, by natural order.
-pub fn gather(paths: &[PathBuf]) -> Gathered {
+pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
     let mut gathered = Gathered::default();
     for path in paths {
         gathered.folders.clear();

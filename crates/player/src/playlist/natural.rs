@@ -6,7 +6,7 @@ use std::str::Chars;
 
 /// Compares names: digits by their number, letters without regard to case. Names that differ only in what this leaves
 /// out are told apart by their characters.
-pub fn compare(a: &str, b: &str) -> Ordering {
+pub(super) fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {
         let (Some(x), Some(y)) = (left.peek().copied(), right.peek().copied()) else {

@@ -6,7 +6,7 @@ use crate::track::Repeat;
 
 /// An order of the entries `0..count`.
 #[derive(Debug, Clone)]
-pub struct Order {
+pub(super) struct Order {
     /// Every entry once.
     sequence: Vec<usize>,
     /// Where in the sequence each entry stands.
@@ -18,7 +18,7 @@ pub struct Order {
 
 impl Order {
     /// The list's own order, repeated.
-    pub fn new(count: usize) -> Self {
+    pub(super) fn new(count: usize) -> Self {
         // The standard library seeds its hashers by chance.
         let random = RandomState::new().build_hasher().finish();
         Self {
@@ -31,25 +31,25 @@ impl Order {
     }
 
     /// The same manner for `count` other entries.
-    pub fn of(&self, count: usize) -> Self {
+    pub(super) fn of(&self, count: usize) -> Self {
         let mut order = Self::new(count);
         order.set(self.repeat, self.shuffled, None);
         order
     }
 
     /// What comes first.
-    pub fn first(&self) -> Option<usize> {
+    pub(super) fn first(&self) -> Option<usize> {
         self.sequence.first().copied()
     }
 
     /// What follows the last entry.
-    pub fn repeat(&self) -> Repeat {
+    pub(super) fn repeat(&self) -> Repeat {
         self.repeat
     }
 
     /// Sets what follows what. Where it becomes random, `first` comes first, if it is an entry; each round then has the
     /// same random order, so that going back leads back.
-    pub fn set(&mut self, repeat: Repeat, shuffled: bool, first: Option<usize>) {
+    pub(super) fn set(&mut self, repeat: Repeat, shuffled: bool, first: Option<usize>) {
         self.repeat = repeat;
         if shuffled == self.shuffled {
             return;
@@ -76,7 +76,7 @@ impl Order {
     }
 
     /// The entry after (or before) `entry`; around the ends only where `around`.
-    pub fn beside(&self, entry: usize, forward: bool, around: bool) -> Option<usize> {
+    pub(super) fn beside(&self, entry: usize, forward: bool, around: bool) -> Option<usize> {
         let count = self.sequence.len();
         let Some(place) = self.places.get(entry).copied() else { return self.first() };
         let beside = match forward {

@@ -15,7 +15,7 @@ pub enum Reference {
 
 /// The lines of a list, without the spaces around them, as UTF-8 or as the bytes that stand there (old lists have the
 /// bytes of their system's names). None for what is no text.
-pub fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
+pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
         let units = units.map(|pair| from([pair[0], pair[1]]));
@@ -36,7 +36,7 @@ pub fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
 }
 
 /// UTF-8 where it is, else Latin-1, in which every byte is a character.
-pub fn decode(bytes: &[u8]) -> String {
+pub(super) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
         Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
@@ -45,7 +45,7 @@ pub fn decode(bytes: &[u8]) -> String {
 
 /// What `bytes` in a list of the folder `base` names. Where the system's names are bytes, those of the list count first;
 /// backslashes separate folders where nothing has such a name.
-pub fn resolve(base: &Path, bytes: &[u8]) -> Reference {
+pub(super) fn resolve(base: &Path, bytes: &[u8]) -> Reference {
     let text = decode(bytes);
     if let Some((scheme, rest)) = text.split_once("://")
         && scheme.len() > 1
