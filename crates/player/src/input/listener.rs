@@ -27,7 +27,10 @@ pub(super) const FLAT: f32 = 1e-4;
 pub(super) struct Heard {
     /// Number of the stream: it grows with each device that is opened.
     pub(super) stream: u64,
-    /// At the time when its newest sample came in, in seconds since the listener's epoch. Its number grows over all streams.
+    /// Number of the sample in the stream.
+    #[cfg_attr(not(test), expect(dead_code, reason = "tests tell the moments apart by it"))]
+    pub(super) position: u64,
+    /// At the time when that sample came in, in seconds since the listener's epoch. Its number grows over all streams.
     pub(super) heard: TimedFeatures,
 }
 
@@ -186,7 +189,7 @@ impl Listener {
             *last_number = *first_number + moment.number;
             let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
             // Full while nobody looks: then nobody misses it.
-            let _ = moments.push(Heard { stream: *stream, heard });
+            let _ = moments.push(Heard { stream: *stream, position, heard });
         });
     }
 }
