@@ -11,6 +11,23 @@
 //! Everything runs on hops of samples counted from the start of the stream, never on pictures or on blocks as
 //! they happen to arrive. So the features of a moment are the same live and offline, at any frame rate and
 //! however the samples were cut into blocks.
+//!
+//! ```
+//! use mariana_music::{Alignment, Analyzer, StereoFrame};
+//!
+//! // A second of a low tone.
+//! let tone = |n: usize| (std::f32::consts::TAU * 60.0 * n as f32 / 48_000.0).sin();
+//! let frames: Vec<StereoFrame> = (0..48_000).map(|n| [0.5 * tone(n); 2]).collect();
+//!
+//! let mut moments = Vec::new();
+//! let mut analyzer = Analyzer::new(48_000, Alignment::Centred);
+//! analyzer.push(&frames, &mut |moment| moments.push(moment.clone()));
+//! analyzer.finish(&mut |moment| moments.push(moment.clone()));
+//!
+//! let middle = moments[moments.len() / 2].features;
+//! assert!(middle.bass > middle.treble);
+//! assert!((middle.peak_hz - 60.0).abs() < 1.0);
+//! ```
 
 mod analyzer;
 mod bands;

@@ -189,7 +189,8 @@ impl RegionPlan {
     ) -> Regions {
         let program = self.folded(Some(inputs), inputs);
         let has_rest = self.has_rest && (self.runs || self.steep);
-        tree::build(program, self.bounds, [has_rest, self.steep], (inputs, options), parts, run)
+        let traced = tree::Traced { has_rest, steep: self.steep };
+        tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
     /// The program with the numbers of a frame folded in. Where no frame is known, its numbers and tables are values.

@@ -107,11 +107,20 @@ pub(super) struct Trunk<'a> {
     stats: RegionStats,
 }
 
+/// What rays find in a world.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Traced {
+    /// Whether there is anything but planes.
+    pub(super) has_rest: bool,
+    /// Whether it is a distance field no more: rays then need to know how steep it is where they are.
+    pub(super) steep: bool,
+}
+
 /// Builds the tree of a program into which the frame's numbers were folded, in so many parts, which `run` is to build.
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
-    [has_rest, steep]: [bool; 2],
+    Traced { has_rest, steep }: Traced,
     (frame, options): (&FrameInputs, &RegionOptions),
     parts: usize,
     run: impl FnOnce(&mut [Part]),

@@ -1,6 +1,7 @@
 //! Signals whose features are known, and their analysis.
 
 #![allow(dead_code)] // Not every test needs all.
+#![allow(clippy::expect_used)]
 
 use std::f64::consts::TAU;
 

@@ -1,0 +1,20 @@
+//! Plays a file and prints how it sounds: `cargo run -p mariana-player --example listen -- song.flac`.
+
+use std::error::Error;
+use std::time::Duration;
+
+use mariana_player::song::Song;
+use mariana_player::{Player, PlayerOptions};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = std::env::args_os().nth(1).ok_or("name a file to play")?;
+    let song = Song::File(path.into()).open()?;
+    let mut player = Player::start_alone(Box::new(song), PlayerOptions::default())?;
+    while !player.status().ended {
+        let moment = player.now(0.0);
+        let bars = "#".repeat((40.0 * moment.features.bass) as usize);
+        println!("{:7.2} s  {bars}", moment.song_time);
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    Ok(())
+}
