@@ -8,9 +8,7 @@
 uniform usamplerBuffer regions;     // RGBA32UI
 
 const uint DIVIDED = 0xFFFFFFFFu;
-// Rays look for their cells so much further on, in root cells, and by this share of how far off they began.
-const float AHEAD = 1e-5;
-const float AHEAD_OF_FAR = 5e-7;
+// ROOT_SIDE, AHEAD and other numbers that tests follow rays by: crates/field/src/rays.rs.
 
 struct Cell {
     float bound;    // no surface is nearer to any of its points

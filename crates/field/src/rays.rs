@@ -45,6 +45,10 @@ rays! {
     SKIPS_MAX: u32 = 1024;
     /// A ray takes each step at least so far, and so much of its way.
     PAST_FACE: f32 = 4e-7;
+    /// Rays look for their cells so much further on, in root cells, so that none stays at a face.
+    AHEAD: f32 = 1e-5;
+    /// And by this share of how far off they began.
+    AHEAD_OF_FAR: f32 = 5e-7;
 }
 
 /// The share of a pixel's cone that counts as the surface at step `step`, from 0.

@@ -9,7 +9,8 @@ use crate::expression::Random;
 use mariana_field::graph::{FrameInputs, Interval, Point};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::rays::{
-    CLOSE_ENOUGH, CLOSINGS_MAX, PAST_FACE, STEEP_STEP_GROWTH, STEEP_STEP_MIN, STEEP_STEPS_MAX,
+    AHEAD, AHEAD_OF_FAR, CLOSE_ENOUGH, CLOSINGS_MAX, PAST_FACE, ROOT_SIDE, STEEP_STEP_GROWTH, STEEP_STEP_MIN,
+    STEEP_STEPS_MAX, past,
 };
 use mariana_field::tape::{Batch, GradientIntervals, PointEvaluator, Points, Tape, TapeOptions};
 
@@ -117,10 +118,13 @@ fn trace(
     let (mut before, mut above) = (start, f32::NAN);
     let mut behind: Option<(f32, f32)> = None;
     let mut closings = 0;
+    let root = 2.0 * cells.half / ROOT_SIDE;
+    let farthest = origin.iter().fold(0.0_f32, |most, v| most.max(((v + cells.half) / root).abs()));
+    let ahead = root * (AHEAD + AHEAD_OF_FAR * farthest);
     while traced.steps < STEEP_STEPS_MAX {
         traced.steps += 1;
-        let Some(cell) = cells.at(at(t)) else { return traced };
-        let past = |t: f32| t * (1.0 + PAST_FACE) + PAST_FACE;
+        let looked_at: [f32; 3] = std::array::from_fn(|axis| at(t)[axis] + ahead.copysign(direction[axis]));
+        let Some(cell) = cells.at(looked_at) else { return traced };
         if behind.is_none() && cell.bound > 0.0 {
             (before, above) = (t, f32::NAN);
             t = past(exit_of(&cell, origin, direction)).max(t + PAST_FACE);
@@ -149,7 +153,7 @@ fn trace(
         let slope = slope_towards(cell.gradient, direction);
         let safe = if slope > 0.0 { value / slope } else { f32::INFINITY };
         let step = safe.min(past(exit_of(&cell, origin, direction)) - t);
-        t += step.max((STEEP_STEP_MIN + STEEP_STEP_GROWTH * traced.steps as f32) * cone).max(1e-5);
+        t += step.max((STEEP_STEP_MIN + STEEP_STEP_GROWTH * traced.evaluations as f32) * cone).max(1e-5);
     }
     traced.capped = true;
     traced
