@@ -41,6 +41,9 @@ const BAND_RELEASE: f64 = 0.200;
 /// Time constant of the fall of `beat`, in seconds.
 const BEAT_RELEASE: f64 = 0.15;
 
+/// What is quieter has no brightness, in decibels: the noise of a room.
+const QUIET_DB: f32 = -80.0;
+
 /// Time in which `bass_drive` forgets, in seconds.
 const DRIVE_SECONDS: f64 = 4.0;
 
@@ -64,6 +67,17 @@ pub enum Alignment {
     Centred,
     /// Ending at the moment, for live input, whose future is not known: features are emitted with the last frame.
     Trailing,
+}
+
+/// The place of the middle of these powers among the bands, 0..1; 0 where there is hardly a sound.
+fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
+    if level_db < QUIET_DB {
+        return 0.0;
+    }
+    let weighed = |place: fn(usize) -> f32| {
+        powers.iter().enumerate().map(|(band, power)| place(band) * power).sum::<f32>()
+    };
+    weighed(|band| band as f32 / (BAND_COUNT - 1) as f32) / weighed(|_| 1.0)
 }
 
 /// Turns frames into features, one set per hop.
@@ -291,6 +305,7 @@ impl Analyzer {
         for (value, level) in features.bands.iter_mut().zip(features.band_levels_db) {
             self.band_follower.follow(value, height(level + gain_db));
         }
+        self.band_follower.follow(&mut features.brightness, centroid(&powers, features.level_db));
         let mean = |bands: &[f32]| bands.iter().sum::<f32>() / bands.len() as f32;
         features.bass = mean(&features.bands[BASS]);
         features.mid = mean(&features.bands[MID]);

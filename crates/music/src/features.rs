@@ -61,6 +61,9 @@ features! {
     mid: f32 = 0.0, mixed;
     /// Mean height of the bands from 1.85 kHz to 16 kHz, 0..1.
     treble: f32 = 0.0, mixed;
+    /// Where the middle of the sound lies (the spectral centroid), 0 at the lowest band .. 1 at the highest: the mean of
+    /// the bands' numbers, weighed by their power. Followed like the bands; it sinks to 0 in silence.
+    brightness: f32 = 0.0, mixed;
     /// 1 at the onset of a sound, then falling by e in 0.15 s.
     beat: f32 = 0.0, mixed;
     /// Beats per minute; 0 while unknown.

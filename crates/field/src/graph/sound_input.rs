@@ -49,6 +49,8 @@ sound_inputs! {
     /// The integral of the low frequencies over the last seconds.
     BassDrive, "bass_drive", 0.0..4.0,
         "bass summed over time in seconds and forgotten in 4 s, 0..4: t + bass_drive is a time that runs with the bass";
+    /// Where the middle of the sound lies in the spectrum.
+    Brightness, "brightness", 0.0..1.0, "where the middle of the sound lies, 0 low .. 1 high: the spectral centroid";
     /// Where the strongest tone lies in the spectrum.
     Pitch, "pitch", 0.0..1.0, "where the strongest tone lies, 0..1 as in spectrum(u)";
 }

@@ -165,3 +165,14 @@ fn a_history_is_whole_right_after_a_seek_that_was_prepared() {
     let worst = a.iter().zip(b.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(worst < 1e-3, "{worst}");
 }
+
+#[test]
+fn brightness_is_where_the_middle_of_the_sound_lies() {
+    let of = |hz: f64| {
+        nearest(&analyze(48_000, &signal(48_000, 2.0, |t| [0.5 * (TAU * hz * t).sin(); 2])), 1.5).brightness
+    };
+    let (low, middle, high) = (of(60.0), of(800.0), of(8_000.0));
+    assert!(low < 0.25 && (0.3..0.75).contains(&middle) && high > 0.75, "{low} {middle} {high}");
+    let silence = analyze(48_000, &signal(48_000, 1.0, |_| [0.0; 2]));
+    assert_eq!(nearest(&silence, 0.5).brightness, 0.0);
+}
