@@ -23,7 +23,7 @@ struct Place {
 };
 
 // Runs a program (src/world/interpreted.rs): first its textures, whose coordinates are asked for the pixel to the right,
-// the one above, and here; then its tape. The results stay in their slots, which the header tells.
+// the one above, and here; then its tape. The results stay in their registers, which the header tells.
 uvec4 run_program(int program, Place here, Place right, Place above) {
     uvec4 head = texelFetch(tape, program);
 #if SAMPLES > 0

@@ -1,8 +1,8 @@
-// The tape's interpreter: runs tapes that lie in texture buffers. Clauses, slots and operators: `src/tape/`; texels, the
+// The tape's interpreter: runs tapes that lie in texture buffers. Clauses, registers and operators: `src/tape/`; texels, the
 // variant's defines and its operators: `src/tape/interpreter.rs`, which writes operators.glsl.
 //
-// A texel holds two clauses, each followed by its immediate. The last texel's second clause is END, with the slots of two
-// results in its bytes 2 and 3. At the start the slots hold x, y, z and the normal; a region's tape finds in the place of
+// A texel holds two clauses, each followed by its immediate. The last texel's second clause is END, with the registers of two
+// results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; a region's tape finds in the place of
 // the normal's x the distance from which on a surface casts no shadow. Rare operators
 // stand only in the second place, and are computed between runs of texels: what never skips a branch would compute them
 // with every clause.
@@ -41,7 +41,7 @@ int operator_number(uint word) {
     return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
 }
 
-// --- Slots ---
+// --- Registers ---
 
 // Up to 8 are variables of which one is selected by the bits of its number; more are an array.
 #define PICK4(file, first, word, place) (HAS(word, place, 1) ? (HAS(word, place, 0) ? file[first + 3] : file[first + 2]) : (HAS(word, place, 0) ? file[first + 1] : file[first]))
@@ -50,32 +50,32 @@ int operator_number(uint word) {
 #define PUT4(file, at, value) PUT(file, 0, at, value); PUT(file, 1, at, value); PUT(file, 2, at, value); PUT(file, 3, at, value)
 #define PUT8(file, at, value) PUT4(file, at, value); PUT(file, 4, at, value); PUT(file, 5, at, value); PUT(file, 6, at, value); PUT(file, 7, at, value)
 
-#if REGION_SLOTS == 4
+#if REGION_REGISTERS == 4
 #define REGION_READ(word, place) PICK4(region_file, 0, word, place)
 #define REGION_WRITE(at, value) PUT4(region_file, at, value)
-#elif REGION_SLOTS == 8
+#elif REGION_REGISTERS == 8
 #define REGION_READ(word, place) PICK8(region_file, word, place)
 #define REGION_WRITE(at, value) PUT8(region_file, at, value)
 #else
-#define REGION_READ(word, place) region_file[BYTE(word, place) & uint(REGION_SLOTS - 1)]
-#define REGION_WRITE(at, value) region_file[at & uint(REGION_SLOTS - 1)] = value
+#define REGION_READ(word, place) region_file[BYTE(word, place) & uint(REGION_REGISTERS - 1)]
+#define REGION_WRITE(at, value) region_file[at & uint(REGION_REGISTERS - 1)] = value
 #endif
-#if SLOTS == 8
+#if REGISTERS == 8
 #define READ(word, place) PICK8(tape_file, word, place)
 #define WRITE(at, value) PUT8(tape_file, at, value)
 #else
-#define READ(word, place) tape_file[BYTE(word, place) & uint(SLOTS - 1)]
-#define WRITE(at, value) tape_file[at & uint(SLOTS - 1)] = value
+#define READ(word, place) tape_file[BYTE(word, place) & uint(REGISTERS - 1)]
+#define WRITE(at, value) tape_file[at & uint(REGISTERS - 1)] = value
 #endif
 
-// The slot that a clause writes. END gives the slot of its byte 2 to itself.
-uint written_slot(uint word, const bool last) {
+// The register that a clause writes. END gives the register of its byte 2 to itself.
+uint written_register(uint word, const bool last) {
     return last && (word & 255u) == 0u ? BYTE(word, 2) : BYTE(word, 1);
 }
 
 // --- A region's tape ---
 
-float region_file[REGION_SLOTS];
+float region_file[REGION_REGISTERS];
 
 // Runs a clause but for rare operators, which run_region computes from its operands a and b.
 void region_clause(uint word, uint immediate, const bool last, out float a, out float b) {
@@ -83,7 +83,7 @@ void region_clause(uint word, uint immediate, const bool last, out float a, out 
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
     float r = region_common(number, a, b);
-    uint at = written_slot(word, last);
+    uint at = written_register(word, last);
     REGION_WRITE(at, r);
 }
 
@@ -114,7 +114,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
 
 // --- A tape of materials and light ---
 
-float tape_file[SLOTS];
+float tape_file[REGISTERS];
 #if MEMORY > 0
 float tape_memory[MEMORY];
 #endif
@@ -133,7 +133,7 @@ void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n, out
     r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
     r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
 #endif
-    uint at = written_slot(word, last);
+    uint at = written_register(word, last);
 #if MEMORY > 0
     if (last) {
         uint place = (word >> 16) & uint(MEMORY - 1);
@@ -150,7 +150,7 @@ void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n, out
     WRITE(at, r);
 }
 
-// Runs a tape at a point. The results stay in their slots; the first two are given.
+// Runs a tape at a point. The results stay in their registers; the first two are given.
 vec2 run_tape(int first, vec3 p, vec3 n) {
     tape_file[0] = p.x;
     tape_file[1] = p.y;

@@ -114,7 +114,7 @@ fn build(mut bytes: Bytes, graph: &mut Graph, kind: Kind, simplify: bool) -> Vec
 /// What an input begins with.
 #[derive(Clone)]
 struct Head {
-    slots: usize,
+    registers: usize,
     roots: usize,
     points: [Point; 3],
     frame: FrameInputs,
@@ -122,9 +122,10 @@ struct Head {
 
 impl Head {
     fn read(bytes: &mut Bytes) -> Self {
-        let (slots, roots) = (bytes.next(), 1 + bytes.below(13));
-        // Mostly few slots, which spill.
-        let slots = if slots < 128 { 2 + usize::from(slots % 14) } else { usize::from(slots - 127) * 2 };
+        let (registers, roots) = (bytes.next(), 1 + bytes.below(13));
+        // Mostly few registers, which spill.
+        let registers =
+            if registers < 128 { 2 + usize::from(registers % 14) } else { usize::from(registers - 127) * 2 };
         let mut frame = super::random::frame();
         frame.time = bytes.number();
         frame.bands[7] = bytes.number();
@@ -134,7 +135,7 @@ impl Head {
         frame.textures = Some(Arc::new(Stripes));
         let three = |bytes: &mut Bytes| std::array::from_fn(|_| bytes.number());
         let points = std::array::from_fn(|_| Point { position: three(bytes), normal: three(bytes) });
-        Self { slots, roots, points, frame }
+        Self { registers, roots, points, frame }
     }
 }
 
@@ -155,7 +156,7 @@ fn assert_same(found: &[f32], wanted: &[f32], what: &str) {
     }
 }
 
-/// Encoding, with few slots and many, and evaluation of what was encoded: clauses and the interpreter's words.
+/// Encoding, with few registers and many, and evaluation of what was encoded: clauses and the interpreter's words.
 pub(crate) fn tape(data: &[u8]) {
     for word in data.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])) {
         // Whatever a word means, its meaning has one word.
@@ -168,17 +169,22 @@ pub(crate) fn tape(data: &[u8]) {
     let mut graph = Graph::new();
     let built = build(bytes, &mut graph, Kind::Any, false);
     let roots: Vec<NodeId> = built.iter().rev().take(head.roots).copied().collect();
-    let options = TapeOptions { slots: head.slots, ..TapeOptions::default() };
+    let options = TapeOptions { registers: head.registers, ..TapeOptions::default() };
     match Tape::build(&graph, &roots, &options) {
         Ok(tape) => check_tape(&graph, &roots, &tape, &head),
         Err(TapeError::TooManyOutputs { count, max }) => assert!(count > max),
-        Err(error) => panic!("{error}: {} slots, {} outputs", head.slots, roots.len()),
+        Err(error) => panic!("{error}: {} registers, {} outputs", head.registers, roots.len()),
     }
 }
 
 fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
-    assert!(tape.slots() <= head.slots.max(1), "{} slots of {}", tape.slots(), head.slots);
-    assert!(tape.outputs().iter().all(|slot| usize::from(*slot) < tape.slots().max(1)));
+    assert!(
+        tape.registers() <= head.registers.max(1),
+        "{} registers of {}",
+        tape.registers(),
+        head.registers
+    );
+    assert!(tape.outputs().iter().all(|register| usize::from(*register) < tape.registers().max(1)));
     for clause in tape.clauses() {
         let instruction = clause.decode().expect("a clause without a meaning");
         assert_eq!(instruction.encode(), *clause);
@@ -193,11 +199,12 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     for point in &head.points {
         let wanted = graph.evaluate(roots, point, frame).unwrap();
         assert_same(points.at(point), &wanted, "the tape");
-        let (slots, ends) = words::run(&texels, 3, point, frame);
-        let found: Vec<f32> = tape.outputs().iter().map(|slot| slots[usize::from(*slot)] + 0.0).collect();
+        let (registers, ends) = words::run(&texels, 3, point, frame);
+        let found: Vec<f32> =
+            tape.outputs().iter().map(|register| registers[usize::from(*register)] + 0.0).collect();
         assert_same(&found, &wanted, "the interpreter's words");
-        for (end, slot) in ends.iter().zip(tape.outputs()) {
-            assert_eq!(*end, usize::from(*slot), "END names another slot");
+        for (end, register) in ends.iter().zip(tape.outputs()) {
+            assert_eq!(*end, usize::from(*register), "END names another register");
         }
         rows.push(wanted);
     }
@@ -224,11 +231,11 @@ pub(crate) fn differential(data: &[u8]) {
     let (plain, simple) = (last(&plain), last(&simple));
     let mut short = simple.clone();
     let fused = graph.fused(&mut short).unwrap();
-    let options = TapeOptions { slots: head.slots.max(4), ..TapeOptions::default() };
+    let options = TapeOptions { registers: head.registers.max(4), ..TapeOptions::default() };
     let frame = &head.frame;
     let tapes = [(&graph, &simple), (&fused, &short)].map(|(graph, roots)| {
         let tape = Tape::build(graph, roots, &options).unwrap();
-        check_tape(graph, roots, &tape, &Head { slots: options.slots, ..head.clone() });
+        check_tape(graph, roots, &tape, &Head { registers: options.registers, ..head.clone() });
         tape
     });
     let [tape, _] = &tapes;

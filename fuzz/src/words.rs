@@ -3,7 +3,7 @@
 use mariana_field::graph::{FrameInputs, Point};
 use mariana_field::tape::{Clause, Instruction, Operand, opcode};
 
-/// Runs the tape that begins at a texel; all its slots at the end, and the two that END names.
+/// Runs the tape that begins at a texel; all its registers at the end, and the two that END names.
 ///
 /// # Panics
 /// The texels end before the tape does, or hold a word without a meaning.
@@ -13,46 +13,48 @@ pub(crate) fn run(
     point: &Point,
     frame: &FrameInputs,
 ) -> ([f32; 256], [usize; 2]) {
-    let mut slots = [0.0f32; 256];
+    let mut registers = [0.0f32; 256];
     let mut memory = vec![0.0f32; 1 << 16];
     let inputs = point.inputs();
-    slots[..6].copy_from_slice(&inputs);
+    registers[..6].copy_from_slice(&inputs);
     for texel in &texels[start..] {
         for (place, [word, immediate]) in texel.as_chunks::<2>().0.iter().enumerate() {
             let number = f32::from_bits(*immediate);
-            let value = |slots: &[f32; 256], operand| match operand {
-                Operand::Slot(slot) => slots[usize::from(slot)],
+            let value = |registers: &[f32; 256], operand| match operand {
+                Operand::Register(register) => registers[usize::from(register)],
                 Operand::Immediate(_) => number,
             };
             let instruction = Clause::from_word(*word).decode().expect("a word without a meaning");
             let (output, value) = match instruction {
                 Instruction::End if place == 1 => {
                     let [_, _, first, second] = word.to_le_bytes();
-                    return (slots, [usize::from(first), usize::from(second)]);
+                    return (registers, [usize::from(first), usize::from(second)]);
                 }
                 // A first clause that is 0 does nothing.
                 Instruction::End => continue,
                 Instruction::Load { output, .. } => (output, number),
-                Instruction::Store { slot, memory: to } => {
-                    memory[usize::from(to)] = slots[usize::from(slot)];
+                Instruction::Store { register, memory: to } => {
+                    memory[usize::from(to)] = registers[usize::from(register)];
                     continue;
                 }
                 Instruction::Reload { output, memory: from } => (output, memory[usize::from(from)]),
                 Instruction::Texture { output, u, v } => {
                     let (texture, channel) = (immediate / 4, immediate % 4);
-                    let (u, v) = (slots[usize::from(u)], slots[usize::from(v)]);
+                    let (u, v) = (registers[usize::from(u)], registers[usize::from(v)]);
                     (output, frame.texture(texture as u16, channel as u8, u, v))
                 }
                 Instruction::Input { output, place } => (output, inputs[usize::from(place)]),
-                Instruction::Unary { op, output, a } => (output, op.value(slots[usize::from(a)], 0.0, frame)),
+                Instruction::Unary { op, output, a } => {
+                    (output, op.value(registers[usize::from(a)], 0.0, frame))
+                }
                 Instruction::Binary { op, output, a, b } => {
-                    (output, op.value(value(&slots, a), value(&slots, b), frame))
+                    (output, op.value(value(&registers, a), value(&registers, b), frame))
                 }
                 Instruction::Page(_) | Instruction::SelectTexture { .. } => {
                     panic!("the interpreter knows no {instruction:?}")
                 }
             };
-            slots[usize::from(output)] = value;
+            registers[usize::from(output)] = value;
         }
     }
     panic!("the texels end before the tape does");

@@ -2,9 +2,9 @@
 //! ([`show`]).
 
 mod announcer;
+mod dynamic_resolution;
 pub mod error;
 mod frame_times;
-mod governor;
 pub mod keys;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod lost_display;

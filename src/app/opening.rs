@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use super::announcer::Announcer;
+use super::dynamic_resolution::DynamicResolution;
 use super::error::AppError;
 use super::frame_times::FrameTimes;
-use super::governor::Governor;
 use super::media_controls::MediaControls;
 use super::overlay::Overlay;
 use super::pacing::Pacing;
@@ -104,7 +104,7 @@ impl Opening<'_> {
             pacing: Pacing::new(fps, now),
             shown: None,
             frame_times: FrameTimes::default(),
-            governor: Governor::new(settings.quality, fps),
+            dynamic_resolution: DynamicResolution::new(settings.quality, fps),
             window_size: None,
             moved: now,
             pictured: None,
@@ -186,7 +186,7 @@ pub(super) fn renewed(
         paused: stage.paused,
         pacing: stage.pacing,
         frame_times: stage.frame_times,
-        governor: stage.governor,
+        dynamic_resolution: stage.dynamic_resolution,
         window_size: stage.window_size,
         moved: Instant::now(),
         status_due: stage.status_due,

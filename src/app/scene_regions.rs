@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use super::region_builder::{BuiltTree, RegionBuilder, TreeJob};
 use crate::frame::Frame;
-use crate::frame::hand::Hand;
+use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
 use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
@@ -83,7 +83,7 @@ impl SceneRegions {
         scene: &SceneResources,
         wanted: Shown,
         sound: Sound,
-        (params, hand): (&[f32], Hand),
+        (params, hand): (&[f32], OrbitControls),
     ) -> Option<(Frame, Shown)> {
         // Where the distance is none, there are cells whatever is wanted.
         let cells =

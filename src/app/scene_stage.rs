@@ -28,7 +28,7 @@ use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
-use crate::frame::hand::Hand;
+use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -128,7 +128,7 @@ pub(super) struct SceneStage {
     announced: Option<(u64, Mode)>,
     regions: SceneRegions,
     views: Views,
-    hand: Hand,
+    hand: OrbitControls,
     /// How far above its target the scene's own camera was in the last picture, in radians.
     own_pitch: f64,
     // Last: its threads draw with what the fields above hold.
@@ -174,7 +174,7 @@ impl SceneStage {
             announced: None,
             regions,
             views: Views::starting_with(view),
-            hand: Hand::OFF,
+            hand: OrbitControls::OFF,
             own_pitch: 0.0,
             compiler,
         };
@@ -485,7 +485,7 @@ impl SceneStage {
             }
             if is_another {
                 self.tell(self.name().unwrap_or_default());
-                self.hand = Hand::OFF;
+                self.hand = OrbitControls::OFF;
             }
         }
         self.ask_for_view();

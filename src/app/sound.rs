@@ -7,8 +7,8 @@ use super::overlay::SourceList;
 use crate::config::{ListenChoice, Settings, SettingsFile};
 use crate::export::print::tell;
 use mariana_music::{self, Gain};
+use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
-use mariana_player::roster::{Roster, RosterEntry, RosterWatch};
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
 /// How much `[` and `]` shift the picture, in milliseconds.
@@ -35,14 +35,14 @@ pub(super) struct Sound {
     asked_ms: Option<f64>,
     gain: Gain,
     /// Id of the device in use, as far as is known, and its name.
-    device: Option<RosterEntry>,
-    watch: Option<std::sync::Arc<RosterWatch>>,
+    device: Option<ListedDevice>,
+    watch: Option<std::sync::Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
     /// What was chosen, and is remembered once the list is gone: on the way to it others were chosen for moments.
     unremembered: Option<Target>,
     /// What stays over the picture as long as it is so.
     hint: Option<String>,
-    suggestion: Option<RosterEntry>,
+    suggestion: Option<ListedDevice>,
     told: Option<String>,
 }
 
@@ -177,14 +177,14 @@ impl Sound {
 
     /// Listens to the next source, or to the one where there is signal, and shows the list of them.
     pub(super) fn next_source(&mut self) {
-        let roster = match &self.watch {
+        let device_list = match &self.watch {
             Some(watch) => watch.latest().1,
-            None => match RosterWatch::shared() {
+            None => match DeviceWatch::shared() {
                 Ok(watch) => self.watch.insert(watch).latest().1,
                 Err(error) => return self.complain(&error.to_string()),
             },
         };
-        let sources = self.sources(&roster);
+        let sources = self.sources(&device_list);
         let present = self.present();
         let place = sources.iter().position(|(source, _)| *source == present);
         let suggested = self.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
@@ -203,17 +203,18 @@ impl Sound {
     }
 
     /// Everything that can be listened to, with its name.
-    fn sources(&self, roster: &Roster) -> Vec<(Source, String)> {
-        let name_of = |entry: Option<&RosterEntry>| entry.map_or("none now", |entry| &*entry.name).to_owned();
+    fn sources(&self, device_list: &DeviceList) -> Vec<(Source, String)> {
+        let name_of =
+            |entry: Option<&ListedDevice>| entry.map_or("none now", |entry| &*entry.name).to_owned();
         let mut sources = Vec::new();
         if self.player.is_some() {
             sources.push((Source::Song, "the song".to_owned()));
         }
-        let monitor = name_of(roster.default_monitor());
-        let input = roster.default_input.as_deref().and_then(|id| roster.input(id));
+        let monitor = name_of(device_list.default_monitor());
+        let input = device_list.default_input.as_deref().and_then(|id| device_list.input(id));
         sources.push((Source::Live(Target::Monitor), format!("what the computer plays ({monitor})")));
         sources.push((Source::Live(Target::Default), format!("the default input ({})", name_of(input))));
-        for entry in &roster.inputs {
+        for entry in &device_list.inputs {
             sources.push((Source::Live(Target::Named(entry.id.clone())), entry.name.clone()));
         }
         let present = self.present();
@@ -326,7 +327,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
         // Asked for on the command line, for one run.
         Target::MonitorOf(_) => {}
         Target::Named(id) => {
-            let entry = RosterEntry { id: id.clone(), name: String::new() };
+            let entry = ListedDevice { id: id.clone(), name: String::new() };
             let place = if entry.is_monitor() { &mut settings.system } else { &mut settings.microphone };
             *place = Some(id.clone());
         }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::announcer::{Announcer, words_of};
+use super::dynamic_resolution::{DynamicResolution, Level};
 use super::frame_times::FrameTimes;
-use super::governor::{Governor, Level};
 use super::media_controls::MediaControls;
 use super::overlay::{Overlay, OverlayContent};
 use super::pacing::Pacing;
@@ -42,7 +42,7 @@ pub(super) struct Stage {
     /// What the last frame showed. A show that stands still is not drawn again.
     pub(super) shown: Option<Shown>,
     pub(super) frame_times: FrameTimes,
-    pub(super) governor: Governor,
+    pub(super) dynamic_resolution: DynamicResolution,
     /// The window's size at the last drawing. (To ask a window that others have closed is the end of the program.)
     pub(super) window_size: Option<(u32, u32)>,
     /// When the show last moved.
@@ -124,7 +124,11 @@ impl Stage {
     /// How the next picture is drawn: one that stands still, as good as can be, and so a view, whose legend is read.
     pub(super) fn level(&self, now: Instant) -> Level {
         let still = now.saturating_duration_since(self.moved) >= STANDS_STILL;
-        if still || self.scene.view().is_some() { self.governor.still_level() } else { self.governor.level() }
+        if still || self.scene.view().is_some() {
+            self.dynamic_resolution.still_level()
+        } else {
+            self.dynamic_resolution.level()
+        }
     }
 
     /// The size in which a level draws the window. What is beyond the driver's textures, or more pixels than a picture may
@@ -146,7 +150,7 @@ impl Stage {
         let scene = self.scene.corner().filter(|_| self.corner)?;
         let size =
             self.shown.map(|shown| format!(" · {}x{}", shown.size.0, shown.size.1)).unwrap_or_default();
-        Some(format!("{scene}{size}, {}", self.governor))
+        Some(format!("{scene}{size}, {}", self.dynamic_resolution))
     }
 
     /// Finishes a picture that was begun at `begun`: dims what flashes too often.
@@ -161,9 +165,9 @@ impl Stage {
     /// Looks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, where that would
     /// not do either, not at all. For one that stands still there is time.
     pub(super) fn weigh_picture(&mut self, level: Level, now: Instant) {
-        let moves = level == self.governor.level();
+        let moves = level == self.dynamic_resolution.level();
         let Some(seconds) = self.scene.seconds_of_picture().filter(|_| moves) else { return };
-        if self.governor.expects(now, seconds) {
+        if self.dynamic_resolution.expects(now, seconds) {
             self.scene.give_picture_up();
         } else if seconds > LIMITS.picture_seconds_max {
             self.scene.take_back(seconds);
@@ -177,7 +181,7 @@ impl Stage {
     ) -> Result<Option<Drawn>, GpuError> {
         match drawn {
             Err(GpuError::Object { what, reason })
-                if self.shown.is_some() && self.governor.make_smaller() =>
+                if self.shown.is_some() && self.dynamic_resolution.make_smaller() =>
             {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.announcer.answer(
@@ -197,15 +201,15 @@ impl Stage {
         self.renderer.forget_flashes();
     }
 
-    /// Tells the governor what a picture cost that took `drawing` until it was handed over and `showing` in all. To hand
+    /// Tells the dynamic_resolution what a picture cost that took `drawing` until it was handed over and `showing` in all. To hand
     /// over waits for a monitor, but on a software renderer it is what draws.
     pub(super) fn note_cost(&mut self, drawn: Level, drawing: Duration, showing: Duration) {
         let cost = match (self.window.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         };
-        if drawn == self.governor.level() {
-            self.governor.note(Instant::now(), cost);
+        if drawn == self.dynamic_resolution.level() {
+            self.dynamic_resolution.note(Instant::now(), cost);
         }
     }
 

@@ -152,7 +152,7 @@ fn cost(scene: &Scene) -> anyhow::Result<String> {
     Ok(format!(
         "{} clauses, {constants} constants, {} registers for the distance; {}, {}, {}; listens to {}",
         tape.clauses().len(),
-        tape.slots(),
+        tape.registers(),
         count(scene.objects.len(), "object"),
         count(scene.materials.len(), "material"),
         count(scene.lights.len(), "light"),

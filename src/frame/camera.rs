@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::hand::Hand;
+use super::orbit_controls::OrbitControls;
 use mariana_field::world::FrameValues;
 
 /// A pinhole camera. The axes are of unit length and at right angles.
@@ -35,11 +35,11 @@ impl Camera {
     /// Where the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
     /// sight until it is not. What is not finite is taken as 0, a field of view is brought into 1..170 degrees.
     pub fn of(values: &FrameValues, aspect: f64) -> Self {
-        Self::by_hand(values, aspect, &Hand::OFF)
+        Self::by_hand(values, aspect, &OrbitControls::OFF)
     }
 
     /// The same, moved by hand.
-    pub fn by_hand(values: &FrameValues, aspect: f64, hand: &Hand) -> Self {
+    pub fn by_hand(values: &FrameValues, aspect: f64, hand: &OrbitControls) -> Self {
         let target = place(values.target);
         let mut eye = place(values.position);
         let fov =

@@ -4,19 +4,19 @@
 
 pub mod block;
 pub mod camera;
-pub mod hand;
+pub mod orbit_controls;
 pub mod picture;
 pub mod sound_tables;
 #[cfg(test)]
 pub(crate) mod testing;
 
 use camera::Camera;
-use hand::Hand;
 use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, TableData};
 use mariana_field::world::{FrameValues, World};
 use mariana_music::HISTORY_POINTS;
 pub use mariana_music::Sound;
+use orbit_controls::OrbitControls;
 use picture::Picture;
 
 /// What one picture shows.
@@ -35,7 +35,7 @@ pub struct Frame {
     /// What happens to the scene's light on its way to the screen.
     pub picture: Picture,
     /// What the camera was moved by.
-    hand: Hand,
+    hand: OrbitControls,
 }
 
 impl Frame {
@@ -77,8 +77,9 @@ impl Frame {
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values, aspect(size));
         let picture = Picture::of(&values, &camera, world.traits.lens);
-        let mut frame = Self { size, inputs, camera, values, quality: 1.0, picture, hand: Hand::OFF };
-        frame.see_from(world, aspect(size), Hand::OFF);
+        let mut frame =
+            Self { size, inputs, camera, values, quality: 1.0, picture, hand: OrbitControls::OFF };
+        frame.see_from(world, aspect(size), OrbitControls::OFF);
         frame
     }
 }
@@ -104,13 +105,13 @@ impl Frame {
     }
 
     /// The same moment with the camera moved by hand.
-    pub fn by_hand(mut self, world: &World, hand: Hand) -> Self {
+    pub fn by_hand(mut self, world: &World, hand: OrbitControls) -> Self {
         self.see_from(world, aspect(self.size), hand);
         self
     }
 
     /// Puts the camera in its place, and tells the expressions where it is.
-    fn see_from(&mut self, world: &World, aspect: f64, hand: Hand) {
+    fn see_from(&mut self, world: &World, aspect: f64, hand: OrbitControls) {
         (self.hand, self.camera) = (hand, Camera::by_hand(&self.values, aspect, &hand));
         self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
         let eye = self.camera.position.as_vec3().to_array();
@@ -123,7 +124,7 @@ impl Frame {
 
     /// How far the scene's own camera is above its target, in radians.
     pub fn own_pitch(&self) -> f64 {
-        Hand::pitch_of(camera::place(self.values.position), self.target())
+        OrbitControls::pitch_of(camera::place(self.values.position), self.target())
     }
 }
 

@@ -37,7 +37,7 @@ pub struct Lens {
 }
 
 impl Picture {
-    /// The picture that a scene asks for in a frame; `has_lens` is [`mariana_field::world::Traits::lens`]. What is no number is as
+    /// The picture that a scene asks for in a frame; `has_lens` is [`mariana_field::world::SceneFeatures::lens`]. What is no number is as
     /// in scenes that say nothing.
     pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
         let picture = &values.picture;

@@ -14,7 +14,7 @@ use crate::view::scale;
 use mariana_field::graph::CELL_HASH_GLSL;
 use mariana_field::region::{RegionPlan, RegionVariant};
 use mariana_field::tape::interpreter;
-use mariana_field::world::{TapeBuffers, Traits, World};
+use mariana_field::world::{SceneFeatures, TapeBuffers, World};
 
 /// The fragment shader of scenes.
 pub const SCENE_SHADER: &str = "scene.frag";
@@ -53,7 +53,7 @@ pub struct Interpreter {
     /// What runs the regions' tapes.
     regions: RegionVariant,
     /// What else the shaders hold.
-    traits: Traits,
+    traits: SceneFeatures,
 }
 
 /// Why a scene cannot be interpreted by a driver.
@@ -70,16 +70,16 @@ pub enum DoesNotFit {
         /// Texels that the driver reports.
         available: usize,
     },
-    /// Its distance keeps more values at once than a tape has slots.
+    /// Its distance keeps more values at once than a tape has registers.
     #[error(
         "the scene's distance keeps more than 256 values at once, which no tape of a region can: it is compiled instead"
     )]
-    Slots,
+    Registers,
 }
 
 impl Interpreter {
     /// The narrowest variant for a scene on this driver.
-    pub fn for_scene(traits: Traits, buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
+    pub fn for_scene(traits: SceneFeatures, buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Self {
         let tapes = if info.software { &buffers.software_variant } else { &buffers.variant }.clone();
         Self { tapes, regions: plan.variant().clone(), traits }
     }
@@ -90,7 +90,7 @@ impl Interpreter {
         self.tapes.covers(&other.tapes)
             && self.traits.covers(other.traits)
             && regions.steep == others.steep
-            && regions.slots >= others.slots
+            && regions.registers >= others.registers
             && regions.operators.is_superset(&others.operators)
     }
 
@@ -100,7 +100,7 @@ impl Interpreter {
     /// [`DoesNotFit`].
     pub fn fits(buffers: &TapeBuffers, plan: &RegionPlan, info: &GlInfo) -> Result<(), DoesNotFit> {
         if !plan.runs() {
-            return Err(DoesNotFit::Slots);
+            return Err(DoesNotFit::Registers);
         }
         let needed = buffers.texels_max().max(plan.whole_texels());
         let available = info.texture_buffer_texels_max as usize;
@@ -115,15 +115,21 @@ impl Interpreter {
         }
         let functions = "#include \"interpreted_scene.glsl\"\n".to_owned();
         variant.generated.push(("scene_functions.glsl".into(), functions));
-        variant
-            .generated
-            .push(("operators.glsl".into(), self.tapes.text(&self.regions.operators, self.regions.slots)));
+        variant.generated.push((
+            "operators.glsl".into(),
+            self.tapes.text(&self.regions.operators, self.regions.registers),
+        ));
         variant
     }
 }
 
 /// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same names.
-pub fn compiled_variant(functions: &str, textures: usize, traits: Traits, counting: Counting) -> Variant {
+pub fn compiled_variant(
+    functions: &str,
+    textures: usize,
+    traits: SceneFeatures,
+    counting: Counting,
+) -> Variant {
     let mut variant = common(textures, traits, counting);
     let functions = format!("{functions}#include \"surface.glsl\"\n");
     variant.generated.push(("scene_functions.glsl".into(), functions));
@@ -131,7 +137,7 @@ pub fn compiled_variant(functions: &str, textures: usize, traits: Traits, counti
 }
 
 /// What both forms share.
-fn common(textures: usize, traits: Traits, counting: Counting) -> Variant {
+fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant {
     let mut variant = Variant::default();
     variant.defines.extend(block_defines());
     variant.defines.extend(mariana_field::rays::defines());

@@ -16,7 +16,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use super::SceneSource;
 use super::content::{Look, Stamp};
-use super::quiet::{Changes, Kind, Waits};
+use super::debounce::{Changes, Kind, Waits};
 use super::watch::{Tell, Watch};
 
 /// What loading one source gave.

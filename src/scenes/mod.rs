@@ -1,11 +1,11 @@
 //! Where scenes come from: those that are shipped, files, and formulas given in their place.
 
 mod content;
+mod debounce;
 mod error;
 mod folder;
 mod loader;
 mod order;
-mod quiet;
 mod textures;
 mod watch;
 mod world;

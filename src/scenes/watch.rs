@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use notify::event::{AccessKind, AccessMode, CreateKind, ModifyKind, RemoveKind};
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
-use super::quiet::Kind;
+use super::debounce::Kind;
 
 /// What the thread that takes the events needs to know, and what it found out.
 #[derive(Debug, Default)]

@@ -21,8 +21,8 @@ uniform samplerBuffer programs;
 uniform usamplerBuffer regions;
 ";
 
-/// Most slots of a region's tape.
-const REGION_SLOTS: usize = 128;
+/// Most registers of a region's tape.
+const REGION_REGISTERS: usize = 128;
 
 /// Texts, points and what is asked of them.
 struct Studio {
@@ -63,7 +63,7 @@ impl Programs {
                 Instruction::Input { output, place } => place >= 4 || output != place,
                 _ => false,
             };
-            tape.memory() == 0 && tape.slots() <= REGION_SLOTS && !tape.instructions().any(reads)
+            tape.memory() == 0 && tape.registers() <= REGION_REGISTERS && !tape.instructions().any(reads)
         });
         Self { texels, starts, regional: regional.collect(), variant }
     }
@@ -72,7 +72,7 @@ impl Programs {
     fn text(&self, main: &str) -> String {
         let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
             "#include \"operators.glsl\"",
-            &self.variant.text(&self.variant.operators, self.variant.slots.min(REGION_SLOTS)),
+            &self.variant.text(&self.variant.operators, self.variant.registers.min(REGION_REGISTERS)),
         );
         format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
     }
@@ -409,12 +409,12 @@ fn spills_and_pages_change_nothing() {
     let mut random = Random(3);
     let points: Vec<[f32; 3]> = (0..32).map(|_| std::array::from_fn(|_| random.between(-2.0, 2.0))).collect();
     let normals = [[0.25, 0.5, -0.75]];
-    for (terms, slots, pages) in
+    for (terms, registers, pages) in
         [(6, 4, false), (20, 8, false), (40, 16, false), (300, 256, true), (300, 8, true)]
     {
         let mut graph = Graph::new();
         let root = wide_expression(&mut graph, terms);
-        let options = TapeOptions { slots, ..TapeOptions::default() };
+        let options = TapeOptions { registers, ..TapeOptions::default() };
         let tape = Tape::build(&graph, &[root], &options).unwrap();
         assert!(tape.memory() > 0 && (tape.table().len() > 256) == pages, "{terms} terms do not test this");
         let frame = frame();
@@ -426,7 +426,7 @@ fn spills_and_pages_change_nothing() {
                 for (name, got) in values.at(0, column) {
                     assert!(
                         close(got, right, 1e-6, 0.0),
-                        "{terms} terms, {slots} slots, every case {every_case}, {name}: {got} for {right}"
+                        "{terms} terms, {registers} registers, every case {every_case}, {name}: {got} for {right}"
                     );
                 }
             }
@@ -435,7 +435,7 @@ fn spills_and_pages_change_nothing() {
 }
 
 #[test]
-fn textures_give_what_was_sampled_and_all_outputs_are_in_their_slots() {
+fn textures_give_what_was_sampled_and_all_outputs_are_in_their_registers() {
     let studio = Studio { context: Headless::new(false).unwrap() };
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
@@ -447,16 +447,16 @@ fn textures_give_what_was_sampled_and_all_outputs_are_in_their_slots() {
         graph.add(x, number)
     }));
     let tape = Tape::build(&graph, &roots, &TapeOptions::default()).unwrap();
-    let slots: Vec<String> = tape.outputs().iter().map(|slot| slot.to_string()).collect();
+    let registers: Vec<String> = tape.outputs().iter().map(|register| register.to_string()).collect();
     let main = format!(
         "void main() {{
     for (int i = 0; i < 4 * SAMPLES; i++) sampled[i] = float(i);
     run_tape(0, vec3(1.0, 2.0, 0.0), vec3(0.0));
-    int slots[12] = int[12]({});
-    color = vec4(tape_file[slots[int(gl_FragCoord.x)]]);
+    int registers[12] = int[12]({});
+    color = vec4(tape_file[registers[int(gl_FragCoord.x)]]);
 }}
 ",
-        slots.join(", ")
+        registers.join(", ")
     );
     for every_case in [true, false] {
         let programs = Programs::new(std::slice::from_ref(&tape), &frame(), every_case);
@@ -475,10 +475,10 @@ fn glslang_takes_every_kind_of_interpreter() {
     let tape = Tape::build(&graph, &[x], &TapeOptions::default()).unwrap();
     let programs = Programs::new(&[tape], &frame(), true);
     for every_case in [true, false] {
-        for (slots, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
+        for (registers, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
             let operators = Op::ALL.iter().copied().collect();
             let inputs = memory > 0;
-            let variant = Variant { operators, slots, memory, samples, textures: 0, inputs, every_case };
+            let variant = Variant { operators, registers, memory, samples, textures: 0, inputs, every_case };
             let text = Programs { variant: variant.clone(), ..programs.clone() }.text(RUN);
             if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
                 panic!("{variant:?}: {complaint}");

@@ -14,7 +14,7 @@ use mariana::gpu::error::GpuError;
 use mariana::gpu::renderer::{Counting, Renderer};
 use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::gpu::shader_source::ShaderLibrary;
-use mariana_field::world::{ToneMap, Traits};
+use mariana_field::world::{SceneFeatures, ToneMap};
 use mariana_music::{BAND_COUNT, Features};
 
 /// Differences beyond this many steps of 0..255 count as visible.
@@ -41,7 +41,7 @@ fn show(studio: &mut Studio, body: &str) {
          void main() {{\n    vec3 color;\n    {body}\n    sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    studio.program = studio.link(&library, &compiled_variant("", 0, Traits::default(), Counting::Off));
+    studio.program = studio.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
 /// What the studio's program shows in silence.

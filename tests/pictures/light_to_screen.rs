@@ -11,7 +11,7 @@ use mariana::gpu::edge_samples::EdgeSamples;
 use mariana::gpu::renderer::Counting;
 use mariana::gpu::scene_program::{Mode, compiled_variant};
 use mariana::scenes::SceneSource;
-use mariana_field::world::{ToneMap, Traits};
+use mariana_field::world::{SceneFeatures, ToneMap};
 
 /// Gives the studio a program that shows `body`, statements that set `vec3 color`.
 fn show(studio: &mut Studio, body: &str) {
@@ -21,7 +21,7 @@ fn show(studio: &mut Studio, body: &str) {
          sample_color = stored_sample(color, 0.0, pass_sample.z > 0.5);\n}}\n"
     );
     let (_folder, library) = changed_shaders(&[("scene.frag", &scene)]);
-    studio.program = studio.link(&library, &compiled_variant("", 0, Traits::default(), Counting::Off));
+    studio.program = studio.link(&library, &compiled_variant("", 0, SceneFeatures::default(), Counting::Off));
 }
 
 /// Light as it is: no bloom, no grain, no tone map.

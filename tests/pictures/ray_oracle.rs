@@ -161,40 +161,42 @@ struct Oracle<'a> {
 
 impl Oracle<'_> {
     fn over(&self, p: [Span; 3]) -> Span {
-        let (mut slots, mut memory) =
-            (vec![(0.0, 0.0); self.tape.slots()], vec![(0.0, 0.0); self.tape.memory()]);
+        let (mut registers, mut memory) =
+            (vec![(0.0, 0.0); self.tape.registers()], vec![(0.0, 0.0); self.tape.memory()]);
         let mut page = 0;
         for instruction in self.tape.instructions() {
             let entry = |number: u8| {
                 let value = f64::from(self.table[page + usize::from(number)]);
                 (value, value)
             };
-            let of = |slots: &[Span], operand: Operand| match operand {
-                Operand::Slot(slot) => slots[usize::from(slot)],
+            let of = |registers: &[Span], operand: Operand| match operand {
+                Operand::Register(register) => registers[usize::from(register)],
                 Operand::Immediate(number) => entry(number),
             };
             match instruction {
                 Instruction::Page(number) => page = usize::from(number) * 256,
-                Instruction::Load { output, entry: number } => slots[usize::from(output)] = entry(number),
-                Instruction::Store { slot, memory: to } => memory[usize::from(to)] = slots[usize::from(slot)],
+                Instruction::Load { output, entry: number } => registers[usize::from(output)] = entry(number),
+                Instruction::Store { register, memory: to } => {
+                    memory[usize::from(to)] = registers[usize::from(register)]
+                }
                 Instruction::Reload { output, memory: from } => {
-                    slots[usize::from(output)] = memory[usize::from(from)]
+                    registers[usize::from(output)] = memory[usize::from(from)]
                 }
                 Instruction::Input { output, place } => {
-                    slots[usize::from(output)] = p.get(usize::from(place)).copied().unwrap_or((0.0, 0.0));
+                    registers[usize::from(output)] = p.get(usize::from(place)).copied().unwrap_or((0.0, 0.0));
                 }
                 Instruction::Unary { op, output, a } => {
-                    let a = slots[usize::from(a)];
-                    slots[usize::from(output)] = operate(op.name(), a, a, self.frame);
+                    let a = registers[usize::from(a)];
+                    registers[usize::from(output)] = operate(op.name(), a, a, self.frame);
                 }
                 Instruction::Binary { op, output, a, b } => {
-                    let (a, b) = (of(&slots, a), of(&slots, b));
-                    slots[usize::from(output)] = operate(op.name(), a, b, self.frame);
+                    let (a, b) = (of(&registers, a), of(&registers, b));
+                    registers[usize::from(output)] = operate(op.name(), a, b, self.frame);
                 }
                 _ => {}
             }
         }
-        slots[usize::from(self.tape.outputs()[0])]
+        registers[usize::from(self.tape.outputs()[0])]
     }
 
     /// The value along a part of a ray, less `margin` for each unit of its way.

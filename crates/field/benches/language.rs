@@ -6,7 +6,7 @@
 //! Both sides begin with a text in memory and end with what their interpreter runs:
 //!
 //! - **mariana**: the text is lexed, parsed, its names and sizes checked, functions put in, the graph built with common
-//!   subexpressions shared, and of its distance a tape allocated to 256 slots and written as words. A text is a whole
+//!   subexpressions shared, and of its distance a tape allocated to 256 registers and written as words. A text is a whole
 //!   scene: the default material, light, camera and sky are made too.
 //! - **fidget**: `Context::from_text` splits lines into words, looks names up and builds its graph, also with common
 //!   subexpressions shared; `VmFunction::new` flattens that and allocates a tape to 255 registers. Its text has one

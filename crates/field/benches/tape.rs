@@ -68,7 +68,7 @@ fn tape(c: &mut Criterion) {
                 })
             })
         });
-        let few = TapeOptions { slots: 8, ..options };
+        let few = TapeOptions { registers: 8, ..options };
         group.bench_function("build_in_8_slots", |b| b.iter(|| Tape::build(&graph, &[root], &few)));
         let frame = FrameInputs::default();
         let mut points = PointEvaluator::new(&tape, &frame);

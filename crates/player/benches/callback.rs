@@ -5,20 +5,24 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
-use mariana_player::output::{Controls, Counters, Feeder, FeederLink, Segment};
+use mariana_player::output::{Controls, Counters, OutputCallback, OutputCallbackLink, Segment};
 
 const FRAMES: usize = 1024;
 
-/// A feeder in the middle of a song, with enough in its ring for a few calls.
-fn playing(volume: f32) -> (Feeder, FeederLink) {
-    let (mut feeder, mut link) =
-        Feeder::new(48_000, FRAMES, Arc::new(Controls::new(volume, false)), Arc::new(Counters::default()));
+/// A output_callback in the middle of a song, with enough in its ring for a few calls.
+fn playing(volume: f32) -> (OutputCallback, OutputCallbackLink) {
+    let (mut output_callback, mut link) = OutputCallback::new(
+        48_000,
+        FRAMES,
+        Arc::new(Controls::new(volume, false)),
+        Arc::new(Counters::default()),
+    );
     let (mut ring, _, segment) = Segment::new(1, 4 * FRAMES);
     ring.push_entire_slice(&[[0.5, -0.25]; 4 * FRAMES]).unwrap_or_default();
     drop(link.offer(segment));
     // Beyond the fade in.
-    feeder.fill(&mut [0.0_f32; 2 * FRAMES], 2, Instant::now(), None);
-    (feeder, link)
+    output_callback.fill(&mut [0.0_f32; 2 * FRAMES], 2, Instant::now(), None);
+    (output_callback, link)
 }
 
 fn callback(criterion: &mut Criterion) {
@@ -29,7 +33,7 @@ fn callback(criterion: &mut Criterion) {
         group.bench_function(format!("f32 {name}"), |bencher| {
             bencher.iter_batched_ref(
                 || playing(0.8),
-                |(feeder, _)| feeder.serve(black_box(&mut data), channels, latency),
+                |(output_callback, _)| output_callback.serve(black_box(&mut data), channels, latency),
                 BatchSize::SmallInput,
             );
         });
@@ -38,7 +42,7 @@ fn callback(criterion: &mut Criterion) {
     group.bench_function("i16 stereo", |bencher| {
         bencher.iter_batched_ref(
             || playing(0.8),
-            |(feeder, _)| feeder.serve(black_box(&mut data), 2, latency),
+            |(output_callback, _)| output_callback.serve(black_box(&mut data), 2, latency),
             BatchSize::SmallInput,
         );
     });

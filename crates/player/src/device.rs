@@ -8,9 +8,9 @@ use std::time::Duration;
 use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
 
+use super::device_list::ListedDevice;
 use super::error::{DeviceError, Direction};
 use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, monitor_id};
-use super::roster::RosterEntry;
 use super::server_connection::ServerConnection;
 
 /// The rate for which sizes of buffers are meant, in hertz.
@@ -61,7 +61,7 @@ pub(crate) trait Port: Sized + Send + 'static {
 /// A device that is open and runs.
 pub(crate) struct Opened<L> {
     pub(crate) link: L,
-    pub(crate) entry: RosterEntry,
+    pub(crate) entry: ListedDevice,
     pub(crate) description: String,
     /// How often it has called: its sign of life.
     pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
@@ -166,17 +166,17 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
             let fitting = devices.filter(|device| match direction {
                 Direction::Output => device.supports_output(),
                 Direction::Input => {
-                    device.supports_input() && (!monitors_only || RosterEntry::of(device).is_monitor())
+                    device.supports_input() && (!monitors_only || ListedDevice::of(device).is_monitor())
                 }
             });
-            best_match(fitting.collect(), name, RosterEntry::of)
+            best_match(fitting.collect(), name, ListedDevice::of)
                 .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))
         }
     }
 }
 
 /// The one whose id or name is `wanted`, or else contains it: those that are no monitors first.
-fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> RosterEntry) -> Option<T> {
+fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedDevice) -> Option<T> {
     let wanted = wanted.to_lowercase();
     let rank = |device: &T| {
         let entry = entry_of(device);
@@ -331,7 +331,7 @@ mod tests {
 
     #[test]
     fn a_name_means_what_it_names_best() {
-        let entry = |id: &str, name: &str| RosterEntry { id: id.into(), name: name.into() };
+        let entry = |id: &str, name: &str| ListedDevice { id: id.into(), name: name.into() };
         let devices = || {
             vec![
                 entry("p:usb.monitor", "Monitor of USB"),
@@ -339,7 +339,7 @@ mod tests {
                 entry("p:usb", "Headset"),
             ]
         };
-        let found = |wanted| best_match(devices(), wanted, RosterEntry::clone).map(|entry| entry.id);
+        let found = |wanted| best_match(devices(), wanted, ListedDevice::clone).map(|entry| entry.id);
         assert_eq!(found("headset").as_deref(), Some("p:usb"));
         assert_eq!(found("P:USB").as_deref(), Some("p:usb"));
         assert_eq!(found("usb").as_deref(), Some("p:usb_mic"));

@@ -1,7 +1,7 @@
 //! Sound: decoding, playback, and what is audible now.
 //!
 //! ```text
-//! FrameSource ─► decoding thread ─┬─ resampler ─► ring of frames ─► Feeder (the callback) ─► device or silent clock
+//! FrameSource ─► decoding thread ─┬─ resampler ─► ring of frames ─► OutputCallback (the callback) ─► device or silent clock
 //!                                 │                                    │ spans: what sounds when (lock-free)
 //!                                 └─ analysis thread ─► Timeline ◄─────┴── Player::now: song time and features
 //! ```
@@ -23,6 +23,7 @@
 pub mod clock;
 pub mod decode;
 mod device;
+pub mod device_list;
 pub mod devices;
 mod error;
 mod hosts;
@@ -34,7 +35,6 @@ pub mod playlist;
 #[cfg(target_os = "linux")]
 mod quiet_stderr;
 pub mod resample;
-pub mod roster;
 #[cfg(target_os = "linux")]
 mod server_connection;
 #[cfg(not(target_os = "linux"))]

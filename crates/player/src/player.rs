@@ -15,10 +15,10 @@ use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::clock::{Audible, Clock};
+use super::device_list::ListedDevice;
 use super::error::PlayerError;
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
-use super::roster::RosterEntry;
 use super::source::FrameSource;
 use super::timeline::SharedTimeline;
 use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
@@ -92,7 +92,7 @@ pub struct PlayerStatus {
     /// The output in words.
     pub output: String,
     /// The output device, if one is open.
-    pub device: Option<RosterEntry>,
+    pub device: Option<ListedDevice>,
     /// Why there is no sound, if the song runs on the silent clock.
     pub silent: Option<String>,
     /// Stretches of silence because samples came too late.

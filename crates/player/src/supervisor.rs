@@ -11,9 +11,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::device::{Failure, OnFailure, Opened, Port, Target, wait_before_retry};
+use super::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use super::error::{DeviceError, Direction};
 use super::hosts::monitor_id;
-use super::roster::{Roster, RosterEntry, RosterWatch};
 use super::server_connection::ServerConnection;
 use super::worker::Worker;
 
@@ -36,7 +36,7 @@ pub(crate) struct StreamStatus<N> {
     /// In words.
     pub(crate) description: String,
     /// The device, if one is open.
-    pub(crate) device: Option<RosterEntry>,
+    pub(crate) device: Option<ListedDevice>,
     /// Why there is no sound, if there is none.
     pub(crate) silent: Option<String>,
     /// Why what was chosen is not there, while what was there before goes on.
@@ -70,11 +70,11 @@ impl<P: Port> Supervisor<P> {
         let (events, inbox) = channel();
         let status = StreamStatus { description: "opening".into(), ..StreamStatus::default() };
         let status = Arc::new(Mutex::new(status));
-        let roster = if target.is_some() { Some(RosterWatch::shared()?) } else { None };
+        let device_list = if target.is_some() { Some(DeviceWatch::shared()?) } else { None };
         let mut watch = Watch {
             port,
             target,
-            roster,
+            device_list,
             generation: 0,
             settled_after: None,
             status: status.clone(),
@@ -146,7 +146,7 @@ enum Current<P: Port> {
     None,
     Device {
         thread: DeviceThread,
-        entry: RosterEntry,
+        entry: ListedDevice,
         calls: Box<dyn Fn() -> u64 + Send>,
         called: u64,
         silent_looks: u32,
@@ -165,10 +165,10 @@ struct Opening {
 struct Watch<P: Port> {
     port: P,
     target: Option<Target>,
-    roster: Option<Arc<RosterWatch>>,
-    /// The state of the roster that was seen last.
+    device_list: Option<Arc<DeviceWatch>>,
+    /// The state of the device_list that was seen last.
     generation: u64,
-    /// After so many looks the roster has seen what was opened last. The default device may have changed and changed back
+    /// After so many looks the device_list has seen what was opened last. The default device may have changed and changed back
     /// between two looks, and what was opened in between is no longer it.
     settled_after: Option<u64>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
@@ -179,7 +179,7 @@ struct Watch<P: Port> {
     /// When to try again, while there is no device.
     retry_at: Option<Instant>,
     /// The device of the target that was open last.
-    had: Option<RosterEntry>,
+    had: Option<ListedDevice>,
     /// What is open was chosen before the target was.
     superseded: bool,
 }
@@ -253,8 +253,8 @@ impl<P: Port> Watch<P> {
                 self.had = None;
                 self.superseded = true;
                 lock(&self.status).refused = None;
-                if self.roster.is_none() {
-                    self.roster = RosterWatch::shared().ok();
+                if self.device_list.is_none() {
+                    self.device_list = DeviceWatch::shared().ok();
                 }
                 // What was on its way is not wanted any more; should it hang, it is left behind.
                 if let Some(opening) = self.opening.take() {
@@ -292,7 +292,7 @@ impl<P: Port> Watch<P> {
         tracing::info!("sound {}: {description}", P::DIRECTION);
         self.had = Some(entry.clone());
         self.superseded = false;
-        self.settled_after = self.roster.as_ref().map(|watch| watch.looks() + 2);
+        self.settled_after = self.device_list.as_ref().map(|watch| watch.looks() + 2);
         self.retry_at = None;
         let device = Current::Device { thread, entry: entry.clone(), calls, called: 0, silent_looks: 0 };
         let before = std::mem::replace(&mut self.current, device);
@@ -366,10 +366,10 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// Compares what is open with what the roster says.
+    /// Compares what is open with what the device_list says.
     fn follow(&mut self) {
-        let Some(watch) = self.roster.as_ref().filter(|_| self.opening.is_none()) else { return };
-        let (generation, roster) = watch.latest();
+        let Some(watch) = self.device_list.as_ref().filter(|_| self.opening.is_none()) else { return };
+        let (generation, device_list) = watch.latest();
         let settled = self.settled_after.is_some_and(|looks| watch.looks() >= looks);
         if generation == self.generation && !settled {
             return;
@@ -378,15 +378,15 @@ impl<P: Port> Watch<P> {
         if settled {
             self.settled_after = None;
         }
-        if !roster.known {
+        if !device_list.known {
             return;
         }
         match &self.current {
             Current::Device { .. } if self.superseded => self.open(),
             Current::Device { entry, .. } => {
-                if let Some(gone) = self.has_gone(&roster, entry) {
+                if let Some(gone) = self.has_gone(&device_list, entry) {
                     self.lose(&gone, cpal::ErrorKind::DeviceNotAvailable);
-                } else if self.default_of(&roster).is_some_and(|wanted| wanted != entry.id) {
+                } else if self.default_of(&device_list).is_some_and(|wanted| wanted != entry.id) {
                     self.open();
                 }
             }
@@ -395,26 +395,26 @@ impl<P: Port> Watch<P> {
     }
 
     /// The id of the device that should be open, if the target is a default.
-    fn default_of(&self, roster: &Roster) -> Option<String> {
+    fn default_of(&self, device_list: &DeviceList) -> Option<String> {
         match (self.target.as_ref()?, P::DIRECTION) {
             (Target::Named(_) | Target::MonitorOf(_), _) => None,
-            (Target::Monitor, _) => roster.default_output.as_deref().map(monitor_id),
-            (Target::Default, Direction::Output) => roster.default_output.clone(),
-            (Target::Default, Direction::Input) => roster.default_input.clone(),
+            (Target::Monitor, _) => device_list.default_output.as_deref().map(monitor_id),
+            (Target::Default, Direction::Output) => device_list.default_output.clone(),
+            (Target::Default, Direction::Input) => device_list.default_input.clone(),
         }
     }
 
     /// A device that was asked for by name and is no longer there: sound servers move its stream to another one without
     /// a word.
-    fn has_gone(&self, roster: &Roster, entry: &RosterEntry) -> Option<DeviceError> {
+    fn has_gone(&self, device_list: &DeviceList, entry: &ListedDevice) -> Option<DeviceError> {
         let named = matches!(self.target, Some(Target::Named(_) | Target::MonitorOf(_)));
         let list = match P::DIRECTION {
-            Direction::Output => &roster.outputs,
-            Direction::Input => &roster.inputs,
+            Direction::Output => &device_list.outputs,
+            Direction::Input => &device_list.inputs,
         };
-        // Only what the roster can know of: a device of another host stands in no roster.
-        let same_host = |other: &RosterEntry| other.id.split(':').next() == entry.id.split(':').next();
-        let hosts_differ = !roster.outputs.iter().chain(&roster.inputs).any(same_host);
+        // Only what the device_list can know of: a device of another host stands in no device_list.
+        let same_host = |other: &ListedDevice| other.id.split(':').next() == entry.id.split(':').next();
+        let hosts_differ = !device_list.outputs.iter().chain(&device_list.inputs).any(same_host);
         let gone = named && !hosts_differ && !list.iter().any(|other| other.id == entry.id);
         gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
     }

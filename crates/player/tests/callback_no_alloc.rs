@@ -7,8 +7,8 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
-use mariana_player::input::Tap;
-use mariana_player::output::{Controls, Counters, Feeder, Segment};
+use mariana_player::input::InputCallback;
+use mariana_player::output::{Controls, Counters, OutputCallback, Segment};
 
 // In debug builds it ends the process at the first allocation or release inside `assert_no_alloc`.
 #[global_allocator]
@@ -30,7 +30,8 @@ impl Random {
 fn a_storm_of_events_allocates_nothing_in_the_callback() {
     let controls = Arc::new(Controls::new(1.0, false));
     let counters = Arc::new(Counters::default());
-    let (mut feeder, mut link) = Feeder::new(48_000, 1024, controls.clone(), counters.clone());
+    let (mut output_callback, mut link) =
+        OutputCallback::new(48_000, 1024, controls.clone(), counters.clone());
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let (mut ring, mut end, first) = Segment::new(1, 19_200);
     assert!(link.offer(first).is_ok());
@@ -69,9 +70,9 @@ fn a_storm_of_events_allocates_nothing_in_the_callback() {
         let latency = [None, Some(Duration::from_millis(20)), Some(Duration::MAX)][random.below(3)];
         let now = Instant::now();
         assert_no_alloc(|| match size % 3 {
-            0 => feeder.fill(&mut integers[..length], channels, now, latency),
-            1 => feeder.fill(&mut samples[..length], channels, now, latency),
-            _ => feeder.serve(&mut samples[..length], channels, latency),
+            0 => output_callback.fill(&mut integers[..length], channels, now, latency),
+            1 => output_callback.fill(&mut samples[..length], channels, now, latency),
+            _ => output_callback.serve(&mut samples[..length], channels, latency),
         });
         loudest = samples[..length].iter().fold(loudest, |loudest, sample| loudest.max(sample.abs()));
         frames += length / channels;
@@ -85,7 +86,7 @@ const CALLS: usize = 1_000_000;
 
 #[test]
 fn a_million_buffers_of_any_size_allocate_nothing_in_the_inputs_callback() {
-    let (mut tap, mut link) = Tap::new(48_000, std::thread::current());
+    let (mut tap, mut link) = InputCallback::new(48_000, std::thread::current());
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     let samples: Vec<f32> = (0..4096).map(|n| (n as f32 * 0.01).sin()).collect();
     let integers: Vec<i16> = (0..4096).map(|n| (n * 7) as i16).collect();

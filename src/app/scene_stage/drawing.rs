@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::{Cast, FirstTree, SceneStage};
-use crate::app::governor::Level;
+use crate::app::dynamic_resolution::Level;
 use crate::app::scene_regions::Shown;
 use crate::config::SdfChoice;
 use crate::gpu::error::GpuError;

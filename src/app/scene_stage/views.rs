@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::kept::KeptPrograms;
 use super::{Cast, SceneStage, Task};
 use crate::frame::Frame;
-use crate::frame::hand::Hand;
+use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
@@ -189,10 +189,10 @@ impl SceneStage {
     }
 
     /// Moves the camera by hand; the first move tells how it comes back.
-    pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut Hand, f64)) {
-        let was_off = self.hand == Hand::OFF;
+    pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
+        let was_off = self.hand == OrbitControls::OFF;
         change(&mut self.hand, self.own_pitch);
-        if was_off && self.hand != Hand::OFF {
+        if was_off && self.hand != OrbitControls::OFF {
             self.tell("the camera is in your hand: Home gives it back".to_owned());
         }
         self.revision += 1;
@@ -200,7 +200,7 @@ impl SceneStage {
 
     /// Gives the camera back to the scene.
     pub(crate) fn give_camera_back(&mut self) {
-        self.hand = Hand::OFF;
+        self.hand = OrbitControls::OFF;
         self.tell("the scene's own camera".to_owned());
         self.revision += 1;
     }

@@ -14,6 +14,7 @@ mod dot;
 mod evaluate;
 mod frame_inputs;
 mod fuse;
+mod gradient_interval;
 mod interval;
 mod node;
 mod op;
@@ -21,12 +22,12 @@ mod order;
 mod rules;
 mod simplify;
 mod slope_rules;
-mod sloped;
 mod sound_input;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub use evaluate::Point;
 pub use frame_inputs::{FrameInputs, TableData, TextureReader};
+pub use gradient_interval::{GradientInterval, Pieces};
 pub use interval::{Choice, Interval, LIBRARY_ERROR};
 pub use node::{BAND_COUNT, Input, Node, NodeId};
 pub use op::{
@@ -34,7 +35,6 @@ pub use op::{
     cell_hash,
 };
 pub use order::{InputsUsed, Order};
-pub use sloped::{Pieces, Sloped};
 pub use sound_input::{SoundInput, SoundInputs};
 
 #[cfg(test)]

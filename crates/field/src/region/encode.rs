@@ -1,19 +1,19 @@
-//! A program as texels of the texture buffer: slots, clauses with their immediates, END.
+//! A program as texels of the texture buffer: registers, clauses with their immediates, END.
 //!
 //! | word | holds |
 //! |---|---|
 //! | 0, 2 | a clause, as in [`crate::tape`] |
-//! | 1, 3 | its immediate, which stands for the operand that is none of the slots |
+//! | 1, 3 | its immediate, which stands for the operand that is none of the registers |
 //!
-//! The last texel has END as its second clause, with the slots of the two outputs in its last bytes. Rare operators
+//! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare operators
 //! ([`is_rare`]) stand in the second place, after a first clause that does nothing where there is none.
 
 use super::program::{Arg, Form, INPUTS, Program, refill};
 use crate::tape::interpreter::is_rare;
 use crate::tape::{Instruction, opcode};
 
-/// Most slots of a region's tape.
-pub(super) const SLOTS_MAX: usize = 256;
+/// Most registers of a region's tape.
+pub(super) const REGISTERS_MAX: usize = 256;
 
 /// Four words.
 pub(super) type Texel = [u32; 4];
@@ -23,18 +23,18 @@ pub(super) type Texel = [u32; 4];
 pub(super) struct Encoder {
     /// By value: the last step that reads it, `u32::MAX` for what is read at the end, 0 for what nothing reads.
     last_use: Vec<u32>,
-    /// By value: its slot.
-    slot: Vec<u8>,
+    /// By value: its register.
+    register: Vec<u8>,
     texels: Vec<Texel>,
-    /// Most slots of a program so far.
-    pub(super) slots: usize,
+    /// Most registers of a program so far.
+    pub(super) registers: usize,
     /// Clauses of the last program.
     pub(super) clauses: usize,
 }
 
-/// The program needs more slots than there are.
+/// The program needs more registers than there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooManySlots;
+pub(super) struct TooManyRegisters;
 
 impl Encoder {
     /// The texels of the program that gives two of its roots.
@@ -42,15 +42,15 @@ impl Encoder {
         &mut self,
         program: &Program,
         outputs: [usize; 2],
-    ) -> Result<&[Texel], TooManySlots> {
+    ) -> Result<&[Texel], TooManyRegisters> {
         let roots = outputs.map(|root| program.roots.get(root).copied().unwrap_or(Arg::Number(0.0)));
         self.find_last_uses(program, roots);
         self.texels.clear();
         self.clauses = 0;
-        self.slot.clear();
-        self.slot.extend(0..INPUTS as u8);
-        self.slot.resize(program.values(), 0);
-        let mut free = FreeSlots::default();
+        self.register.clear();
+        self.register.extend(0..INPUTS as u8);
+        self.register.resize(program.values(), 0);
+        let mut free = FreeRegisters::default();
         for input in 0..INPUTS {
             free.first &= !(u64::from(self.last_use[input] != 0) << input);
         }
@@ -61,13 +61,13 @@ impl Encoder {
             if self.last_use[at] == 0 {
                 continue;
             }
-            let (a, b) = (self.slot[step.a as usize], self.slot[step.b as usize]);
-            for (value, slot) in [(step.a, a), (step.b, b)] {
-                free.give_if(self.last_use[value as usize] == at as u32, slot);
+            let (a, b) = (self.register[step.a as usize], self.register[step.b as usize]);
+            for (value, register) in [(step.a, a), (step.b, b)] {
+                free.give_if(self.last_use[value as usize] == at as u32, register);
             }
             let output = free.take()?;
             highest = highest.max(usize::from(output) + 1);
-            self.slot[at] = output;
+            self.register[at] = output;
             let (form, a, b) = match step.form {
                 Form::Values => (0, a, b),
                 Form::NumberRight => (opcode::REGISTER_IMMEDIATE, a, 0),
@@ -77,10 +77,10 @@ impl Encoder {
             let clause = u32::from_le_bytes([step.op.number() + form, output, a, b]);
             self.write(clause, step.number, is_rare(step.op), &mut half);
         }
-        let mut slots = [0; 2];
-        for (slot, root) in slots.iter_mut().zip(roots) {
-            *slot = match root {
-                Arg::Value(value) => self.slot[value as usize],
+        let mut registers = [0; 2];
+        for (register, root) in registers.iter_mut().zip(roots) {
+            *register = match root {
+                Arg::Value(value) => self.register[value as usize],
                 Arg::Number(number) => {
                     let output = free.take()?;
                     highest = highest.max(usize::from(output) + 1);
@@ -94,8 +94,8 @@ impl Encoder {
                 }
             };
         }
-        self.end(slots, half);
-        self.slots = self.slots.max(highest);
+        self.end(registers, half);
+        self.registers = self.registers.max(highest);
         Ok(&self.texels)
     }
 
@@ -147,42 +147,42 @@ impl Encoder {
     }
 }
 
-/// Slots that nothing is in, as bits. Hardly a program needs more than the first 64.
+/// Registers that nothing is in, as bits. Hardly a program needs more than the first 64.
 #[derive(Debug)]
-struct FreeSlots {
+struct FreeRegisters {
     first: u64,
-    others: [u64; SLOTS_MAX / 64 - 1],
+    others: [u64; REGISTERS_MAX / 64 - 1],
 }
 
-impl Default for FreeSlots {
+impl Default for FreeRegisters {
     fn default() -> Self {
-        Self { first: u64::MAX, others: [u64::MAX; SLOTS_MAX / 64 - 1] }
+        Self { first: u64::MAX, others: [u64::MAX; REGISTERS_MAX / 64 - 1] }
     }
 }
 
-impl FreeSlots {
+impl FreeRegisters {
     /// The lowest.
     #[inline(always)]
-    fn take(&mut self) -> Result<u8, TooManySlots> {
+    fn take(&mut self) -> Result<u8, TooManyRegisters> {
         if self.first != 0 {
-            let slot = self.first.trailing_zeros();
+            let register = self.first.trailing_zeros();
             self.first &= self.first - 1;
-            return Ok(slot as u8);
+            return Ok(register as u8);
         }
         for (part, bits) in self.others.iter_mut().enumerate() {
             if *bits != 0 {
-                let slot = 64 * (part as u32 + 1) + bits.trailing_zeros();
+                let register = 64 * (part as u32 + 1) + bits.trailing_zeros();
                 *bits &= *bits - 1;
-                return Ok(slot as u8);
+                return Ok(register as u8);
             }
         }
-        Err(TooManySlots)
+        Err(TooManyRegisters)
     }
 
     #[inline(always)]
-    fn give_if(&mut self, condition: bool, slot: u8) {
-        let bit = u64::from(condition) << (slot & 63);
-        match usize::from(slot >> 6).checked_sub(1) {
+    fn give_if(&mut self, condition: bool, register: u8) {
+        let bit = u64::from(condition) << (register & 63);
+        match usize::from(register >> 6).checked_sub(1) {
             None => self.first |= bit,
             Some(part) => self.others[part] |= bit,
         }

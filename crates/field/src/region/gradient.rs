@@ -10,7 +10,7 @@
 //! | `w` | upper y | upper z | scale, low byte | scale, high byte |
 
 use super::program::{Arg, BOUND, Program};
-use crate::graph::{FrameInputs, Interval, Pieces, Sloped};
+use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 
 /// Smallest scale that is not 0: far above what GPUs flush, far below what a ray notices.
 const SCALE_MIN: f32 = 1e-30;
@@ -78,7 +78,7 @@ pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
 /// Bounds gradients of programs.
 #[derive(Debug, Default)]
 pub(super) struct Gradients {
-    values: Vec<Sloped>,
+    values: Vec<GradientInterval>,
     jumps: Pieces,
 }
 
@@ -94,18 +94,18 @@ impl Gradients {
 }
 
 fn run(
-    values: &mut Vec<Sloped>,
+    values: &mut Vec<GradientInterval>,
     mut jumps: Option<&mut Pieces>,
     program: &Program,
     sides: [Interval; 3],
     frame: &FrameInputs,
-) -> Sloped {
+) -> GradientInterval {
     values.clear();
-    values.extend((0..3).map(|axis| Sloped::coordinate(axis, sides[axis])));
+    values.extend((0..3).map(|axis| GradientInterval::coordinate(axis, sides[axis])));
     // How far a ray may step does not depend on the penumbra.
-    values.push(Sloped::flat(Interval::point(0.0)));
-    let of = |values: &[Sloped], arg: Arg| match arg {
-        Arg::Number(number) => Sloped::flat(Interval::point(number)),
+    values.push(GradientInterval::flat(Interval::point(0.0)));
+    let of = |values: &[GradientInterval], arg: Arg| match arg {
+        Arg::Number(number) => GradientInterval::flat(Interval::point(number)),
         Arg::Value(at) => values[at as usize],
     };
     for step in &program.steps {
@@ -113,15 +113,15 @@ fn run(
         let two = step.op.arity() == 2;
         if let Some(jumps) = &mut jumps {
             jumps.add(if two {
-                Sloped::jump_of_two(step.op, &a, &b, sides)
+                GradientInterval::jump_of_two(step.op, &a, &b, sides)
             } else {
-                Sloped::jump(step.op, &a, sides)
+                GradientInterval::jump(step.op, &a, sides)
             });
         }
         values.push(if two {
-            Sloped::binary(step.op, &a, &b, frame)
+            GradientInterval::binary(step.op, &a, &b, frame)
         } else {
-            Sloped::unary(step.op, &a, frame)
+            GradientInterval::unary(step.op, &a, frame)
         });
     }
     of(values, program.roots[BOUND])

@@ -41,7 +41,7 @@ use std::collections::BTreeSet;
 
 use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Properties, TableData};
 use crate::world::World;
-use encode::{Encoder, SLOTS_MAX};
+use encode::{Encoder, REGISTERS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 
 /// Cells of the root to each side.
@@ -60,8 +60,8 @@ pub const OBJECT_UNKNOWN: u32 = 255;
 pub struct RegionVariant {
     /// The operators that occur.
     pub operators: BTreeSet<Op>,
-    /// Slots: a power of two, 4 to 256.
-    pub slots: usize,
+    /// Registers: a power of two, 4 to 256.
+    pub registers: usize,
     /// Whether rays need the cells' bounds of the gradient.
     pub steep: bool,
 }
@@ -128,7 +128,7 @@ impl RegionPlan {
             runs: true,
             whole_texels: 0,
         };
-        // With nothing known of a frame nothing is folded: that program has all operators and slots of any frame's.
+        // With nothing known of a frame nothing is folded: that program has all operators and registers of any frame's.
         let program = plan.folded(None, &FrameInputs::default());
         let mut encoder = Encoder::default();
         let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
@@ -136,9 +136,10 @@ impl RegionPlan {
             .all(|roots| encoder.encode(&program, *roots).is_ok());
         plan.runs = fits;
         plan.whole_texels = program.steps.len() + WHOLE_BESIDE;
-        let slots = if fits { encoder.slots } else { SLOTS_MAX };
+        let registers = if fits { encoder.registers } else { REGISTERS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
-        plan.variant = RegionVariant { operators, slots: slots.next_power_of_two(), steep: plan.steep };
+        plan.variant =
+            RegionVariant { operators, registers: registers.next_power_of_two(), steep: plan.steep };
         plan
     }
 
@@ -147,7 +148,7 @@ impl RegionPlan {
         &self.variant
     }
 
-    /// Whether there are slots enough for the whole tape. If not, there are no tapes and no cells.
+    /// Whether there are registers enough for the whole tape. If not, there are no tapes and no cells.
     pub fn runs(&self) -> bool {
         self.runs
     }

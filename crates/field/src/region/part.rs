@@ -8,7 +8,7 @@ use super::encode::{Encoder, Texel};
 use super::gradient::Gradients;
 use super::lanes::{CELLS, Lanes, mask};
 use super::program::{Arg, BOUND, ESTIMATE, OBJECT, Program, Structure};
-use super::prune::{Decisions, Scratch};
+use super::prune::{ChoiceTrace, Scratch};
 use super::tree::{AROUND, Block, RegionStats, Trunk, bound_cells, cells_of, place_in};
 use super::{DIVIDED, OBJECT_UNKNOWN};
 use crate::graph::Interval;
@@ -31,7 +31,7 @@ type Cells = [Texel; CELLS];
 #[derive(Debug, Default)]
 struct Level {
     rows: Vec<Lanes>,
-    decisions: Decisions,
+    decisions: ChoiceTrace,
     groups: Vec<u64>,
     /// Cells that share their decisions.
     together: Vec<u64>,

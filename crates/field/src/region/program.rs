@@ -1,4 +1,4 @@
-//! A list of steps: what a tape is before it has slots. Pruning makes shorter ones of it.
+//! A list of steps: what a tape is before it has registers. Pruning makes shorter ones of it.
 
 use crate::graph::{FrameInputs, Op, Properties};
 

@@ -24,9 +24,9 @@ struct Decided {
     right: u64,
 }
 
-/// Decisions about each value of a program.
+/// ChoiceTrace about each value of a program.
 #[derive(Debug, Default)]
-pub(super) struct Decisions {
+pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
     /// The steps that some cell needs, last first.
     needed: Vec<u32>,
@@ -94,7 +94,7 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
     }
 }
 
-impl Decisions {
+impl ChoiceTrace {
     /// Decides for the cells of `need` what the distance needs there, and for those of `need_object` what the object
     /// does. `rows` are the bounds of the program's values. The cells of each mask in `together` share their decisions:
     /// what does not hold in all of them is not decided in any.
@@ -189,10 +189,10 @@ impl Decisions {
     }
 }
 
-/// See [`Decisions::decide`]; compiled for wider processors, too.
+/// See [`ChoiceTrace::decide`]; compiled for wider processors, too.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn decide(
-    decisions: &mut Decisions,
+    decisions: &mut ChoiceTrace,
     program: &Program,
     structure: &Structure,
     rows: &[Lanes],

@@ -59,35 +59,37 @@ impl Regions {
 
     /// Runs a tape at a point with a penumbra: bound and estimate, or twice the object.
     pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
-        let mut slots = [0.0f32; 256];
+        let mut registers = [0.0f32; 256];
         let inputs = [point[0], point[1], point[2], penumbra];
-        slots[..4].copy_from_slice(&inputs);
+        registers[..4].copy_from_slice(&inputs);
         for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
             for [word, immediate] in texel.as_chunks::<2>().0 {
                 let immediate = f32::from_bits(*immediate);
                 let Some(instruction) = Clause::from_word(*word).decode() else { continue };
-                let of = |slots: &[f32; 256], operand: Operand| match operand {
-                    Operand::Slot(slot) => slots[usize::from(slot)],
+                let of = |registers: &[f32; 256], operand: Operand| match operand {
+                    Operand::Register(register) => registers[usize::from(register)],
                     Operand::Immediate(_) => immediate,
                 };
                 match instruction {
                     Instruction::Unary { op, output, a } => {
-                        slots[usize::from(output)] = op.value(slots[usize::from(a)], 0.0, frame);
+                        registers[usize::from(output)] = op.value(registers[usize::from(a)], 0.0, frame);
                     }
                     Instruction::Binary { op, output, a, b } => {
-                        slots[usize::from(output)] = op.value(of(&slots, a), of(&slots, b), frame);
+                        registers[usize::from(output)] =
+                            op.value(of(&registers, a), of(&registers, b), frame);
                     }
-                    Instruction::Load { output, .. } => slots[usize::from(output)] = immediate,
+                    Instruction::Load { output, .. } => registers[usize::from(output)] = immediate,
                     Instruction::Input { output, place } => {
                         debug_assert!(usize::from(place) < Input::OF_POINT.len());
-                        slots[usize::from(output)] = inputs.get(usize::from(place)).copied().unwrap_or(0.0);
+                        registers[usize::from(output)] =
+                            inputs.get(usize::from(place)).copied().unwrap_or(0.0);
                     }
                     _ => {}
                 }
             }
             if texel[2] & 255 == u32::from(opcode::END) {
                 let [_, _, first, second] = texel[2].to_le_bytes();
-                return [first, second].map(|slot| slots[usize::from(slot)] + 0.0);
+                return [first, second].map(|register| registers[usize::from(register)] + 0.0);
             }
         }
         [0.0; 2]

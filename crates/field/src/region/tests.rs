@@ -163,7 +163,7 @@ fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
                     Clause::from_word(word).decode()
                 {
                     assert!(plan.variant().operators.contains(&op), "{op:?} at {time} s");
-                    assert!(usize::from(output) < plan.variant().slots);
+                    assert!(usize::from(output) < plan.variant().registers);
                 }
             }
         }

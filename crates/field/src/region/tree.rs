@@ -4,7 +4,7 @@ use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
 use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
-use super::prune::Decisions;
+use super::prune::ChoiceTrace;
 use super::{BRICK_SIDE, ROOT_SIDE};
 use crate::graph::{FrameInputs, Interval};
 
@@ -92,7 +92,7 @@ pub(super) struct Trunk<'a> {
     /// Its cells are the blocks.
     pub(super) block: Block,
     pub(super) rows: Vec<Lanes>,
-    pub(super) decisions: Decisions,
+    pub(super) decisions: ChoiceTrace,
     /// Blocks with equal decisions.
     pub(super) groups: Vec<u64>,
     /// The root, which is empty as yet, and the whole tapes.
@@ -136,7 +136,7 @@ pub(super) fn build(
         program,
         block: Block { low, cell: size.map(|side| side / BRICK_SIDE as f32) },
         rows: Vec::new(),
-        decisions: Decisions::default(),
+        decisions: ChoiceTrace::default(),
         groups: Vec::new(),
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
         steep,

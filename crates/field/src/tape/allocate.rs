@@ -1,20 +1,20 @@
-//! From the graph to clauses: which value lies in which slot at which time.
+//! From the graph to clauses: which value lies in which register at which time.
 
 use super::clause::{Clause, Instruction, Operand};
 use super::{TableEntry, Tape, TapeError, TapeOptions};
 use crate::graph::{Graph, Node, NodeId, Op, Properties};
 
-/// No slot, no memory, no table entry, no further use.
+/// No register, no memory, no table entry, no further use.
 const NONE: u32 = u32::MAX;
 /// Entries of a page of the table.
 const PAGE: usize = 256;
 
 /// Builds a tape; see [`Tape::build`].
 pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {
-    if !(2..=256).contains(&options.slots) {
-        return Err(TapeError::SlotCount { count: options.slots });
+    if !(2..=256).contains(&options.registers) {
+        return Err(TapeError::RegisterCount { count: options.registers });
     }
-    let outputs_max = options.limits.tape_outputs_max.min(options.slots);
+    let outputs_max = options.limits.tape_outputs_max.min(options.registers);
     if roots.len() > outputs_max {
         return Err(TapeError::TooManyOutputs { count: roots.len(), max: outputs_max });
     }
@@ -83,14 +83,14 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
 /// Where a node's value can be found.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// Slot, or for values of the table the entry.
-    slot_or_entry: u32,
+    /// Register, or for values of the table the entry.
+    register_or_entry: u32,
     memory: u32,
 }
 
 impl Default for Place {
     fn default() -> Self {
-        Self { slot_or_entry: NONE, memory: NONE }
+        Self { register_or_entry: NONE, memory: NONE }
     }
 }
 
@@ -100,13 +100,13 @@ struct Allocator<'a> {
     tape: Tape,
     /// By node.
     places: Vec<Place>,
-    /// By slot: the value in it.
+    /// By register: the value in it.
     held: [Option<NodeId>; 256],
-    /// By slot: where its value is used next.
+    /// By register: where its value is used next.
     next_use: [u32; 256],
-    /// Bits of slots.
+    /// Bits of registers.
     free: [u64; 4],
-    /// Bits of slots that must not be spilled now.
+    /// Bits of registers that must not be spilled now.
     pinned: [u64; 4],
     free_memory: Vec<u16>,
     /// First entry of the table's current page.
@@ -130,7 +130,7 @@ impl Allocator<'_> {
     /// The entry of the current page that holds the value; must be asked for right before the clause that
     /// uses it.
     fn entry(&mut self, id: NodeId) -> u8 {
-        let known = self.places[id.index()].slot_or_entry;
+        let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
             return (known as usize - self.page_start) as u8;
         }
@@ -143,20 +143,20 @@ impl Allocator<'_> {
             Node::Input(input) => TableEntry::Input(input),
             node => TableEntry::Constant(node.as_constant().unwrap_or(0.0)),
         };
-        self.places[id.index()].slot_or_entry = self.tape.table.len() as u32;
+        self.places[id.index()].register_or_entry = self.tape.table.len() as u32;
         self.tape.table.push(entry);
         (self.tape.table.len() - 1 - self.page_start) as u8
     }
 
-    fn is_free(&self, slot: u8) -> bool {
-        self.free[usize::from(slot >> 6)] >> (slot & 63) & 1 == 1
+    fn is_free(&self, register: u8) -> bool {
+        self.free[usize::from(register >> 6)] >> (register & 63) & 1 == 1
     }
 
-    fn release(&mut self, slot: u8) {
-        self.free[usize::from(slot >> 6)] |= 1 << (slot & 63);
-        if let Some(id) = self.held[usize::from(slot)].take() {
+    fn release(&mut self, register: u8) {
+        self.free[usize::from(register >> 6)] |= 1 << (register & 63);
+        if let Some(id) = self.held[usize::from(register)].take() {
             let place = &mut self.places[id.index()];
-            place.slot_or_entry = NONE;
+            place.register_or_entry = NONE;
             if place.memory != NONE {
                 self.free_memory.push(place.memory as u16);
                 place.memory = NONE;
@@ -164,54 +164,54 @@ impl Allocator<'_> {
         }
     }
 
-    fn pin(&mut self, slot: u8) {
-        self.pinned[usize::from(slot >> 6)] |= 1 << (slot & 63);
+    fn pin(&mut self, register: u8) {
+        self.pinned[usize::from(register >> 6)] |= 1 << (register & 63);
     }
 
-    /// The lowest free slot, made free if there is none.
+    /// The lowest free register, made free if there is none.
     fn take_any(&mut self) -> Result<u8, TapeError> {
         let lowest = (0..4)
             .find(|&part| self.free[part] != 0)
             .map(|part| part * 64 + self.free[part].trailing_zeros() as usize);
-        let slot = match lowest {
-            Some(slot) if slot < self.options.slots => slot as u8,
+        let register = match lowest {
+            Some(register) if register < self.options.registers => register as u8,
             _ => self.spill()?,
         };
-        self.take(slot);
-        Ok(slot)
+        self.take(register);
+        Ok(register)
     }
 
-    fn take(&mut self, slot: u8) {
-        self.free[usize::from(slot >> 6)] &= !(1 << (slot & 63));
-        self.tape.slots = self.tape.slots.max(usize::from(slot) + 1);
+    fn take(&mut self, register: u8) {
+        self.free[usize::from(register >> 6)] &= !(1 << (register & 63));
+        self.tape.registers = self.tape.registers.max(usize::from(register) + 1);
     }
 
-    /// Frees the slot whose value is used farthest ahead.
+    /// Frees the register whose value is used farthest ahead.
     #[cold]
     fn spill(&mut self) -> Result<u8, TapeError> {
         let mut farthest: Option<(u32, u8)> = None;
-        for slot in 0..self.options.slots {
-            let pinned = self.pinned[slot >> 6] >> (slot & 63) & 1 == 1;
-            if !pinned && farthest.is_none_or(|(next, _)| self.next_use[slot] > next) {
-                farthest = Some((self.next_use[slot], slot as u8));
+        for register in 0..self.options.registers {
+            let pinned = self.pinned[register >> 6] >> (register & 63) & 1 == 1;
+            if !pinned && farthest.is_none_or(|(next, _)| self.next_use[register] > next) {
+                farthest = Some((self.next_use[register], register as u8));
             }
         }
         // Two operands, or all outputs but the one that is fetched, are pinned at most.
-        let Some((_, slot)) = farthest else {
-            return Err(TapeError::SlotCount { count: self.options.slots });
+        let Some((_, register)) = farthest else {
+            return Err(TapeError::RegisterCount { count: self.options.registers });
         };
-        if let Some(id) = self.held[usize::from(slot)].take() {
+        if let Some(id) = self.held[usize::from(register)].take() {
             let again = matches!(self.graph.node(id), Node::Input(_)) || self.in_table(id);
             if !again && self.places[id.index()].memory == NONE {
                 let memory = self.take_memory()?;
                 self.places[id.index()].memory = u32::from(memory);
-                self.emit(Instruction::Store { slot, memory });
+                self.emit(Instruction::Store { register, memory });
             }
             if !self.in_table(id) {
-                self.places[id.index()].slot_or_entry = NONE;
+                self.places[id.index()].register_or_entry = NONE;
             }
         }
-        Ok(slot)
+        Ok(register)
     }
 
     fn take_memory(&mut self) -> Result<u16, TapeError> {
@@ -226,7 +226,7 @@ impl Allocator<'_> {
         Ok((self.tape.memory - 1) as u16)
     }
 
-    /// The slot of a value, fetched into one if it is in none; pinned.
+    /// The register of a value, fetched into one if it is in none; pinned.
     fn fetch(&mut self, id: NodeId) -> Result<u8, TapeError> {
         if self.in_table(id) { self.fetch_entry(id) } else { self.fetch_value(id) }
     }
@@ -243,8 +243,8 @@ impl Allocator<'_> {
     #[inline]
     fn fetch_value(&mut self, id: NodeId) -> Result<u8, TapeError> {
         let place = self.places[id.index()];
-        let slot = if place.slot_or_entry != NONE {
-            place.slot_or_entry as u8
+        let register = if place.register_or_entry != NONE {
+            place.register_or_entry as u8
         } else {
             let output = self.take_any()?;
             match self.graph.node(id) {
@@ -257,30 +257,30 @@ impl Allocator<'_> {
             self.hold(output, id);
             output
         };
-        self.pin(slot);
-        Ok(slot)
+        self.pin(register);
+        Ok(register)
     }
 
-    fn hold(&mut self, slot: u8, id: NodeId) {
-        self.held[usize::from(slot)] = Some(id);
-        self.places[id.index()].slot_or_entry = u32::from(slot);
+    fn hold(&mut self, register: u8, id: NodeId) {
+        self.held[usize::from(register)] = Some(id);
+        self.places[id.index()].register_or_entry = u32::from(register);
     }
 
-    /// After its last use a value's slot is free; a slot that only carried an entry of the table always is.
-    fn used(&mut self, slot: u8, next_use: u32) {
-        self.next_use[usize::from(slot)] = next_use;
-        if next_use == NONE || self.held[usize::from(slot)].is_none() {
-            self.release(slot);
+    /// After its last use a value's register is free; a register that only carried an entry of the table always is.
+    fn used(&mut self, register: u8, next_use: u32) {
+        self.next_use[usize::from(register)] = next_use;
+        if next_use == NONE || self.held[usize::from(register)].is_none() {
+            self.release(register);
         }
     }
 
-    /// A slot for a result: that of operand b or a if it is free now.
+    /// A register for a result: that of operand b or a if it is free now.
     fn result(&mut self, a: Option<u8>, b: Option<u8>) -> Result<u8, TapeError> {
         self.pinned = [0; 4];
-        for slot in [b, a].into_iter().flatten() {
-            if self.is_free(slot) {
-                self.take(slot);
-                return Ok(slot);
+        for register in [b, a].into_iter().flatten() {
+            if self.is_free(register) {
+                self.take(register);
+                return Ok(register);
             }
         }
         self.take_any()
@@ -333,32 +333,32 @@ impl Allocator<'_> {
             }
             (false, true) => (Some(self.fetch_value(a)?), None),
             (true, false) => (None, Some(self.fetch_value(b)?)),
-            // The only form of a clause that takes two values of the table has the first one in a slot.
+            // The only form of a clause that takes two values of the table has the first one in a register.
             (true, true) => (Some(self.fetch_entry(a)?), None),
         };
-        if let Some(slot) = left {
-            self.used(slot, uses.a);
+        if let Some(register) = left {
+            self.used(register, uses.a);
         }
-        if let Some(slot) = right {
-            self.used(slot, uses.b);
+        if let Some(register) = right {
+            self.used(register, uses.b);
         }
         let output = self.result(left, right)?;
-        let left = left.map_or_else(|| Operand::Immediate(self.entry(a)), Operand::Slot);
-        let right = right.map_or_else(|| Operand::Immediate(self.entry(b)), Operand::Slot);
+        let left = left.map_or_else(|| Operand::Immediate(self.entry(a)), Operand::Register);
+        let right = right.map_or_else(|| Operand::Immediate(self.entry(b)), Operand::Register);
         self.emit(Instruction::Binary { op, output, a: left, b: right });
         Ok(output)
     }
 
-    /// Every root into a slot.
+    /// Every root into a register.
     fn finish(&mut self, roots: &[NodeId]) -> Result<(), TapeError> {
         self.pinned = [0; 4];
         for (place, &root) in roots.iter().enumerate() {
             let same = roots[..place].iter().position(|&earlier| earlier == root);
-            let slot = match same {
+            let register = match same {
                 Some(earlier) => self.tape.outputs[earlier],
                 None => self.fetch(root)?,
             };
-            self.tape.outputs.push(slot);
+            self.tape.outputs.push(register);
         }
         Ok(())
     }

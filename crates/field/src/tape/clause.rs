@@ -8,11 +8,11 @@ pub mod opcode {
     pub const END: u8 = 0;
     /// Immediates index the page of the table with the number in the last two bytes from here on.
     pub const PAGE: u8 = 1;
-    /// Copies an entry of the table's page into a slot.
+    /// Copies an entry of the table's page into a register.
     pub const LOAD: u8 = 2;
-    /// Copies a slot into memory.
+    /// Copies a register into memory.
     pub const STORE: u8 = 3;
-    /// Copies memory into a slot.
+    /// Copies memory into a register.
     pub const RELOAD: u8 = 4;
     /// Names the texture and the channel that the next TEXTURE clause reads.
     pub const SELECT_TEXTURE: u8 = 5;
@@ -32,7 +32,7 @@ pub mod opcode {
 pub struct Clause {
     /// What to do.
     pub opcode: u8,
-    /// The slot that is written.
+    /// The register that is written.
     pub output: u8,
     /// First operand.
     pub input_a: u8,
@@ -43,8 +43,8 @@ pub struct Clause {
 /// An operand of a two-operand operator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Operand {
-    /// A slot.
-    Slot(u8),
+    /// A register.
+    Register(u8),
     /// An immediate: an entry of the table's current page.
     Immediate(u8),
 }
@@ -56,23 +56,23 @@ pub enum Instruction {
     End,
     /// Immediates index this page of the table from here on.
     Page(u16),
-    /// slot := table
+    /// register := table
     Load {
-        /// Slot written.
+        /// Register written.
         output: u8,
         /// Entry of the page.
         entry: u8,
     },
-    /// memory := slot
+    /// memory := register
     Store {
-        /// Slot read.
-        slot: u8,
+        /// Register read.
+        register: u8,
         /// Memory written.
         memory: u16,
     },
-    /// slot := memory
+    /// register := memory
     Reload {
-        /// Slot written.
+        /// Register written.
         output: u8,
         /// Memory read.
         memory: u16,
@@ -84,36 +84,36 @@ pub enum Instruction {
         /// 0 red .. 3 alpha.
         channel: u8,
     },
-    /// slot := texture at (u, v)
+    /// register := texture at (u, v)
     Texture {
-        /// Slot written.
+        /// Register written.
         output: u8,
-        /// Slot of u.
+        /// Register of u.
         u: u8,
-        /// Slot of v.
+        /// Register of v.
         v: u8,
     },
-    /// slot := input of the point, by its place in [`Input::OF_POINT`]
+    /// register := input of the point, by its place in [`Input::OF_POINT`]
     Input {
-        /// Slot written.
+        /// Register written.
         output: u8,
         /// Place of the input, 0..6.
         place: u8,
     },
-    /// slot := op(slot)
+    /// register := op(register)
     Unary {
         /// The operator.
         op: Op,
-        /// Slot written.
+        /// Register written.
         output: u8,
-        /// Slot read.
+        /// Register read.
         a: u8,
     },
-    /// slot := op(a, b), at most one of them an immediate
+    /// register := op(a, b), at most one of them an immediate
     Binary {
         /// The operator.
         op: Op,
-        /// Slot written.
+        /// Register written.
         output: u8,
         /// First operand.
         a: Operand,
@@ -144,7 +144,7 @@ impl Clause {
             opcode::END => Instruction::End,
             opcode::PAGE => Instruction::Page(wide),
             opcode::LOAD => Instruction::Load { output, entry: input_a },
-            opcode::STORE => Instruction::Store { slot: output, memory: wide },
+            opcode::STORE => Instruction::Store { register: output, memory: wide },
             opcode::RELOAD => Instruction::Reload { output, memory: wide },
             opcode::SELECT_TEXTURE => Instruction::SelectTexture { texture: wide, channel: output },
             opcode::TEXTURE => Instruction::Texture { output, u: input_a, v: input_b },
@@ -156,9 +156,15 @@ impl Clause {
                 let (a, b) = (input_a, input_b);
                 match form {
                     0 => Instruction::Unary { op, output, a },
-                    0x40 => Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Slot(b) },
-                    0x80 => Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Immediate(b) },
-                    _ => Instruction::Binary { op, output, a: Operand::Immediate(a), b: Operand::Slot(b) },
+                    0x40 => {
+                        Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Register(b) }
+                    }
+                    0x80 => {
+                        Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Immediate(b) }
+                    }
+                    _ => {
+                        Instruction::Binary { op, output, a: Operand::Immediate(a), b: Operand::Register(b) }
+                    }
                 }
             }
         })
@@ -166,7 +172,7 @@ impl Clause {
 }
 
 impl Instruction {
-    /// The four bytes. Two immediates at once have no form: the second is taken for a slot.
+    /// The four bytes. Two immediates at once have no form: the second is taken for a register.
     #[inline]
     pub const fn encode(self) -> Clause {
         const fn wide(opcode: u8, output: u8, wide: u16) -> Clause {
@@ -180,23 +186,23 @@ impl Instruction {
             Instruction::End => clause(opcode::END, 0, 0, 0),
             Instruction::Page(page) => wide(opcode::PAGE, 0, page),
             Instruction::Load { output, entry } => clause(opcode::LOAD, output, entry, 0),
-            Instruction::Store { slot, memory } => wide(opcode::STORE, slot, memory),
+            Instruction::Store { register, memory } => wide(opcode::STORE, register, memory),
             Instruction::Reload { output, memory } => wide(opcode::RELOAD, output, memory),
             Instruction::SelectTexture { texture, channel } => wide(opcode::SELECT_TEXTURE, channel, texture),
             Instruction::Texture { output, u, v } => clause(opcode::TEXTURE, output, u, v),
             Instruction::Input { output, place } => clause(opcode::FIRST_INPUT + place, output, 0, 0),
             Instruction::Unary { op, output, a } => clause(op.number(), output, a, 0),
-            Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Slot(b) } => {
+            Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Register(b) } => {
                 clause(op.number(), output, a, b)
             }
-            Instruction::Binary { op, output, a: Operand::Slot(a), b: Operand::Immediate(b) } => {
+            Instruction::Binary { op, output, a: Operand::Register(a), b: Operand::Immediate(b) } => {
                 clause(op.number() + opcode::REGISTER_IMMEDIATE, output, a, b)
             }
             Instruction::Binary {
                 op,
                 output,
                 a: Operand::Immediate(a),
-                b: Operand::Slot(b) | Operand::Immediate(b),
+                b: Operand::Register(b) | Operand::Immediate(b),
             } => clause(op.number() + opcode::IMMEDIATE_REGISTER, output, a, b),
         }
     }

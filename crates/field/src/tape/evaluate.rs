@@ -19,10 +19,10 @@ pub(super) trait Domain {
     fn texture(&mut self, texture: u16, channel: u8, u: &Self::Value, v: &Self::Value) -> Self::Value;
 }
 
-/// The slots, the memory and the table of one run.
+/// The registers, the memory and the table of one run.
 #[derive(Debug, Clone)]
 pub(super) struct Machine<V, E = f32> {
-    pub(super) slots: Vec<V>,
+    pub(super) registers: Vec<V>,
     memory: Vec<V>,
     table: Vec<E>,
 }
@@ -37,12 +37,12 @@ impl<V: Copy> Machine<V> {
 
 impl<V: Copy, E: Copy> Machine<V, E> {
     pub(super) fn with_table(tape: &Tape, table: Vec<E>, zero: V) -> Self {
-        Self { slots: vec![zero; tape.slots.max(1)], memory: vec![zero; tape.memory], table }
+        Self { registers: vec![zero; tape.registers.max(1)], memory: vec![zero; tape.memory], table }
     }
 
     #[inline(always)]
     pub(super) fn run(&mut self, tape: &Tape, domain: &mut impl Domain<Value = V, Entry = E>) {
-        let Self { slots, memory, table } = self;
+        let Self { registers, memory, table } = self;
         let mut page = 0;
         let mut selected = (0, 0);
         for clause in &tape.clauses {
@@ -51,44 +51,46 @@ impl<V: Copy, E: Copy> Machine<V, E> {
                 Instruction::End => break,
                 Instruction::Page(number) => page = usize::from(number) * 256,
                 Instruction::Load { output, entry } => {
-                    slots[usize::from(output)] = domain.constant(table[page + usize::from(entry)]);
+                    registers[usize::from(output)] = domain.constant(table[page + usize::from(entry)]);
                 }
-                Instruction::Store { slot, memory: to } => memory[usize::from(to)] = slots[usize::from(slot)],
+                Instruction::Store { register, memory: to } => {
+                    memory[usize::from(to)] = registers[usize::from(register)]
+                }
                 Instruction::Reload { output, memory: from } => {
-                    slots[usize::from(output)] = memory[usize::from(from)];
+                    registers[usize::from(output)] = memory[usize::from(from)];
                 }
                 Instruction::SelectTexture { texture, channel } => selected = (texture, channel),
                 Instruction::Texture { output, u, v } => {
                     let value = domain.texture(
                         selected.0,
                         selected.1,
-                        &slots[usize::from(u)],
-                        &slots[usize::from(v)],
+                        &registers[usize::from(u)],
+                        &registers[usize::from(v)],
                     );
-                    slots[usize::from(output)] = value;
+                    registers[usize::from(output)] = value;
                 }
                 Instruction::Input { output, place } => {
-                    slots[usize::from(output)] = domain.input(usize::from(place));
+                    registers[usize::from(output)] = domain.input(usize::from(place));
                 }
                 Instruction::Unary { op, output, a } => {
-                    slots[usize::from(output)] = domain.unary(op, &slots[usize::from(a)]);
+                    registers[usize::from(output)] = domain.unary(op, &registers[usize::from(a)]);
                 }
                 Instruction::Binary { op, output, a, b } => {
                     let value = match (a, b) {
-                        (Operand::Slot(a), Operand::Slot(b)) => {
-                            domain.binary(op, &slots[usize::from(a)], &slots[usize::from(b)])
+                        (Operand::Register(a), Operand::Register(b)) => {
+                            domain.binary(op, &registers[usize::from(a)], &registers[usize::from(b)])
                         }
-                        (Operand::Slot(a), Operand::Immediate(b)) => {
+                        (Operand::Register(a), Operand::Immediate(b)) => {
                             let b = domain.constant(table[page + usize::from(b)]);
-                            domain.binary(op, &slots[usize::from(a)], &b)
+                            domain.binary(op, &registers[usize::from(a)], &b)
                         }
-                        (Operand::Immediate(a), Operand::Slot(b)) => {
+                        (Operand::Immediate(a), Operand::Register(b)) => {
                             let a = domain.constant(table[page + usize::from(a)]);
-                            domain.binary(op, &a, &slots[usize::from(b)])
+                            domain.binary(op, &a, &registers[usize::from(b)])
                         }
                         (Operand::Immediate(_), Operand::Immediate(_)) => continue,
                     };
-                    slots[usize::from(output)] = value;
+                    registers[usize::from(output)] = value;
                 }
             }
         }
@@ -145,8 +147,8 @@ impl<'a> PointEvaluator<'a> {
     pub fn at(&mut self, point: &Point) -> &[f32] {
         let mut domain = Numbers { inputs: point.inputs(), frame: self.frame };
         self.machine.run(self.tape, &mut domain);
-        for (value, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *value = self.machine.slots[usize::from(slot)] + 0.0;
+        for (value, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
+            *value = self.machine.registers[usize::from(register)] + 0.0;
         }
         &self.outputs
     }
@@ -258,8 +260,8 @@ impl<'a> Batch<'a> {
             let mut domain = Lanes { points, start, frame: self.frame };
             self.machine.run(self.tape, &mut domain);
             let lanes = LANES.min(count - start);
-            for (values, &slot) in outputs.iter_mut().zip(&self.tape.outputs) {
-                let row = &self.machine.slots[usize::from(slot)];
+            for (values, &register) in outputs.iter_mut().zip(&self.tape.outputs) {
+                let row = &self.machine.registers[usize::from(register)];
                 values.extend(row[..lanes].iter().map(|value| value + 0.0));
             }
         }
@@ -326,8 +328,8 @@ impl<'a> IntervalEvaluator<'a> {
         let inputs = [x, y, z, nx, ny, nz];
         let mut domain = Intervals { inputs, frame: self.frame, choices: &mut self.choices };
         self.machine.run(self.tape, &mut domain);
-        for (bounds, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *bounds = self.machine.slots[usize::from(slot)];
+        for (bounds, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
+            *bounds = self.machine.registers[usize::from(register)];
         }
         &self.outputs
     }
@@ -405,8 +407,8 @@ impl<'a> GradientEvaluator<'a> {
     pub fn at(&mut self, point: &Point) -> &[Dual] {
         let mut domain = Duals { inputs: point.inputs(), frame: self.frame };
         self.machine.run(self.tape, &mut domain);
-        for (dual, &slot) in self.outputs.iter_mut().zip(&self.tape.outputs) {
-            *dual = self.machine.slots[usize::from(slot)];
+        for (dual, &register) in self.outputs.iter_mut().zip(&self.tape.outputs) {
+            *dual = self.machine.registers[usize::from(register)];
             dual.value += 0.0;
         }
         &self.outputs

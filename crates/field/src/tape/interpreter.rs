@@ -2,10 +2,10 @@
 //!
 //! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate: the number of the
 //! operand that is an entry of the table in the tape, as float bits. So there are no pages and no table in the shader,
-//! and LOAD means slot := immediate. A TEXTURE has the number of its texture times four and its channel for an immediate
-//! and reads what was sampled before. Inputs of the point that would be read into the slots where the interpreter has
+//! and LOAD means register := immediate. A TEXTURE has the number of its texture times four and its channel for an immediate
+//! and reads what was sampled before. Inputs of the point that would be read into the registers where the interpreter has
 //! them at the start are left out. A first clause that is 0 does nothing. The last texel's second clause is END, with
-//! the slots of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) stand in the second place, and
+//! the registers of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) stand in the second place, and
 //! the shader computes them between runs of texels.
 //!
 //! **Variants.** The text holds the operators that stand in a [`Variant`] and no others. `EVERY_CASE` is for
@@ -70,7 +70,7 @@ impl Tape {
         self.clauses().len() + 1
     }
 
-    /// The clauses, without inputs that stand in their slots at the start.
+    /// The clauses, without inputs that stand in their registers at the start.
     fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
         self.clauses()
             .iter()
@@ -95,8 +95,8 @@ fn is_second(instruction: Instruction) -> bool {
 pub struct Variant {
     /// Operators that stand in the text.
     pub operators: BTreeSet<Op>,
-    /// Slots: a power of two, 8 to 256.
-    pub slots: usize,
+    /// Registers: a power of two, 8 to 256.
+    pub registers: usize,
     /// Values of memory: 0 or a power of two.
     pub memory: usize,
     /// Textures that a program samples.
@@ -114,7 +114,7 @@ impl Variant {
     pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
         let mut variant = Self {
             operators: BTreeSet::new(),
-            slots: 8,
+            registers: 8,
             memory: 0,
             samples: 0,
             textures: 0,
@@ -123,7 +123,7 @@ impl Variant {
         };
         for tape in tapes {
             variant.operators.extend(tape.operators());
-            variant.slots = variant.slots.max(tape.slots().next_power_of_two());
+            variant.registers = variant.registers.max(tape.registers().next_power_of_two());
             if tape.memory() > 0 {
                 variant.memory = variant.memory.max(tape.memory().next_power_of_two());
             }
@@ -143,7 +143,7 @@ impl Variant {
     /// Whether what `other` was made for can be run by this one.
     pub fn covers(&self, other: &Self) -> bool {
         self.operators.is_superset(&other.operators)
-            && self.slots >= other.slots
+            && self.registers >= other.registers
             && self.memory >= other.memory
             && self.samples >= other.samples
             && self.textures >= other.textures
@@ -153,19 +153,19 @@ impl Variant {
 
     /// The text of `operators.glsl`: the defines and the operators of the variant, and those of the regions' tapes. It
     /// relies on what [`super::glsl`] lists, as far as its operators use it.
-    pub fn text(&self, region_operators: &BTreeSet<Op>, region_slots: usize) -> String {
+    pub fn text(&self, region_operators: &BTreeSet<Op>, region_registers: usize) -> String {
         let mut text = String::with_capacity(8192);
-        self.write(region_operators, region_slots, &mut text);
+        self.write(region_operators, region_registers, &mut text);
         text
     }
 
-    fn write(&self, region_operators: &BTreeSet<Op>, region_slots: usize, text: &mut String) {
+    fn write(&self, region_operators: &BTreeSet<Op>, region_registers: usize, text: &mut String) {
         // Writing to a String cannot fail.
         let numbers = [
-            ("SLOTS", self.slots),
+            ("REGISTERS", self.registers),
             ("MEMORY", self.memory),
             ("SAMPLES", self.samples),
-            ("REGION_SLOTS", region_slots),
+            ("REGION_REGISTERS", region_registers),
             ("STORE", usize::from(opcode::STORE)),
             ("RELOAD", usize::from(opcode::RELOAD)),
             ("TEXTURE", usize::from(opcode::TEXTURE)),

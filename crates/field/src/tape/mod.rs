@@ -1,6 +1,6 @@
 //! The tape: an expression as a list of four-byte clauses (thesis, section 4.3; Keeter 2020, section 3).
 //!
-//! A clause is an opcode, an output and two inputs, each a byte. Slots (registers) hold values; the table
+//! A clause is an opcode, an output and two inputs, each a byte. Registers hold values; the table
 //! holds the constants and the inputs that are the same all over a frame, which clauses take as immediates.
 //!
 //! **Words.** A clause is one `u32`, so that one fetch of an RGBA32UI texel brings four clauses. How they are put into
@@ -10,16 +10,16 @@
 //! |---|---|---|---|---|
 //! | 0 | END | 0 | 0 | 0 |
 //! | 1 | PAGE: immediates index `table[256 * page + byte]` from here on; page 0 at the start | 0 | page, low byte | page, high byte |
-//! | 2 | LOAD: slot := table | slot | table | 0 |
-//! | 3 | STORE: memory := slot | slot | memory, low byte | memory, high byte |
-//! | 4 | RELOAD: slot := memory | slot | memory, low byte | memory, high byte |
+//! | 2 | LOAD: register := table | register | table | 0 |
+//! | 3 | STORE: memory := register | register | memory, low byte | memory, high byte |
+//! | 4 | RELOAD: register := memory | register | memory, low byte | memory, high byte |
 //! | 5 | SELECT_TEXTURE: what the next clause, always a TEXTURE, reads | channel | texture, low byte | texture, high byte |
-//! | 6 | TEXTURE: slot := texture(u, v) | slot | slot of u | slot of v |
-//! | 8..=13 | X, Y, Z, NX, NY, NZ: slot := input of the point | slot | 0 | 0 |
-//! | 16..64 | one-operand operator with this number | slot | slot a | 0 |
-//! | 64..128 | two-operand operator with this number: op(slot, slot) | slot | slot a | slot b |
-//! | 128..192 | the operator with the number opcode - 64: op(slot, table) | slot | slot a | table |
-//! | 192..256 | the operator with the number opcode - 128: op(table, slot) | slot | table | slot b |
+//! | 6 | TEXTURE: register := texture(u, v) | register | register of u | register of v |
+//! | 8..=13 | X, Y, Z, NX, NY, NZ: register := input of the point | register | 0 | 0 |
+//! | 16..64 | one-operand operator with this number | register | register a | 0 |
+//! | 64..128 | two-operand operator with this number: op(register, register) | register | register a | register b |
+//! | 128..192 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
+//! | 192..256 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
 //!
 //! [`interpreter`] says how the shader's interpreter wants them arranged.
 //!
@@ -27,8 +27,8 @@
 //! 16..64 or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its
 //! output.
 //!
-//! **Slots.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
-//! graph's order of evaluation. A slot is free after the last use of its value; the output takes the slot of
+//! **Registers.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
+//! graph's order of evaluation. A register is free after the last use of its value; the output takes the register of
 //! operand b if it became free, else that of operand a, else the lowest free one. Where all are taken, the
 //! value whose next use lies farthest ahead is spilled (Belady 1966) and read again when it is needed; inputs
 //! of the point are read anew.
@@ -62,7 +62,7 @@ pub enum TapeError {
         /// [`Limits::tape_clauses_max`].
         max: usize,
     },
-    /// More outputs than the limit or than there are slots.
+    /// More outputs than the limit or than there are registers.
     #[error(
         "a tape with {count} outputs was asked for, but at most {max} can be kept at once; ask for fewer"
     )]
@@ -72,15 +72,15 @@ pub enum TapeError {
         /// Most outputs possible.
         max: usize,
     },
-    /// A number of slots that no tape can have.
-    #[error("a tape cannot work with {count} slots; give it 2 to 256")]
-    SlotCount {
-        /// Slots asked for.
+    /// A number of registers that no tape can have.
+    #[error("a tape cannot work with {count} registers; give it 2 to 256")]
+    RegisterCount {
+        /// Registers asked for.
         count: usize,
     },
     /// More values must be kept in memory than the limit.
     #[error(
-        "the tape must spill more than {max} values to memory; give it more slots or make the scene smaller"
+        "the tape must spill more than {max} values to memory; give it more registers or make the scene smaller"
     )]
     TooMuchMemory {
         /// The memory there is, in values.
@@ -91,15 +91,15 @@ pub enum TapeError {
 /// How a tape is built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TapeOptions {
-    /// Slots there are, 2 to 256.
-    pub slots: usize,
+    /// Registers there are, 2 to 256.
+    pub registers: usize,
     /// The ceilings.
     pub limits: Limits,
 }
 
 impl Default for TapeOptions {
     fn default() -> Self {
-        Self { slots: 256, limits: LIMITS }
+        Self { registers: 256, limits: LIMITS }
     }
 }
 
@@ -118,7 +118,7 @@ pub struct Tape {
     clauses: Vec<Clause>,
     table: Vec<TableEntry>,
     outputs: Vec<u8>,
-    slots: usize,
+    registers: usize,
     memory: usize,
 }
 
@@ -164,14 +164,14 @@ impl Tape {
         bounds.collect()
     }
 
-    /// The slots that hold the values of the roots at the end.
+    /// The registers that hold the values of the roots at the end.
     pub fn outputs(&self) -> &[u8] {
         &self.outputs
     }
 
-    /// Number of slots used.
-    pub fn slots(&self) -> usize {
-        self.slots
+    /// Number of registers used.
+    pub fn registers(&self) -> usize {
+        self.registers
     }
 
     /// Number of values of memory used; 0 if nothing was spilled.

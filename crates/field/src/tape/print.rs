@@ -23,7 +23,7 @@ impl fmt::Display for Tape {
         };
         row("opcode", "input_A", "input_B", "output")?;
         let mut page = 0;
-        let slot = |slot: u8| format!("slot {slot}");
+        let register = |register: u8| format!("register {register}");
         for instruction in self.instructions() {
             let immediate = |entry: u8| {
                 self.table
@@ -31,7 +31,7 @@ impl fmt::Display for Tape {
                     .map_or_else(|| "?".to_owned(), TableEntry::to_string)
             };
             let operand = |operand: Operand| match operand {
-                Operand::Slot(number) => slot(number),
+                Operand::Register(number) => register(number),
                 Operand::Immediate(entry) => immediate(entry),
             };
             match instruction {
@@ -40,24 +40,28 @@ impl fmt::Display for Tape {
                     page = usize::from(number) * 256;
                     row("PAGE", &number.to_string(), "-", "-")?;
                 }
-                Instruction::Load { output, entry } => row("LOAD", &immediate(entry), "-", &slot(output))?,
-                Instruction::Store { slot: from, memory } => {
-                    row("STORE", &slot(from), "-", &format!("memory {memory}"))?;
+                Instruction::Load { output, entry } => {
+                    row("LOAD", &immediate(entry), "-", &register(output))?
+                }
+                Instruction::Store { register: from, memory } => {
+                    row("STORE", &register(from), "-", &format!("memory {memory}"))?;
                 }
                 Instruction::Reload { output, memory } => {
-                    row("RELOAD", &format!("memory {memory}"), "-", &slot(output))?;
+                    row("RELOAD", &format!("memory {memory}"), "-", &register(output))?;
                 }
                 Instruction::SelectTexture { texture, channel } => {
                     let channel = ["red", "green", "blue", "alpha"][usize::from(channel & 3)];
                     row("SELECT_TEXTURE", &texture.to_string(), channel, "-")?;
                 }
-                Instruction::Texture { output, u, v } => row("TEXTURE", &slot(u), &slot(v), &slot(output))?,
-                Instruction::Input { output, place } => {
-                    row(&input_of_place(place).to_string(), "-", "-", &slot(output))?;
+                Instruction::Texture { output, u, v } => {
+                    row("TEXTURE", &register(u), &register(v), &register(output))?
                 }
-                Instruction::Unary { op, output, a } => row(op.name(), &slot(a), "-", &slot(output))?,
+                Instruction::Input { output, place } => {
+                    row(&input_of_place(place).to_string(), "-", "-", &register(output))?;
+                }
+                Instruction::Unary { op, output, a } => row(op.name(), &register(a), "-", &register(output))?,
                 Instruction::Binary { op, output, a, b } => {
-                    row(op.name(), &operand(a), &operand(b), &slot(output))?;
+                    row(op.name(), &operand(a), &operand(b), &register(output))?;
                 }
             }
         }

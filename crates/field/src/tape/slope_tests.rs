@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::graph::random::{Step, build, frame, steps};
-use crate::graph::{Point, Sloped};
+use crate::graph::{GradientInterval, Point};
 
 fn config(cases: u32) -> ProptestConfig {
     let cases = ProptestConfig::default().cases.max(cases);
@@ -58,7 +58,7 @@ fn places() -> impl Strategy<Value = Places> {
     (sides, proptest::collection::vec(proptest::array::uniform3(0.0f32..=1.0), 8))
 }
 
-impl Sloped {
+impl GradientInterval {
     /// Bounds of the change along a way.
     fn change(&self, way: [f64; 3]) -> (f64, f64) {
         let mut change = (0.0, 0.0);
@@ -72,7 +72,7 @@ impl Sloped {
     }
 }
 
-fn bounds_over(tape: &Tape, frame: &FrameInputs, sides: [(f32, f32); 3]) -> Sloped {
+fn bounds_over(tape: &Tape, frame: &FrameInputs, sides: [(f32, f32); 3]) -> GradientInterval {
     let box_of = sides.map(|(low, size)| Interval::new(low, low + size));
     GradientIntervals::new(tape, frame).over(box_of, [Interval::point(0.25); 3])[0]
 }
@@ -80,35 +80,37 @@ fn bounds_over(tape: &Tape, frame: &FrameInputs, sides: [(f32, f32); 3]) -> Slop
 fn tape_of(steps: &[Step]) -> Tape {
     let mut graph = Graph::new();
     let root = *build(&mut graph, steps, true).last().unwrap();
-    Tape::build(&graph, &[root], &TapeOptions { slots: 8, ..TapeOptions::default() }).unwrap()
+    Tape::build(&graph, &[root], &TapeOptions { registers: 8, ..TapeOptions::default() }).unwrap()
 }
 
 /// The value of a tape, all of it computed with 64 bits.
 fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
     let mut table = Vec::new();
     tape.table_values(frame, &mut table);
-    let (mut slots, mut memory) = (vec![0.0f64; tape.slots()], vec![0.0f64; tape.memory()]);
+    let (mut registers, mut memory) = (vec![0.0f64; tape.registers()], vec![0.0f64; tape.memory()]);
     let mut page = 0;
     for instruction in tape.instructions() {
-        let operand = |slots: &[f64], operand: Operand| match operand {
-            Operand::Slot(slot) => slots[usize::from(slot)],
+        let operand = |registers: &[f64], operand: Operand| match operand {
+            Operand::Register(register) => registers[usize::from(register)],
             Operand::Immediate(entry) => f64::from(table[page + usize::from(entry)]),
         };
         match instruction {
             Instruction::Page(number) => page = usize::from(number) * 256,
             Instruction::Load { output, entry } => {
-                slots[usize::from(output)] = f64::from(table[page + usize::from(entry)]);
+                registers[usize::from(output)] = f64::from(table[page + usize::from(entry)]);
             }
-            Instruction::Store { slot, memory: to } => memory[usize::from(to)] = slots[usize::from(slot)],
+            Instruction::Store { register, memory: to } => {
+                memory[usize::from(to)] = registers[usize::from(register)]
+            }
             Instruction::Reload { output, memory: from } => {
-                slots[usize::from(output)] = memory[usize::from(from)]
+                registers[usize::from(output)] = memory[usize::from(from)]
             }
             Instruction::Input { output, place } => {
-                slots[usize::from(output)] = at.get(usize::from(place)).copied().unwrap_or(0.25);
+                registers[usize::from(output)] = at.get(usize::from(place)).copied().unwrap_or(0.25);
             }
             Instruction::Unary { op, output, a } => {
-                let a = slots[usize::from(a)];
-                slots[usize::from(output)] = match op {
+                let a = registers[usize::from(a)];
+                registers[usize::from(output)] = match op {
                     Op::Neg => -a,
                     Op::Abs => a.abs(),
                     Op::Square => a * a,
@@ -126,8 +128,8 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
                 };
             }
             Instruction::Binary { op, output, a, b } => {
-                let (a, b) = (operand(&slots, a), operand(&slots, b));
-                slots[usize::from(output)] = match op {
+                let (a, b) = (operand(&registers, a), operand(&registers, b));
+                registers[usize::from(output)] = match op {
                     Op::Add => a + b,
                     Op::Sub => a - b,
                     Op::Mul => a * b,
@@ -139,7 +141,7 @@ fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
             _ => {}
         }
     }
-    slots[usize::from(tape.outputs()[0])]
+    registers[usize::from(tape.outputs()[0])]
 }
 
 proptest! {

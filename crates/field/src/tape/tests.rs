@@ -22,29 +22,29 @@ fn ring(graph: &mut Graph) -> NodeId {
     graph.max(outer, inner)
 }
 
-fn tape_of(graph: &Graph, roots: &[NodeId], slots: usize) -> Tape {
-    Tape::build(graph, roots, &TapeOptions { slots, ..TapeOptions::default() }).unwrap()
+fn tape_of(graph: &Graph, roots: &[NodeId], registers: usize) -> Tape {
+    Tape::build(graph, roots, &TapeOptions { registers, ..TapeOptions::default() }).unwrap()
 }
 
 /// The thesis, section 4.3, Table 1.
 const TABLE_1: [[&str; 4]; 9] = [
-    ["X", "-", "-", "slot 0"],
-    ["Y", "-", "-", "slot 1"],
-    ["SQUARE", "slot 0", "-", "slot 0"],
-    ["SQUARE", "slot 1", "-", "slot 1"],
-    ["ADD", "slot 0", "slot 1", "slot 1"],
-    ["SQRT", "slot 1", "-", "slot 1"],
-    ["SUB", "slot 1", "1.0f", "slot 0"],
-    ["SUB", "0.5f", "slot 1", "slot 1"],
-    ["MAX", "slot 0", "slot 1", "slot 1"],
+    ["X", "-", "-", "register 0"],
+    ["Y", "-", "-", "register 1"],
+    ["SQUARE", "register 0", "-", "register 0"],
+    ["SQUARE", "register 1", "-", "register 1"],
+    ["ADD", "register 0", "register 1", "register 1"],
+    ["SQRT", "register 1", "-", "register 1"],
+    ["SUB", "register 1", "1.0f", "register 0"],
+    ["SUB", "0.5f", "register 1", "register 1"],
+    ["MAX", "register 0", "register 1", "register 1"],
 ];
 
 #[test]
 fn table_1_of_the_thesis() {
     let mut graph = Graph::new();
     let root = ring(&mut graph);
-    for slots in [2, 256] {
-        let tape = tape_of(&graph, &[root], slots);
+    for registers in [2, 256] {
+        let tape = tape_of(&graph, &[root], registers);
         let text = tape.to_string();
         let mut lines = text.lines();
         assert_eq!(
@@ -53,11 +53,14 @@ fn table_1_of_the_thesis() {
         );
         let rows: Vec<Vec<String>> = lines
             .map(|line| {
-                line.replace("slot ", "slot~").split_whitespace().map(|cell| cell.replace('~', " ")).collect()
+                line.replace("register ", "register~")
+                    .split_whitespace()
+                    .map(|cell| cell.replace('~', " "))
+                    .collect()
             })
             .collect();
         assert_eq!(rows, TABLE_1);
-        assert_eq!((tape.slots(), tape.memory(), tape.outputs()), (2, 0, &[1][..]));
+        assert_eq!((tape.registers(), tape.memory(), tape.outputs()), (2, 0, &[1][..]));
     }
 }
 
@@ -75,12 +78,12 @@ fn words_are_those_of_the_module_s_table() {
         0x00_01_01_18,
         0x01_00_01_40, // ADD = 64
         0x00_01_01_19, // SQRT = 25
-        0x00_01_00_81, // SUB = 65, + 64: slot 1 - table 0
-        0x01_01_01_C1, // SUB = 65, + 128: table 1 - slot 1
+        0x00_01_00_81, // SUB = 65, + 64: register 1 - table 0
+        0x01_01_01_C1, // SUB = 65, + 128: table 1 - register 1
         0x01_00_01_45, // MAX = 69
     ];
     assert_eq!(words, expected);
-    // As texels: no inputs that are in their slots already, immediates beside their clauses, and END with the output.
+    // As texels: no inputs that are in their registers already, immediates beside their clauses, and END with the output.
     let mut texels = Vec::new();
     tape.append_texels(&[1.0, 0.5], &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
@@ -96,14 +99,23 @@ fn words_are_those_of_the_module_s_table() {
         (Instruction::End, 0),
         (Instruction::Page(0x1234), 0x12_34_00_01),
         (Instruction::Load { output: 7, entry: 9 }, 0x00_09_07_02),
-        (Instruction::Store { slot: 7, memory: 0x1234 }, 0x12_34_07_03),
+        (Instruction::Store { register: 7, memory: 0x1234 }, 0x12_34_07_03),
         (Instruction::Reload { output: 7, memory: 0x1234 }, 0x12_34_07_04),
         (Instruction::SelectTexture { texture: 0x1234, channel: 3 }, 0x12_34_03_05),
         (Instruction::Texture { output: 7, u: 8, v: 9 }, 0x09_08_07_06),
         (Instruction::Input { output: 7, place: 5 }, 0x00_00_07_0D),
-        (Instruction::Binary { op, output: 7, a: Operand::Slot(8), b: Operand::Slot(9) }, 0x09_08_07_4A),
-        (Instruction::Binary { op, output: 7, a: Operand::Slot(8), b: Operand::Immediate(9) }, 0x09_08_07_8A),
-        (Instruction::Binary { op, output: 7, a: Operand::Immediate(8), b: Operand::Slot(9) }, 0x09_08_07_CA),
+        (
+            Instruction::Binary { op, output: 7, a: Operand::Register(8), b: Operand::Register(9) },
+            0x09_08_07_4A,
+        ),
+        (
+            Instruction::Binary { op, output: 7, a: Operand::Register(8), b: Operand::Immediate(9) },
+            0x09_08_07_8A,
+        ),
+        (
+            Instruction::Binary { op, output: 7, a: Operand::Immediate(8), b: Operand::Register(9) },
+            0x09_08_07_CA,
+        ),
     ] {
         assert_eq!(instruction.encode().word(), word, "{instruction:?}");
         assert_eq!(Clause::from_word(word).decode(), Some(instruction));
@@ -134,7 +146,7 @@ fn every_tape_ends_with_end_in_second_place_and_rare_operators_stand_there() {
         tape.append_texels(&[], &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
-        // X is in its slot already; every other clause is there.
+        // X is in its register already; every other clause is there.
         assert_eq!(others.len(), length - 1);
         assert!(others.iter().all(|texel| texel[0] == 0 && texel[2] & 255 == u32::from(Op::Sin.number())));
         node = graph.unary(Op::Sin, node);
@@ -153,15 +165,15 @@ proptest! {
     fn tapes_give_what_the_graph_gives_bit_for_bit(
         steps in steps(120),
         values in proptest::collection::vec(proptest::array::uniform6(number()), 1..70),
-        slots in prop_oneof![2usize..8, Just(256usize)],
+        registers in prop_oneof![2usize..8, Just(256usize)],
         simplify: bool,
         outputs in 1usize..4,
     ) {
         let mut graph = Graph::new();
         let built = build(&mut graph, &steps, simplify);
-        let roots: Vec<NodeId> = built.iter().rev().copied().take(outputs.min(slots)).collect();
-        let tape = tape_of(&graph, &roots, slots);
-        prop_assert!(tape.slots() <= slots);
+        let roots: Vec<NodeId> = built.iter().rev().copied().take(outputs.min(registers)).collect();
+        let tape = tape_of(&graph, &roots, registers);
+        prop_assert!(tape.registers() <= registers);
         let frame = frame();
         let mut evaluator = PointEvaluator::new(&tape, &frame);
         let mut duals = GradientEvaluator::new(&tape, &frame);
@@ -229,7 +241,7 @@ fn choices_are_recorded_in_the_order_of_the_tape() {
     assert_eq!(evaluator.choices(), [Choice::Right, Choice::Right]);
 }
 
-/// A sphere's gradient is its direction; a gyroid's is known; both also through spilled slots.
+/// A sphere's gradient is its direction; a gyroid's is known; both also through spilled registers.
 #[test]
 fn gradients_are_known_ones() {
     let mut g = Graph::new();
@@ -241,8 +253,8 @@ fn gradients_are_known_ones() {
     let cosines = p.map(|v| g.unary(Op::Cos, v));
     let gyroid = g.dot(&sines, &[cosines[1], cosines[2], cosines[0]]);
     let frame = FrameInputs::default();
-    for slots in [2, 256] {
-        let tape = tape_of(&g, &[sphere, gyroid], slots);
+    for registers in [2, 256] {
+        let tape = tape_of(&g, &[sphere, gyroid], registers);
         let mut evaluator = GradientEvaluator::new(&tape, &frame);
         for [x, y, z] in [[1.0f32, 2.0, 2.0], [-0.3, 0.4, 1.2], [3.0, -4.0, 0.0]] {
             let found = evaluator.at(&Point::at(x, y, z)).to_vec();
@@ -289,11 +301,11 @@ fn any_number_of_constants() {
     assert_eq!(pages(&with_constants(257)), 1);
     let tape = with_constants(70_000);
     assert_eq!((pages(&tape), tape.table().len()), (273, 70_000));
-    assert_eq!(tape.slots(), 3);
+    assert_eq!(tape.registers(), 3);
 }
 
 #[test]
-fn deep_expressions_need_no_stack_and_few_slots() {
+fn deep_expressions_need_no_stack_and_few_registers() {
     let mut graph = Graph::new();
     let x = graph.input(Input::X);
     let (mut left, mut right) = (x, x);
@@ -307,10 +319,10 @@ fn deep_expressions_need_no_stack_and_few_slots() {
     }
     let tape = tape_of(&graph, &[left, right], 256);
     assert!(
-        tape.clauses().len() >= 400_000 && tape.slots() <= 8,
+        tape.clauses().len() >= 400_000 && tape.registers() <= 8,
         "{} {}",
         tape.clauses().len(),
-        tape.slots()
+        tape.registers()
     );
     let frame = FrameInputs::default();
     let point = Point::at(0.25, 0.0, 0.0);
@@ -319,9 +331,9 @@ fn deep_expressions_need_no_stack_and_few_slots() {
     assert!(glsl::function(&graph, &[left], "deep", glsl::Sampling::None).unwrap().lines().count() > 200_000);
 }
 
-/// A balanced tree over 2^10 leaves of x, y and z takes a slot per level, and spills below that.
+/// A balanced tree over 2^10 leaves of x, y and z takes a register per level, and spills below that.
 #[test]
-fn spilling_uses_memory_only_where_slots_run_out() {
+fn spilling_uses_memory_only_where_registers_run_out() {
     let mut graph = Graph::new();
     let inputs = [Input::X, Input::Y, Input::Z].map(|input| graph.input(input));
     let mut row: Vec<NodeId> = (0..1024)
@@ -337,21 +349,21 @@ fn spilling_uses_memory_only_where_slots_run_out() {
     let frame = FrameInputs::default();
     let point = Point::at(0.1, 0.2, 0.3);
     let expected = graph.evaluate(&row, &point, &frame).unwrap()[0];
-    for (slots, memory) in [(256, 0), (16, 0), (14, 0), (5, 1), (2, 1)] {
-        let tape = tape_of(&graph, &row, slots);
+    for (registers, memory) in [(256, 0), (16, 0), (14, 0), (5, 1), (2, 1)] {
+        let tape = tape_of(&graph, &row, registers);
         assert!(
-            tape.slots() <= slots && (tape.memory() > 0) == (memory > 0),
+            tape.registers() <= registers && (tape.memory() > 0) == (memory > 0),
             "{} {}",
-            tape.slots(),
+            tape.registers(),
             tape.memory()
         );
         assert!(tape.memory() <= 11);
-        // A tree of height h needs h + 1 slots: above that height every node keeps one operand in memory.
-        let least = (1 << (11 - slots.min(11))) - 1;
+        // A tree of height h needs h + 1 registers: above that height every node keeps one operand in memory.
+        let least = (1 << (11 - registers.min(11))) - 1;
         let reloads = tape.instructions().filter(|i| matches!(i, Instruction::Reload { .. })).count();
         assert!(
             (least..=2 * least + 1).contains(&reloads),
-            "{slots} slots: {reloads} reloads, {least} at least"
+            "{registers} registers: {reloads} reloads, {least} at least"
         );
         assert!(same(PointEvaluator::new(&tape, &frame).at(&point)[0], expected));
     }
@@ -385,9 +397,10 @@ fn limits_are_reached() {
     let backward = values[..19].iter().rev().fold(values[19], |all, &v| graph.binary(Op::Pow, all, v));
     let root = graph.add(forward, backward);
     let options = TapeOptions::default();
-    let with = |slots: usize, limits: Limits| Tape::build(&graph, &[root], &TapeOptions { slots, limits });
+    let with =
+        |registers: usize, limits: Limits| Tape::build(&graph, &[root], &TapeOptions { registers, limits });
     for count in [0, 1, 257] {
-        assert_eq!(with(count, LIMITS), Err(TapeError::SlotCount { count }));
+        assert_eq!(with(count, LIMITS), Err(TapeError::RegisterCount { count }));
     }
     let clauses = with(256, LIMITS).unwrap().clauses().len();
     assert!(with(256, Limits { tape_clauses_max: clauses, ..LIMITS }).is_ok());
@@ -401,7 +414,7 @@ fn limits_are_reached() {
     let max = LIMITS.tape_outputs_max;
     assert!(outputs(max, &options).is_ok());
     assert_eq!(outputs(max + 1, &options), Err(TapeError::TooManyOutputs { count: max + 1, max }));
-    let few = TapeOptions { slots: 2, ..options };
+    let few = TapeOptions { registers: 2, ..options };
     assert!(outputs(2, &few).is_ok());
     assert_eq!(outputs(3, &few), Err(TapeError::TooManyOutputs { count: 3, max: 2 }));
     let mut full = Graph::with_limits(&Limits { graph_nodes_max: 1, ..LIMITS });

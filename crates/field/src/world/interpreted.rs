@@ -4,7 +4,7 @@
 //! |---|---|
 //! | 0 | where the programs of the sky, the ambient light and the glow begin |
 //! | 1.. | where the material of each object begins, four objects a texel |
-//! | a program | a header: the slots of up to 12 outputs, a byte each; how many textures it samples |
+//! | a program | a header: the registers of up to 12 outputs, a byte each; how many textures it samples |
 //! | | a texel for each of those: the number of the picture, the first texel of the tape of its coordinates |
 //! | | its tape |
 //! | | the tapes of the coordinates |
@@ -81,8 +81,8 @@ impl Program {
     /// Appends the program of a frame.
     fn append(&self, inputs: &FrameInputs, texels: &mut Vec<[u32; 4]>) {
         let mut outputs = [0; 12];
-        for (byte, slot) in outputs.iter_mut().zip(self.tape.outputs()) {
-            *byte = *slot;
+        for (byte, register) in outputs.iter_mut().zip(self.tape.outputs()) {
+            *byte = *register;
         }
         let four =
             |place: usize| outputs[place..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));

@@ -24,7 +24,7 @@ pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues, PictureValu
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
-pub use traits::Traits;
+pub use traits::SceneFeatures;
 // How a picture is made is part of a scene.
 pub use crate::lang::ToneMap;
 
@@ -138,7 +138,7 @@ pub struct World {
     /// need to know how steep it is where they are.
     pub steep: bool,
     /// What it needs of the shaders.
-    pub traits: Traits,
+    pub traits: SceneFeatures,
     /// What the shader evaluates.
     pub roots: Roots,
     /// What the processor evaluates once a frame.
@@ -169,7 +169,7 @@ impl World {
         let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
         let glow = nearby_light::nearby_light(&mut scene).map_err(graph_error)?;
-        let traits = Traits::of(&scene, glow.is_some());
+        let traits = SceneFeatures::of(&scene, glow.is_some());
         let roots = roots(&mut scene, rest.as_ref(), glow);
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;

@@ -5,7 +5,7 @@ use crate::lang::{LightPlace, Scene};
 
 /// Parts of the shaders that some scenes go without.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Traits {
+pub struct SceneFeatures {
     /// Lights that are rectangles.
     pub panels: bool,
     /// Surfaces that mirror.
@@ -18,7 +18,7 @@ pub struct Traits {
     pub lens: bool,
 }
 
-impl Traits {
+impl SceneFeatures {
     /// Those of a scene.
     pub(super) fn of(scene: &Scene, glow: bool) -> Self {
         let panel = |place: &LightPlace| matches!(place, LightPlace::Panel { .. });

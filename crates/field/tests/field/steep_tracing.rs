@@ -70,8 +70,13 @@ impl Cells<'_> {
                 let low = place.map(|place| place as f32 * side - self.half);
                 // A little larger: rounding may place a point beside its cell.
                 let sides = low.map(|low| Interval::new(low - 1e-5, low + side + 1e-5));
-                let sloped = self.bounds.over(sides, [Interval::point(0.0); 3])[0];
-                Cell { bound: sloped.value.lo.max(0.0), gradient: sloped.gradient, low, side }
+                let gradient_interval = self.bounds.over(sides, [Interval::point(0.0); 3])[0];
+                Cell {
+                    bound: gradient_interval.value.lo.max(0.0),
+                    gradient: gradient_interval.gradient,
+                    low,
+                    side,
+                }
             });
             found = Some(cell);
             if cell.bound > 0.0 {

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rtrb::Producer;
 
-use super::tap::TapLink;
+use super::input_callback::InputCallbackLink;
 use mariana_music::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
 
 /// How long the thread sleeps if no callback wakes it.
@@ -70,7 +70,7 @@ impl Ear {
 pub(super) struct Listener {
     ear: Arc<Ear>,
     moments: Producer<Heard>,
-    link: Option<TapLink>,
+    link: Option<InputCallbackLink>,
     analyzer: Analyzer,
     gain: Gain,
     stream: u64,
@@ -112,7 +112,7 @@ impl Listener {
     }
 
     /// Works until it is told to stop.
-    pub(super) fn run(mut self, links: &Receiver<Option<TapLink>>) {
+    pub(super) fn run(mut self, links: &Receiver<Option<InputCallbackLink>>) {
         while !self.ear.stop.load(Ordering::Relaxed) {
             for link in links.try_iter() {
                 self.attach(link);
@@ -123,7 +123,7 @@ impl Listener {
     }
 
     /// Listens to another input, or to none.
-    fn attach(&mut self, link: Option<TapLink>) {
+    fn attach(&mut self, link: Option<InputCallbackLink>) {
         if let Some(link) = &link {
             self.stream += 1;
             (self.position, self.resting) = (0, false);
@@ -207,7 +207,7 @@ pub(super) fn has_signal(frames: &[StereoFrame]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::Tap;
+    use crate::input::InputCallback;
     use rtrb::{Consumer, RingBuffer};
 
     fn listener() -> (Listener, Consumer<Heard>) {
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn every_hop_becomes_a_moment_with_its_sample_and_its_time() {
         let (mut listener, mut heard) = listener();
-        let (mut tap, link) = Tap::new(48_000, std::thread::current());
+        let (mut tap, link) = InputCallback::new(48_000, std::thread::current());
         listener.attach(Some(link));
         for size in [700, 30, 1300, 9_000] {
             tap.take(&tone(size), 1, None);
@@ -240,7 +240,7 @@ mod tests {
         assert!(moments.is_sorted_by(|a, b| a.heard.time < b.heard.time && a.heard.number < b.heard.number));
         assert!(moments.last().is_some_and(|last| last.heard.features.volume[0] > 0.1 && last.stream == 1));
         // Another device: another stream, from its first sample on.
-        let (mut tap, link) = Tap::new(96_000, std::thread::current());
+        let (mut tap, link) = InputCallback::new(96_000, std::thread::current());
         listener.attach(Some(link));
         tap.take(&tone(5_000), 1, None);
         listener.listen();
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn features_sink_into_silence_when_nothing_comes_any_more_and_then_rest() {
         let (mut listener, mut heard) = listener();
-        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
         tap.take(&tone(4_000), 1, None);
         listener.listen();
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn long_silence_is_not_analysed_and_the_next_sound_is_at_its_place() {
         let (mut listener, mut heard) = listener();
-        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
         tap.take(&tone(1_000), 1, None);
         listener.listen();
@@ -301,7 +301,7 @@ mod tests {
         assert!(!has_signal(&[[f32::NAN; 2], [0.0; 2]]));
         assert!(has_signal(&[[0.0, 0.0], [0.0, 0.001]]));
         let (mut listener, _heard) = listener();
-        let (mut tap, link) = Tap::new(8_000, std::thread::current());
+        let (mut tap, link) = InputCallback::new(8_000, std::thread::current());
         listener.attach(Some(link));
         std::thread::sleep(Duration::from_millis(30));
         tap.take(&[0.3_f32; 500], 1, None);

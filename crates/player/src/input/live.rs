@@ -13,10 +13,10 @@ use super::listener::{Ear, Heard, Listener};
 use super::port::InputPort;
 use super::probe::Prober;
 use crate::device::Target;
+use crate::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use crate::error::PlayerError;
 use crate::limits::LIMITS;
 use crate::player::Moment;
-use crate::roster::{Roster, RosterEntry, RosterWatch};
 use crate::supervisor::Supervisor;
 use crate::worker::Worker;
 use mariana_music::{FeatureTrack, Features, Gain, Sound};
@@ -48,7 +48,7 @@ pub struct LiveStatus {
     /// What is listened to, in words.
     pub name: String,
     /// The device, if one is open.
-    pub device: Option<RosterEntry>,
+    pub device: Option<ListedDevice>,
     /// The device and its format.
     pub description: String,
     /// Why there is no sound, if there is none.
@@ -58,7 +58,7 @@ pub struct LiveStatus {
     /// What is wrong with an input that gives nothing but silence, and what to do.
     pub flat: Option<String>,
     /// The input that would have signal, then.
-    pub suggestion: Option<RosterEntry>,
+    pub suggestion: Option<ListedDevice>,
     /// Frames that were lost, and glitches.
     pub lost: u64,
     /// Calls of the callback.
@@ -73,7 +73,7 @@ pub struct LiveStatus {
 pub struct Live {
     target: Target,
     ear: Arc<Ear>,
-    watch: Arc<RosterWatch>,
+    watch: Arc<DeviceWatch>,
     /// Taken when dropped.
     supervisor: Option<Supervisor<InputPort>>,
     listener: Worker,
@@ -105,7 +105,7 @@ impl Live {
         let work = Listener::new(ear.clone(), producer, gain);
         let listener = Worker::spawn("listening", move || work.run(&inbox))?;
         let thread = listener.thread().cloned().unwrap_or_else(std::thread::current);
-        let watch = RosterWatch::shared()?;
+        let watch = DeviceWatch::shared()?;
         let supervisor = Supervisor::start(InputPort { links, listener: thread }, Some(target.clone()))?;
         Ok(Self {
             target,
@@ -187,18 +187,20 @@ impl Live {
     /// How listening stands now. Looks for an input with signal if the present one has none.
     pub fn status(&mut self) -> LiveStatus {
         let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
-        let (_, roster) = self.watch.latest();
-        let name =
-            status.device.as_ref().map_or_else(|| self.wanted_name(&roster), |device| device.name.clone());
+        let (_, device_list) = self.watch.latest();
+        let name = status
+            .device
+            .as_ref()
+            .map_or_else(|| self.wanted_name(&device_list), |device| device.name.clone());
         let (mut flat, mut suggestion) = (None, None);
         match &status.device {
             Some(device) if status.silent.is_none() && self.ear.flat_for() >= FLAT_LIMIT => {
-                suggestion = self.prober.look(|| candidates(&roster, device)).cloned();
+                suggestion = self.prober.look(|| candidates(&device_list, device)).cloned();
                 flat = Some(diagnosis(&name, suggestion.as_ref()));
             }
             _ => self.prober.reset(),
         }
-        let count = |of: fn(&super::TapCounters) -> u64| status.note.as_deref().map_or(0, of);
+        let count = |of: fn(&super::InputCounters) -> u64| status.note.as_deref().map_or(0, of);
         LiveStatus {
             name,
             device: status.device,
@@ -215,12 +217,12 @@ impl Live {
     }
 
     /// What is to be listened to, in words, while it is not open.
-    fn wanted_name(&self, roster: &Roster) -> String {
+    fn wanted_name(&self, device_list: &DeviceList) -> String {
         match &self.target {
             Target::Default => "the microphone".into(),
             Target::Monitor => "what the computer plays".into(),
             Target::MonitorOf(name) => format!("what {name} plays"),
-            Target::Named(id) => roster.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone()),
+            Target::Named(id) => device_list.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone()),
         }
     }
 }
@@ -238,14 +240,14 @@ impl Drop for Live {
 
 /// Where signal is looked for: in the monitors, and beside a microphone in the other ones too. Nobody who shows what the
 /// computer plays expects microphones to be opened.
-fn candidates(roster: &Roster, present: &RosterEntry) -> Vec<RosterEntry> {
-    let others = || roster.inputs.iter().filter(|entry| entry.id != present.id);
+fn candidates(device_list: &DeviceList, present: &ListedDevice) -> Vec<ListedDevice> {
+    let others = || device_list.inputs.iter().filter(|entry| entry.id != present.id);
     let monitors = others().filter(|entry| entry.is_monitor());
     let microphones = others().filter(|entry| !entry.is_monitor() && !present.is_monitor());
     monitors.chain(microphones).cloned().collect()
 }
 
-fn diagnosis(name: &str, suggestion: Option<&RosterEntry>) -> String {
+fn diagnosis(name: &str, suggestion: Option<&ListedDevice>) -> String {
     match suggestion {
         Some(other) => {
             let known = other.name.to_lowercase().starts_with("monitor of");
@@ -261,13 +263,13 @@ fn diagnosis(name: &str, suggestion: Option<&RosterEntry>) -> String {
 mod tests {
     use super::*;
 
-    fn entry(id: &str, name: &str) -> RosterEntry {
-        RosterEntry { id: id.into(), name: name.into() }
+    fn entry(id: &str, name: &str) -> ListedDevice {
+        ListedDevice { id: id.into(), name: name.into() }
     }
 
     #[test]
     fn a_flat_input_is_told_with_what_to_do() {
-        let told = |other: Option<&RosterEntry>| diagnosis("Mic", other);
+        let told = |other: Option<&ListedDevice>| diagnosis("Mic", other);
         assert_eq!(
             told(Some(&entry("p:hdmi.monitor", "Monitor of HDMI"))),
             "no sound from Mic; the monitor of HDMI has signal: press D"
@@ -281,9 +283,9 @@ mod tests {
         let (a, b, mic, usb) =
             (entry("a.monitor", "A"), entry("b.monitor", "B"), entry("mic", "M"), entry("usb", "U"));
         let inputs = vec![mic.clone(), a.clone(), usb.clone(), b.clone()];
-        let roster = Roster { known: true, inputs, ..Roster::default() };
-        assert_eq!(candidates(&roster, &a), std::slice::from_ref(&b));
-        assert_eq!(candidates(&roster, &mic), [a, b, usb]);
+        let device_list = DeviceList { known: true, inputs, ..DeviceList::default() };
+        assert_eq!(candidates(&device_list, &a), std::slice::from_ref(&b));
+        assert_eq!(candidates(&device_list, &mic), [a, b, usb]);
     }
 
     #[test]

@@ -1,17 +1,17 @@
 //! Live input: what a device hears, or what the computer plays.
 //!
 //! ```text
-//! device ─► Tap (the callback) ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
+//! device ─► InputCallback (the callback) ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
 //! ```
 //!
 //! Both rings are wait-free at both ends, and a moment carries the number of its sample and its time. The window keeps
 //! the moments of the last seconds, so that a picture can be shown later than the sound came in.
 
+mod input_callback;
 mod listener;
 mod live;
 mod port;
 mod probe;
-mod tap;
 
+pub use input_callback::{InputCallback, InputCallbackLink, InputCounters};
 pub use live::{Live, LiveOptions, LiveStatus};
-pub use tap::{Tap, TapCounters, TapLink};

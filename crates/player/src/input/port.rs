@@ -1,4 +1,4 @@
-//! The input's side of the supervisor: opens devices for a [`Tap`].
+//! The input's side of the supervisor: opens devices for a [`InputCallback`].
 
 use std::io;
 use std::sync::Arc;
@@ -9,14 +9,14 @@ use std::thread::Thread;
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, ErrorKind, FromSample, SampleFormat, SizedSample, StreamConfig};
 
-use super::tap::{Tap, TapCounters, TapLink};
+use super::input_callback::{InputCallback, InputCallbackLink, InputCounters};
 use crate::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
     error_callback, find, refusal, usable_rate, with_sample_type,
 };
+use crate::device_list::ListedDevice;
 use crate::error::{DeviceError, Direction};
 use crate::hosts::hush_sound_library;
-use crate::roster::RosterEntry;
 
 /// Frames per callback that are asked for at 44.1 and 48 kHz: 11 ms, a hop of the analysis. Smaller ones bring nothing sooner,
 /// as features come with the hops, and each costs the client of PulseAudio some 0.1 ms.
@@ -28,12 +28,12 @@ const MIXED_CHANNELS_MAX: u16 = 8;
 /// Hands the links of inputs to the listening thread.
 pub(super) struct InputPort {
     /// None stands for no input.
-    pub(super) links: Sender<Option<TapLink>>,
+    pub(super) links: Sender<Option<InputCallbackLink>>,
     pub(super) listener: Thread,
 }
 
 impl InputPort {
-    fn send(&self, link: Option<TapLink>) {
+    fn send(&self, link: Option<InputCallbackLink>) {
         // If the listening thread has ended, nobody listens.
         let _ = self.links.send(link);
         self.listener.unpark();
@@ -41,23 +41,23 @@ impl InputPort {
 }
 
 impl Port for InputPort {
-    type Link = TapLink;
-    type Note = Option<Arc<TapCounters>>;
+    type Link = InputCallbackLink;
+    type Note = Option<Arc<InputCounters>>;
     type StandIn = ();
 
     const DIRECTION: Direction = Direction::Input;
     const STAND_IN: &'static str = "silence";
 
-    fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<TapLink> + Send + 'static {
+    fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<InputCallbackLink> + Send + 'static {
         let listener = self.listener.clone();
         move |target, on_failure| open(&target, &listener, &on_failure)
     }
 
-    fn note(link: &TapLink) -> Self::Note {
+    fn note(link: &InputCallbackLink) -> Self::Note {
         Some(link.counters.clone())
     }
 
-    fn ready(&mut self, link: TapLink) {
+    fn ready(&mut self, link: InputCallbackLink) {
         self.send(Some(link));
     }
 
@@ -71,11 +71,15 @@ impl Port for InputPort {
 }
 
 /// Opens and starts an input. Blocks as long as the sound system likes, until the first samples come at least.
-pub(super) fn open(target: &Target, listener: &Thread, on_failure: &OnFailure) -> OpenResult<TapLink> {
+pub(super) fn open(
+    target: &Target,
+    listener: &Thread,
+    on_failure: &OnFailure,
+) -> OpenResult<InputCallbackLink> {
     hush_sound_library();
     let direction = Direction::Input;
     let device = find(direction, target)?;
-    let entry = RosterEntry::of(&device);
+    let entry = ListedDevice::of(&device);
     let name = format!("'{}'", entry.name);
     let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
     let converted = converts(&device);
@@ -98,7 +102,7 @@ pub(super) fn open(target: &Target, listener: &Thread, on_failure: &OnFailure) -
     let mut last_error = None;
     for buffer_size in [BufferSize::Fixed(frames), BufferSize::Default] {
         let config = StreamConfig { channels, sample_rate: rate, buffer_size };
-        let (tap, link) = Tap::new(rate, listener.clone());
+        let (tap, link) = InputCallback::new(rate, listener.clone());
         let glitches = link.counters.clone();
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.lost.fetch_add(1, Ordering::Relaxed);
@@ -126,7 +130,7 @@ pub(super) fn open(target: &Target, listener: &Thread, on_failure: &OnFailure) -
 fn build<T: SizedSample>(
     device: &cpal::Device,
     config: StreamConfig,
-    mut tap: Tap,
+    mut tap: InputCallback,
     on_error: impl FnMut(cpal::Error) + Send + 'static,
 ) -> Result<cpal::Stream, cpal::Error>
 where

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::listener::has_signal;
 use super::port::open;
 use crate::device::Target;
-use crate::roster::RosterEntry;
+use crate::device_list::ListedDevice;
 use crate::worker::Worker;
 
 /// How long an input is listened to.
@@ -27,8 +27,8 @@ const PAUSE_MAX: Duration = Duration::from_secs(30);
 
 /// The search and what it found.
 pub(super) struct Prober {
-    search: Option<(Worker, Receiver<Option<RosterEntry>>)>,
-    found: Option<RosterEntry>,
+    search: Option<(Worker, Receiver<Option<ListedDevice>>)>,
+    found: Option<ListedDevice>,
     /// Whether the answer of the search does not count any more.
     stale: bool,
     next: Option<Instant>,
@@ -48,7 +48,7 @@ impl Prober {
     }
 
     /// An input with signal, if one was found; searches among `candidates` from time to time. Returns at once.
-    pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<RosterEntry>) -> Option<&RosterEntry> {
+    pub(super) fn look(&mut self, candidates: impl FnOnce() -> Vec<ListedDevice>) -> Option<&ListedDevice> {
         if let Some((worker, answer)) = &self.search {
             if let Ok(found) = answer.try_recv() {
                 self.found = found.filter(|_| !std::mem::take(&mut self.stale));
@@ -72,7 +72,7 @@ impl Prober {
 
 /// Answers with the first of the inputs that has signal. Ends when all that it opened is closed again: one that hangs holds
 /// up the next search, so that they do not pile up.
-fn search(mut candidates: Vec<RosterEntry>, found: &Sender<Option<RosterEntry>>) {
+fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
     let (answer, answers) = channel();
     let mut workers: Vec<Worker> = candidates

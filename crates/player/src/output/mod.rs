@@ -1,8 +1,8 @@
-//! Where the sound goes: the callback's work ([`Feeder`]), the devices, and the silent clock that stands in for them.
+//! Where the sound goes: the callback's work ([`OutputCallback`]), the devices, and the silent clock that stands in for them.
 
-mod feeder;
 mod null_output;
+mod output_callback;
 mod port;
 
-pub use feeder::{Controls, Counters, Feeder, FeederLink, Segment};
+pub use output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink, Segment};
 pub use port::{OutputChoice, OutputRequest, OutputStatus, Supervisor};

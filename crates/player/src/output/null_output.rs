@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::feeder::Feeder;
+use super::output_callback::OutputCallback;
 use crate::worker::Worker;
 
 /// Time between two takes.
@@ -25,8 +25,8 @@ pub(crate) struct NullOutput {
 }
 
 impl NullOutput {
-    /// Starts taking `rate` frames per second from `feeder`.
-    pub(crate) fn start(mut feeder: Feeder, rate: u32) -> io::Result<Self> {
+    /// Starts taking `rate` frames per second from `output_callback`.
+    pub(crate) fn start(mut output_callback: OutputCallback, rate: u32) -> io::Result<Self> {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let worker = Worker::spawn("silent clock", move || {
@@ -44,7 +44,7 @@ impl NullOutput {
                 }
                 buffer.resize(2 * frames as usize, 0.0_f32);
                 let due_at = start + Duration::from_secs_f64(taken as f64 / f64::from(rate.max(1)));
-                feeder.serve_at(&mut buffer, 2, due_at, Some(Duration::ZERO));
+                output_callback.serve_at(&mut buffer, 2, due_at, Some(Duration::ZERO));
                 taken = due;
                 let next = PERIOD * ((passed.as_nanos() / PERIOD.as_nanos()) as u32 + 1);
                 std::thread::sleep(next.saturating_sub(start.elapsed()));

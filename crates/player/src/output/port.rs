@@ -1,4 +1,4 @@
-//! The output's side of the supervisor: opens devices for a [`Feeder`], and puts the silent clock in their place.
+//! The output's side of the supervisor: opens devices for a [`OutputCallback`], and puts the silent clock in their place.
 
 use std::io;
 use std::sync::Arc;
@@ -7,16 +7,16 @@ use std::sync::atomic::Ordering;
 use cpal::traits::{DeviceTrait, StreamTrait};
 use cpal::{BufferSize, ErrorKind, FromSample, SizedSample, StreamConfig};
 
-use super::feeder::{Controls, Counters, Feeder, FeederLink};
 use super::null_output::NullOutput;
+use super::output_callback::{Controls, Counters, OutputCallback, OutputCallbackLink};
 use crate::clock::SpanHistory;
 use crate::device::{
     BUILD_LIMIT, OnFailure, OpenResult, Opened, Port, Running, Target, buffer_frames, converts,
     error_callback, find, refusal, usable_rate, with_sample_type,
 };
+use crate::device_list::ListedDevice;
 use crate::error::{DeviceError, Direction};
 use crate::hosts::{for_playback, hush_sound_library};
-use crate::roster::RosterEntry;
 use crate::supervisor::{StreamStatus, Supervisor as Watching};
 
 /// Frames per callback that are asked for at 44.1 and 48 kHz: 21 ms.
@@ -48,7 +48,7 @@ pub struct OutputStatus {
     /// In words.
     pub description: String,
     /// The device, if there is one.
-    pub device: Option<RosterEntry>,
+    pub device: Option<ListedDevice>,
     /// Why there is no sound, if there is none.
     pub silent: Option<String>,
     /// What is audible; none while nothing is open yet.
@@ -69,7 +69,7 @@ impl Supervisor {
         request: OutputRequest,
         controls: Arc<Controls>,
         counters: Arc<Counters>,
-        deliver: impl FnMut(FeederLink) + Send + 'static,
+        deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
     ) -> io::Result<Self> {
         let target = (request.choice == OutputChoice::Auto)
             .then(|| request.device.map_or(Target::Default, Target::Named));
@@ -99,36 +99,37 @@ struct OutputPort {
     controls: Arc<Controls>,
     counters: Arc<Counters>,
     silent_rate: u32,
-    deliver: Box<dyn FnMut(FeederLink) + Send>,
+    deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
     /// The silent clock's link until its status is told.
-    waiting: Option<FeederLink>,
+    waiting: Option<OutputCallbackLink>,
 }
 
 impl Port for OutputPort {
-    type Link = FeederLink;
+    type Link = OutputCallbackLink;
     type Note = Option<Arc<SpanHistory>>;
     type StandIn = NullOutput;
 
     const DIRECTION: Direction = Direction::Output;
     const STAND_IN: &'static str = "silent clock";
 
-    fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<FeederLink> + Send + 'static {
+    fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<OutputCallbackLink> + Send + 'static {
         let (controls, counters) = (self.controls.clone(), self.counters.clone());
         move |target, on_failure| open(&target, &controls, &counters, &on_failure)
     }
 
-    fn note(link: &FeederLink) -> Self::Note {
+    fn note(link: &OutputCallbackLink) -> Self::Note {
         Some(link.history.clone())
     }
 
-    fn ready(&mut self, link: FeederLink) {
+    fn ready(&mut self, link: OutputCallbackLink) {
         (self.deliver)(link);
     }
 
     fn stand_in(&mut self) -> io::Result<(Option<NullOutput>, Self::Note)> {
         let rate = self.silent_rate;
-        let (feeder, link) = Feeder::new(rate, 0, self.controls.clone(), self.counters.clone());
-        let clock = NullOutput::start(feeder, rate)?;
+        let (output_callback, link) =
+            OutputCallback::new(rate, 0, self.controls.clone(), self.counters.clone());
+        let clock = NullOutput::start(output_callback, rate)?;
         link.history.set_silent();
         let note = Self::note(&link);
         self.waiting = Some(link);
@@ -149,11 +150,11 @@ fn open(
     controls: &Arc<Controls>,
     counters: &Arc<Counters>,
     on_failure: &OnFailure,
-) -> OpenResult<FeederLink> {
+) -> OpenResult<OutputCallbackLink> {
     hush_sound_library();
     let direction = Direction::Output;
     let device = find(direction, target)?;
-    let entry = RosterEntry::of(&device);
+    let entry = ListedDevice::of(&device);
     let name = format!("'{}'", entry.name);
     let refused = |error: cpal::Error| (refusal(direction, &name, target, &error), error.kind());
     let (device, connection) = for_playback(device).map_err(refused)?;
@@ -168,12 +169,13 @@ fn open(
     let mut last_error = None;
     for buffer_size in [BufferSize::Fixed(frames), BufferSize::Default] {
         let config = StreamConfig { buffer_size, sample_rate: rate, ..supported.config() };
-        let (feeder, link) = Feeder::new(rate, frames as usize, controls.clone(), counters.clone());
+        let (output_callback, link) =
+            OutputCallback::new(rate, frames as usize, controls.clone(), counters.clone());
         let glitches = counters.clone();
         let on_error = error_callback(on_failure.clone(), move || {
             glitches.underruns.fetch_add(1, Ordering::Relaxed);
         });
-        let Some(built) = with_sample_type!(format, build(&device, config, feeder, on_error)) else {
+        let Some(built) = with_sample_type!(format, build(&device, config, output_callback, on_error)) else {
             let error = DeviceError::Format { direction, device: name, format: format.to_string() };
             return Err((error, ErrorKind::UnsupportedConfig));
         };
@@ -203,7 +205,7 @@ fn open(
 fn build<T: SizedSample + FromSample<f32>>(
     device: &cpal::Device,
     config: StreamConfig,
-    mut feeder: Feeder,
+    mut output_callback: OutputCallback,
     on_error: impl FnMut(cpal::Error) + Send + 'static,
 ) -> Result<cpal::Stream, cpal::Error> {
     let channels = usize::from(config.channels);
@@ -211,7 +213,7 @@ fn build<T: SizedSample + FromSample<f32>>(
         let stamps = info.timestamp();
         let latency =
             stamps.playback.checked_duration_since(stamps.callback).filter(|latency| !latency.is_zero());
-        feeder.serve(data, channels, latency);
+        output_callback.serve(data, channels, latency);
     };
     device.build_output_stream(config, callback, on_error, Some(BUILD_LIMIT))
 }

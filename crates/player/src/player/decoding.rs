@@ -22,7 +22,7 @@ use super::analysis::AnalysisInput;
 use super::filling::Filling;
 use super::listing::{Request, SharedTroubles};
 use crate::limits::LIMITS;
-use crate::output::FeederLink;
+use crate::output::OutputCallbackLink;
 use crate::resample::Resampler;
 use crate::source::SourceError;
 use crate::timeline::SharedTimeline;
@@ -63,7 +63,7 @@ pub(crate) enum Command {
     /// Play on this output from `at` on.
     Output {
         /// The output.
-        link: FeederLink,
+        link: OutputCallbackLink,
         /// When it came.
         at: Instant,
     },
@@ -125,7 +125,7 @@ pub(crate) struct Decoding {
     timeline: SharedTimeline,
     analysis: SyncSender<AnalysisInput>,
     troubles: SharedTroubles,
-    link: Option<FeederLink>,
+    link: Option<OutputCallbackLink>,
     filling: Option<Filling>,
     last_id: u64,
     /// Grows with each seek and each skip.

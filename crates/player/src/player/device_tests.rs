@@ -10,7 +10,7 @@ use super::listing;
 use super::listing::SharedTroubles;
 use super::tests::{RATE, Ramp, Ramps};
 use crate::clock::{Clock, SpanHistory};
-use crate::output::{Controls, Feeder};
+use crate::output::{Controls, OutputCallback};
 use crate::timeline::SharedTimeline;
 use crate::track::Repeat;
 use crate::worker::Worker;
@@ -23,7 +23,7 @@ const STEP_MAX: f64 = 0.05;
 
 /// A device whose callback is called when its time comes.
 struct Device {
-    feeder: Feeder,
+    output_callback: OutputCallback,
     history: Arc<SpanHistory>,
     rate: u32,
     buffer: usize,
@@ -38,12 +38,12 @@ impl Device {
     fn run(&mut self, now: Instant, fed: bool) {
         while self.next_call <= now {
             let waiting = Instant::now();
-            while fed && !self.feeder.is_fed() {
+            while fed && !self.output_callback.is_fed() {
                 assert!(waiting.elapsed() < Duration::from_secs(20), "the decoding thread does nothing");
                 std::thread::sleep(Duration::from_millis(1));
             }
             let mut data = vec![0.0_f32; 2 * self.buffer];
-            self.feeder.fill(&mut data, 2, self.next_call, Some(self.latency));
+            self.output_callback.fill(&mut data, 2, self.next_call, Some(self.latency));
             let place = |frame: usize| f64::from(data[2 * frame]) * f64::from(1 << 24) / f64::from(RATE);
             let lasts = place(self.buffer - 1) - place(0);
             let clear = (lasts * f64::from(self.rate) / (self.buffer - 1) as f64 - 1.0).abs() < 0.05;
@@ -174,15 +174,16 @@ fn open(
     buffer: usize,
     latency: Duration,
 ) -> Device {
-    let (feeder, link) = Feeder::new(rate, buffer, Arc::new(Controls::new(1.0, false)), Arc::default());
+    let (output_callback, link) =
+        OutputCallback::new(rate, buffer, Arc::new(Controls::new(1.0, false)), Arc::default());
     let history = link.history.clone();
     commands.send(Command::Output { link, at: now }).expect("the thread runs");
     let waiting = Instant::now();
-    while !feeder.is_offered() {
+    while !output_callback.is_offered() {
         assert!(waiting.elapsed() < Duration::from_secs(20), "nothing is decoded for the output");
         std::thread::sleep(Duration::from_millis(1));
     }
-    Device { feeder, history, rate, buffer, latency, next_call: now + first_call, heard: None }
+    Device { output_callback, history, rate, buffer, latency, next_call: now + first_call, heard: None }
 }
 
 const MS: Duration = Duration::from_millis(1);

@@ -6,7 +6,7 @@ use std::sync::mpsc::sync_channel;
 use super::analysis::AnalysisInput;
 use super::*;
 use crate::clock::SpanHistory;
-use crate::output::Feeder;
+use crate::output::OutputCallback;
 use crate::source::{FrameSource, SourceError};
 use crate::track::{Found, Wanted};
 use mariana_music::StereoFrame;
@@ -133,7 +133,7 @@ pub(super) fn repeat_of(looping: bool) -> Repeat {
 
 /// The decoding thread and a callback in the test's hands.
 pub(super) struct Stepped {
-    pub(super) feeder: Feeder,
+    pub(super) output_callback: OutputCallback,
     pub(super) history: Arc<SpanHistory>,
     pub(super) commands: Sender<Command>,
     pub(super) timeline: SharedTimeline,
@@ -173,11 +173,11 @@ impl Stepped {
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &told));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
         let controls = Arc::new(Controls::new(1.0, false));
-        let (feeder, link) = Feeder::new(rate, 480, controls, Arc::default());
+        let (output_callback, link) = OutputCallback::new(rate, 480, controls, Arc::default());
         let history = link.history.clone();
         let now = Instant::now();
         commands.send(Command::Output { link, at: now }).expect("the thread runs");
-        Self { feeder, history, commands, timeline, troubles, worker, now }
+        Self { output_callback, history, commands, timeline, troubles, worker, now }
     }
 
     pub(super) fn send(&self, command: Command) {
@@ -192,7 +192,7 @@ impl Stepped {
         for _ in 0..frames / 480 {
             let rate = f64::from(self.history.rate());
             let mut data = [0.0_f32; 960];
-            self.feeder.fill(&mut data, 2, self.now, Some(Duration::ZERO));
+            self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
             let timeline = timeline.lock();
             for (n, pair) in data.chunks_exact(2).enumerate() {
                 let value = f64::from(pair[0]) * f64::from(1 << 24);
@@ -219,7 +219,7 @@ impl Stepped {
         let mut samples = Vec::new();
         while samples.len() < frames {
             let mut data = [0.0_f32; 960];
-            self.feeder.fill(&mut data, 2, self.now, Some(Duration::ZERO));
+            self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
             let left = data.iter().step_by(2).skip_while(|sample| samples.is_empty() && **sample == 0.0);
             samples.extend(left.collect::<Vec<_>>());
             self.now += Duration::from_millis(10);
@@ -231,13 +231,14 @@ impl Stepped {
 
     /// Another device of that rate, in the place of the one so far.
     pub(super) fn change_device(&mut self, rate: u32) {
-        let (feeder, link) = Feeder::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
+        let (output_callback, link) =
+            OutputCallback::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
         self.history = link.history.clone();
-        self.feeder = feeder;
+        self.output_callback = output_callback;
         self.send(Command::Output { link, at: self.now });
         // Frames that come late are dropped: the test's time waits for the thread.
         let start = Instant::now();
-        while !self.feeder.is_offered() {
+        while !self.output_callback.is_offered() {
             assert!(start.elapsed() < Duration::from_secs(20), "nothing is decoded for the device");
             std::thread::sleep(Duration::from_millis(1));
         }

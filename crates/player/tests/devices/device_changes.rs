@@ -10,8 +10,8 @@
 use std::time::{Duration, Instant};
 
 use mariana_music::{Gain, StereoFrame};
+use mariana_player::device_list::{DeviceList, DeviceWatch};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
-use mariana_player::roster::{Roster, RosterWatch};
 use mariana_player::source::{FrameSource, SourceError};
 use mariana_player::{Player, PlayerOptions, PlayerStatus, Target};
 use mariana_testing::process::{LOOK_PERIOD, WAIT_LIMIT};
@@ -55,8 +55,8 @@ fn named(name: &str) -> Target {
 }
 
 /// What the program knows of the devices.
-fn roster() -> std::sync::Arc<Roster> {
-    RosterWatch::shared().expect("it runs").latest().1
+fn device_list() -> std::sync::Arc<DeviceList> {
+    DeviceWatch::shared().expect("it runs").latest().1
 }
 
 /// Waits until the player is as wanted; how long that took.
@@ -67,7 +67,11 @@ fn wait_for(player: &mut Player, what: &str, done: impl Fn(&PlayerStatus) -> boo
         if done(&status) {
             return start.elapsed();
         }
-        assert!(start.elapsed() < WAIT_LIMIT, "{what} did not come: {status:?}; there are {:?}", roster());
+        assert!(
+            start.elapsed() < WAIT_LIMIT,
+            "{what} did not come: {status:?}; there are {:?}",
+            device_list()
+        );
         std::thread::sleep(LOOK_PERIOD);
     }
 }
@@ -83,7 +87,7 @@ fn wait_for_live(live: &mut Live, what: &str, done: impl Fn(&LiveStatus, f32) ->
         assert!(
             start.elapsed() < WAIT_LIMIT,
             "{what} did not come: {status:?}, volume {volume}; there are {:?}",
-            roster()
+            device_list()
         );
         std::thread::sleep(LOOK_PERIOD);
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// A turn around what the camera looks at, and a way towards it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hand {
+pub struct OrbitControls {
     /// Turn around the vertical, in radians: how far the eye goes to the left.
     yaw: f64,
     /// Turn upwards, in radians.
@@ -21,25 +21,25 @@ const TURN: f64 = PI;
 const PITCH_MAX: f64 = 0.49 * PI;
 /// The distance is multiplied by e to this for each notch of a wheel.
 const NOTCH: f64 = 0.12;
-/// Range of [`Hand::zoom`].
+/// Range of [`OrbitControls::zoom`].
 const ZOOM: (f64, f64) = (1.0 / 64.0, 64.0);
 /// Ways of the pointer below this are ones.
 const WAY_MAX: f64 = 1e6;
 /// The farthest from what is looked at.
 const REACH_MAX: f64 = 1e7;
 
-impl Default for Hand {
+impl Default for OrbitControls {
     fn default() -> Self {
         Self::OFF
     }
 }
 
-impl Hand {
+impl OrbitControls {
     /// The scene's own camera.
     pub const OFF: Self = Self { yaw: 0.0, pitch: 0.0, zoom: 1.0 };
 
     /// Turns by a way of the pointer to the right and downwards, in heights of the picture, as if what is looked at was
-    /// moved. `own` is how far up the scene's camera is ([`Hand::pitch_of`]).
+    /// moved. `own` is how far up the scene's camera is ([`OrbitControls::pitch_of`]).
     pub fn drag(&mut self, (right, down): (f64, f64), own: f64) {
         if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
             return;
@@ -91,7 +91,7 @@ mod tests {
         FrameValues { position: [1.0, 2.0, -6.0], target: [0.5, 1.0, 2.0], fov: 50.0, ..Default::default() }
     }
 
-    fn seen(hand: &Hand, point: DVec3) -> (f64, f64) {
+    fn seen(hand: &OrbitControls, point: DVec3) -> (f64, f64) {
         Camera::by_hand(&values(), 1.6, hand).project(point).unwrap()
     }
 
@@ -99,11 +99,11 @@ mod tests {
     fn what_is_near_follows_the_pointer_and_the_target_stays() {
         let target = DVec3::new(0.5, 1.0, 2.0);
         let near = target + 0.2 * (DVec3::new(1.0, 2.0, -6.0) - target);
-        let before = seen(&Hand::OFF, near);
-        let mut hand = Hand::OFF;
+        let before = seen(&OrbitControls::OFF, near);
+        let mut hand = OrbitControls::OFF;
         hand.drag((0.05, 0.0), 0.0);
         assert!(seen(&hand, near).0 > before.0 + 0.01, "to the right");
-        let mut hand = Hand::OFF;
+        let mut hand = OrbitControls::OFF;
         hand.drag((0.0, 0.05), 0.0);
         assert!(seen(&hand, near).1 < before.1 - 0.01, "down");
         hand.drag((0.3, 0.1), 0.0);
@@ -114,11 +114,11 @@ mod tests {
 
     #[test]
     fn the_wheel_comes_nearer_smoothly_and_within_its_limits() {
-        let reach = |hand: &Hand| {
+        let reach = |hand: &OrbitControls| {
             (Camera::by_hand(&values(), 1.6, hand).position - DVec3::new(0.5, 1.0, 2.0)).length()
         };
-        let own = reach(&Hand::OFF);
-        let mut hand = Hand::OFF;
+        let own = reach(&OrbitControls::OFF);
+        let mut hand = OrbitControls::OFF;
         hand.zoom(1.0);
         assert!((0.85..0.95).contains(&(reach(&hand) / own)));
         hand.zoom(-0.5);
@@ -133,10 +133,11 @@ mod tests {
     #[test]
     fn a_drag_that_reached_the_pole_comes_back_at_once() {
         let eye = DVec3::new(0.0, 3.0, -3.0);
-        let own = Hand::pitch_of(eye, DVec3::ZERO);
-        let mut hand = Hand::OFF;
+        let own = OrbitControls::pitch_of(eye, DVec3::ZERO);
+        let mut hand = OrbitControls::OFF;
         hand.drag((0.0, 50.0), own);
-        let height = |hand: &Hand| Hand::pitch_of(hand.place(eye, DVec3::ZERO).0, DVec3::ZERO);
+        let height =
+            |hand: &OrbitControls| OrbitControls::pitch_of(hand.place(eye, DVec3::ZERO).0, DVec3::ZERO);
         assert!((height(&hand) - PITCH_MAX).abs() < 1e-6);
         hand.drag((0.0, -0.1), own);
         assert!((height(&hand) - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-6);
@@ -152,7 +153,7 @@ mod tests {
         ) {
             let target = if same { position } else { target };
             let values = FrameValues { position, target, fov: 50.0, ..FrameValues::default() };
-            let mut hand = Hand::OFF;
+            let mut hand = OrbitControls::OFF;
             for (right, down, notches) in moves {
                 hand.drag((right, down), 0.3);
                 hand.zoom(notches);
@@ -163,7 +164,7 @@ mod tests {
                 prop_assert!((axis.length() - 1.0).abs() < 1e-6, "{camera:?}");
             }
             prop_assert!(camera.right.dot(camera.up).abs() < 1e-6);
-            prop_assert_eq!(Camera::by_hand(&values, 1.6, &Hand::OFF), Camera::of(&values, 1.6));
+            prop_assert_eq!(Camera::by_hand(&values, 1.6, &OrbitControls::OFF), Camera::of(&values, 1.6));
         }
     }
 }

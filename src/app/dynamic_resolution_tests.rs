@@ -4,7 +4,7 @@ const FPS: f64 = 60.0;
 
 /// A window that shows what costs something at a level, and what became of its level.
 struct Window {
-    governor: Governor,
+    dynamic_resolution: DynamicResolution,
     now: Instant,
     start: Instant,
     changes: Vec<(f64, usize)>,
@@ -13,7 +13,12 @@ struct Window {
 impl Window {
     fn new() -> Self {
         let now = Instant::now();
-        Self { governor: Governor::new(QualityChoice::Auto, FPS), now, start: now, changes: Vec::new() }
+        Self {
+            dynamic_resolution: DynamicResolution::new(QualityChoice::Auto, FPS),
+            now,
+            start: now,
+            changes: Vec::new(),
+        }
     }
 
     fn seconds(&self) -> f64 {
@@ -27,12 +32,12 @@ impl Window {
             if self.now >= end {
                 break;
             }
-            let took = cost(frame, self.governor.level());
+            let took = cost(frame, self.dynamic_resolution.level());
             self.now += Duration::from_secs_f64(took.max(1.0 / FPS));
-            let before = self.governor.level;
-            self.governor.note(self.now, Duration::from_secs_f64(took));
-            if self.governor.level != before {
-                self.changes.push((self.seconds(), self.governor.level));
+            let before = self.dynamic_resolution.level;
+            self.dynamic_resolution.note(self.now, Duration::from_secs_f64(took));
+            if self.dynamic_resolution.level != before {
+                self.changes.push((self.seconds(), self.dynamic_resolution.level));
             }
         }
         self
@@ -65,11 +70,12 @@ fn a_load_that_fits_is_drawn_best_and_named_choices_are_what_they_are() {
         (QualityChoice::Medium, 0.64),
         (QualityChoice::Low, 0.46),
     ] {
-        let mut governor = Governor::new(choice, FPS);
+        let mut dynamic_resolution = DynamicResolution::new(choice, FPS);
         for frame in 0..600 {
-            governor.note(window.now + Duration::from_millis(20 * frame), Duration::from_millis(500));
+            dynamic_resolution
+                .note(window.now + Duration::from_millis(20 * frame), Duration::from_millis(500));
         }
-        assert_eq!(governor.level().scale, scale, "{choice:?}");
+        assert_eq!(dynamic_resolution.level().scale, scale, "{choice:?}");
     }
 }
 
@@ -82,14 +88,17 @@ fn every_constant_load_settles_within_its_time_and_stays_there() {
                 let mut window = Window::new();
                 window.show(240.0, |frame, level| load(frame, level) * (1.0 + noisy * noise(frame)));
                 let told = format!("{best} s, {fixed} s fixed, noise {noisy}: {:?}", window.changes);
-                let level = window.governor.level;
-                let cost = load(0, window.governor.level());
-                assert!(cost <= window.governor.time_at(level) || level == LEVELS.len() - 1, "{told}");
+                let level = window.dynamic_resolution.level;
+                let cost = load(0, window.dynamic_resolution.level());
+                assert!(
+                    cost <= window.dynamic_resolution.time_at(level) || level == LEVELS.len() - 1,
+                    "{told}"
+                );
                 assert!(window.changes_after(60.0) <= 2, "{told}");
                 assert!(window.changes.len() <= 8, "{told}");
                 // And not much worse than it has to be.
                 let better = level_at(level.saturating_sub(3));
-                assert!(level == 0 || load(0, better) > 0.72 * window.governor.interval, "{told}");
+                assert!(level == 0 || load(0, better) > 0.72 * window.dynamic_resolution.interval, "{told}");
             }
         }
     }
@@ -104,7 +113,7 @@ fn a_sudden_load_is_given_way_to_at_once_and_come_back_from_slowly() {
     let under_load = window.changes.len();
     assert!(under_load <= 3, "{:?}", window.changes);
     window.show(60.0, scene(0.008, 0.001));
-    assert_eq!(window.governor.level, 0, "{:?}", window.changes);
+    assert_eq!(window.dynamic_resolution.level, 0, "{:?}", window.changes);
     for pair in window.changes[under_load..].windows(2) {
         assert!(pair[1].1 + 1 == pair[0].1 && pair[1].0 - pair[0].0 > 1.5, "{:?}", window.changes);
     }
@@ -146,7 +155,7 @@ fn where_pixels_are_not_what_costs_none_are_taken_away_for_long() {
     let mut window = Window::new();
     window.show(300.0, |_, _| 0.03);
     let away: f64 = window.changes.chunks(2).map(|pair| pair.last().unwrap().0 - pair[0].0).sum();
-    assert_eq!(window.governor.level, 0);
+    assert_eq!(window.dynamic_resolution.level, 0);
     assert!(away < 5.0 && window.changes.len() <= 12, "{:?}", window.changes);
 }
 
@@ -154,13 +163,13 @@ fn where_pixels_are_not_what_costs_none_are_taken_away_for_long() {
 fn a_pause_says_nothing_and_a_slow_processor_gets_a_show_that_moves() {
     let mut window = Window::new();
     window.show(10.0, scene(0.35, 0.004));
-    let cost = scene(0.35, 0.004)(0, window.governor.level());
+    let cost = scene(0.35, 0.004)(0, window.dynamic_resolution.level());
     assert!(cost < 1.0 / FPS_USABLE, "{cost} s");
     assert!(window.changes[0].0 < 3.0, "{:?}", window.changes);
-    let before = window.governor.level;
+    let before = window.dynamic_resolution.level;
     window.now += Duration::from_secs(3600);
-    window.governor.note(window.now, Duration::from_secs(1));
-    assert_eq!(window.governor.level, before);
+    window.dynamic_resolution.note(window.now, Duration::from_secs(1));
+    assert_eq!(window.dynamic_resolution.level, before);
 }
 
 #[test]

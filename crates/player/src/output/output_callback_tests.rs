@@ -9,8 +9,8 @@ const RATE: u32 = 48_000;
 const FADE_FRAMES: usize = (FADE * RATE as f32) as usize;
 
 struct Bench {
-    feeder: Feeder,
-    link: FeederLink,
+    output_callback: OutputCallback,
+    link: OutputCallbackLink,
     controls: Arc<Controls>,
     counters: Arc<Counters>,
     now: Instant,
@@ -20,8 +20,8 @@ impl Bench {
     fn new() -> Self {
         let controls = Arc::new(Controls::new(1.0, false));
         let counters = Arc::new(Counters::default());
-        let (feeder, link) = Feeder::new(RATE, 512, controls.clone(), counters.clone());
-        Self { feeder, link, controls, counters, now: Instant::now() }
+        let (output_callback, link) = OutputCallback::new(RATE, 512, controls.clone(), counters.clone());
+        Self { output_callback, link, controls, counters, now: Instant::now() }
     }
 
     /// A segment that holds `frames` now and has room for as many again.
@@ -34,7 +34,7 @@ impl Bench {
 
     fn play(&mut self, frames: usize) -> Vec<StereoFrame> {
         let mut data = vec![0.0_f32; 2 * frames];
-        self.feeder.fill(&mut data, 2, self.now, Some(Duration::ZERO));
+        self.output_callback.fill(&mut data, 2, self.now, Some(Duration::ZERO));
         self.now += Duration::from_secs_f64(frames as f64 / f64::from(RATE));
         data.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect()
     }
@@ -163,7 +163,7 @@ fn a_feeder_without_its_link_falls_silent() {
     let mut bench = Bench::new();
     bench.offer(1, &[[0.5; 2]; 10_000]);
     bench.play(1000);
-    let (_, unused) = Feeder::new(RATE, 0, bench.controls.clone(), bench.counters.clone());
+    let (_, unused) = OutputCallback::new(RATE, 0, bench.controls.clone(), bench.counters.clone());
     drop(std::mem::replace(&mut bench.link, unused));
     assert_eq!(bench.play(1000)[FADE_FRAMES..], vec![[0.0; 2]; 1000 - FADE_FRAMES]);
 }
@@ -172,7 +172,7 @@ fn one_buffer<T: Sample + FromSample<f32>>(frame: StereoFrame, channels: usize, 
     let mut bench = Bench::new();
     bench.offer(1, &[frame; 1000]);
     let mut data = vec![T::EQUILIBRIUM; 500 * channels + rest];
-    bench.feeder.fill(&mut data, channels, bench.now, None);
+    bench.output_callback.fill(&mut data, channels, bench.now, None);
     data[499 * channels..].to_vec()
 }
 

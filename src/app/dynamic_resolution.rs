@@ -103,7 +103,7 @@ fn level_at(index: usize) -> Level {
 
 /// The controller of a window.
 #[derive(Debug, Clone)]
-pub(super) struct Governor {
+pub(super) struct DynamicResolution {
     choice: QualityChoice,
     /// Seconds for a frame.
     interval: f64,
@@ -123,7 +123,7 @@ pub(super) struct Governor {
     helpless: Duration,
 }
 
-impl Governor {
+impl DynamicResolution {
     /// For at most `fps` frames per second.
     pub(super) fn new(choice: QualityChoice, fps: f64) -> Self {
         let level = match choice {
@@ -293,7 +293,7 @@ impl Governor {
     }
 }
 
-impl std::fmt::Display for Governor {
+impl std::fmt::Display for DynamicResolution {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.choice {
             QualityChoice::Auto => write!(f, "quality auto {}", LEVELS.len() - self.level),
@@ -306,5 +306,5 @@ impl std::fmt::Display for Governor {
 }
 
 #[cfg(test)]
-#[path = "governor_tests.rs"]
+#[path = "dynamic_resolution_tests.rs"]
 mod tests;

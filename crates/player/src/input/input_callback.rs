@@ -20,7 +20,7 @@ const RING: f64 = 0.5;
 
 /// What the callback counts.
 #[derive(Default)]
-pub struct TapCounters {
+pub struct InputCounters {
     /// Calls.
     pub calls: AtomicU64,
     /// Frames taken from the device.
@@ -31,30 +31,30 @@ pub struct TapCounters {
     pub age_ns: AtomicU64,
 }
 
-/// The listening thread's end of a [`Tap`].
-pub struct TapLink {
+/// The listening thread's end of a [`InputCallback`].
+pub struct InputCallbackLink {
     /// Frames per second of the device.
     pub rate: u32,
     /// What the callback counts.
-    pub counters: Arc<TapCounters>,
+    pub counters: Arc<InputCounters>,
     /// The frames.
     pub ring: Consumer<StereoFrame>,
 }
 
 /// Takes the buffers of one input device. See the module.
-pub struct Tap {
-    counters: Arc<TapCounters>,
+pub struct InputCallback {
+    counters: Arc<InputCounters>,
     ring: Producer<StereoFrame>,
     listener: Thread,
     chunk: [StereoFrame; CHUNK],
 }
 
-impl Tap {
+impl InputCallback {
     /// A tap of a device with `rate` frames per second, and its link. `listener` is woken after each buffer.
-    pub fn new(rate: u32, listener: Thread) -> (Self, TapLink) {
+    pub fn new(rate: u32, listener: Thread) -> (Self, InputCallbackLink) {
         let (producer, ring) = RingBuffer::new(((RING * f64::from(rate)) as usize).max(CHUNK));
-        let counters = Arc::new(TapCounters::default());
-        let link = TapLink { rate: rate.max(1), counters: counters.clone(), ring };
+        let counters = Arc::new(InputCounters::default());
+        let link = InputCallbackLink { rate: rate.max(1), counters: counters.clone(), ring };
         (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
     }
 
@@ -95,11 +95,11 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn tap(rate: u32) -> (Tap, TapLink) {
-        Tap::new(rate, std::thread::current())
+    fn tap(rate: u32) -> (InputCallback, InputCallbackLink) {
+        InputCallback::new(rate, std::thread::current())
     }
 
-    fn heard(link: &mut TapLink) -> Vec<StereoFrame> {
+    fn heard(link: &mut InputCallbackLink) -> Vec<StereoFrame> {
         std::iter::from_fn(|| link.ring.pop().ok()).collect()
     }
 

@@ -3,7 +3,7 @@
 //! It never locks, allocates, frees, logs or panics. Every change of what is heard is ramped, so that nothing clicks:
 //! volume and mute over 10 ms, pause, seeks and underruns over 5 ms.
 //!
-//! A seek hands over a new [`Segment`] through a small ring; the feeder fades the old one out, takes the new one
+//! A seek hands over a new [`Segment`] through a small ring; the output_callback fades the old one out, takes the new one
 //! and gives the old one back through another ring, to be freed elsewhere. A segment that takes over from another device
 //! is told when it is due: frames that come too late for that are dropped, so that the song is where it would be anyway.
 
@@ -184,8 +184,8 @@ impl Segment {
     }
 }
 
-/// The decoding thread's end of a [`Feeder`].
-pub struct FeederLink {
+/// The decoding thread's end of a [`OutputCallback`].
+pub struct OutputCallbackLink {
     /// Frames per second of the device.
     pub rate: u32,
     /// Frames that one call may ask for, as far as the device tells.
@@ -197,7 +197,7 @@ pub struct FeederLink {
     retired: Arc<AtomicBool>,
 }
 
-impl FeederLink {
+impl OutputCallbackLink {
     /// Hands over a segment to follow the present one; gives it back while the one before is not taken yet.
     pub fn offer(&mut self, segment: Segment) -> Result<(), Segment> {
         self.incoming.push(segment).map_err(|rtrb::PushError::Full(segment)| segment)
@@ -209,15 +209,15 @@ impl FeederLink {
     }
 }
 
-impl Drop for FeederLink {
-    /// Without its link a feeder falls silent, should its device come back to life.
+impl Drop for OutputCallbackLink {
+    /// Without its link a output_callback falls silent, should its device come back to life.
     fn drop(&mut self) {
         self.retired.store(true, Ordering::Relaxed);
     }
 }
 
 /// Fills the buffers of one output device. See the module.
-pub struct Feeder {
+pub struct OutputCallback {
     rate: u32,
     controls: Arc<Controls>,
     counters: Arc<Counters>,
@@ -238,20 +238,20 @@ pub struct Feeder {
     open_span: Option<Span>,
 }
 
-impl Feeder {
-    /// A feeder of a device with `rate` frames per second and calls of about `buffer_frames`, and its link.
+impl OutputCallback {
+    /// A output_callback of a device with `rate` frames per second and calls of about `buffer_frames`, and its link.
     pub fn new(
         rate: u32,
         buffer_frames: usize,
         controls: Arc<Controls>,
         counters: Arc<Counters>,
-    ) -> (Self, FeederLink) {
+    ) -> (Self, OutputCallbackLink) {
         let (spans, history) = SpanHistory::new(rate);
         let (incoming_in, incoming) = RingBuffer::new(1);
         let (outgoing, outgoing_out) = RingBuffer::new(4);
         let retired = Arc::new(AtomicBool::new(false));
         let gain = controls.gain();
-        let link = FeederLink {
+        let link = OutputCallbackLink {
             rate: rate.max(1),
             buffer_frames,
             history,
@@ -259,7 +259,7 @@ impl Feeder {
             outgoing: outgoing_out,
             retired: retired.clone(),
         };
-        let feeder = Self {
+        let output_callback = Self {
             rate: rate.max(1),
             controls,
             counters,
@@ -276,7 +276,7 @@ impl Feeder {
             chunk: [[0.0; 2]; CHUNK],
             open_span: None,
         };
-        (feeder, link)
+        (output_callback, link)
     }
 
     /// Whether a segment waits to be taken.
@@ -327,7 +327,7 @@ impl Feeder {
         }
     }
 
-    /// Fills `data` as a call at `called_at`. See [`Feeder::serve`].
+    /// Fills `data` as a call at `called_at`. See [`OutputCallback::serve`].
     ///
     /// One channel gets the mean of left and right; of more than two the first two get left and right, the others
     /// silence. Samples are finite and within -1..1.
@@ -529,5 +529,5 @@ fn to_device<T: Sample + FromSample<f32>>(sample: f32) -> T {
 }
 
 #[cfg(test)]
-#[path = "feeder_tests.rs"]
+#[path = "output_callback_tests.rs"]
 mod tests;

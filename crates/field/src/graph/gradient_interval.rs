@@ -13,7 +13,7 @@ use super::rules;
 /// ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x, and by Cauchy and Schwarz |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²), as Σ (aᵢ/r)² = 1. So a sum of squares
 /// carries Σ (∂aᵢ/∂x)² until its root is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sloped {
+pub struct GradientInterval {
     /// The value.
     pub value: Interval,
     /// The gradient.
@@ -27,7 +27,7 @@ const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
 /// More than what the roundings of a sum of squares, of its root and of both slopes come to.
 const LENGTH_ERROR: f32 = 1.0 + 1e-4;
 
-impl Sloped {
+impl GradientInterval {
     /// What is the same all over the box: a constant, an input of the frame.
     #[inline(always)]
     pub fn flat(value: Interval) -> Self {
@@ -190,7 +190,7 @@ impl Pieces {
 }
 
 /// What a sum of squares may be multiplied by.
-fn is_factor(a: &Sloped) -> bool {
+fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 

@@ -19,14 +19,14 @@ const END_LIMIT: Duration = Duration::from_millis(100);
 
 /// A device in one direction.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RosterEntry {
+pub struct ListedDevice {
     /// What identifies it, in this session and the next.
     pub id: String,
     /// What people call it.
     pub name: String,
 }
 
-impl RosterEntry {
+impl ListedDevice {
     /// Of a device.
     pub(crate) fn of(device: &cpal::Device) -> Self {
         let id = device.id().map(|id| id.to_string()).unwrap_or_default();
@@ -42,27 +42,27 @@ impl RosterEntry {
 
 /// The devices of the sound server, or of the system where there is none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Roster {
+pub struct DeviceList {
     /// Whether the sound system answered: without an answer nothing is known, which is not to say that nothing is there.
     pub known: bool,
     /// What sound can be played on.
-    pub outputs: Vec<RosterEntry>,
+    pub outputs: Vec<ListedDevice>,
     /// What sound can be taken from, monitors included.
-    pub inputs: Vec<RosterEntry>,
+    pub inputs: Vec<ListedDevice>,
     /// Id of the default output.
     pub default_output: Option<String>,
     /// Id of the default input.
     pub default_input: Option<String>,
 }
 
-impl Roster {
+impl DeviceList {
     /// The input with this id.
-    pub fn input(&self, id: &str) -> Option<&RosterEntry> {
+    pub fn input(&self, id: &str) -> Option<&ListedDevice> {
         self.inputs.iter().find(|entry| entry.id == id)
     }
 
     /// The input that records what the default output plays.
-    pub fn default_monitor(&self) -> Option<&RosterEntry> {
+    pub fn default_monitor(&self) -> Option<&ListedDevice> {
         self.input(&hosts::monitor_id(self.default_output.as_deref()?))
     }
 
@@ -79,37 +79,37 @@ impl Roster {
         let (default_output, default_input) =
             (id_of(host.default_output_device()), id_of(host.default_input_device()));
         let Ok(devices) = host.devices() else { return Self::default() };
-        let mut roster = Self { known: true, default_output, default_input, ..Self::default() };
+        let mut device_list = Self { known: true, default_output, default_input, ..Self::default() };
         for device in devices {
             if device.supports_output() {
-                roster.outputs.push(RosterEntry::of(&device));
+                device_list.outputs.push(ListedDevice::of(&device));
             }
             if device.supports_input() {
-                roster.inputs.push(RosterEntry::of(&device));
+                device_list.inputs.push(ListedDevice::of(&device));
             }
         }
-        roster
+        device_list
     }
 }
 
 #[derive(Default)]
 struct Shared {
-    roster: Mutex<Arc<Roster>>,
-    /// Grows with each change of the roster; 0 before the first look.
+    device_list: Mutex<Arc<DeviceList>>,
+    /// Grows with each change of the device_list; 0 before the first look.
     generation: AtomicU64,
     looks: AtomicU64,
     stop: AtomicBool,
 }
 
 /// The thread that looks. There is one for the program, as long as anybody holds it.
-pub struct RosterWatch {
+pub struct DeviceWatch {
     shared: Arc<Shared>,
     worker: Mutex<Worker>,
 }
 
-static WATCH: Mutex<Weak<RosterWatch>> = Mutex::new(Weak::new());
+static WATCH: Mutex<Weak<DeviceWatch>> = Mutex::new(Weak::new());
 
-impl RosterWatch {
+impl DeviceWatch {
     /// The program's watch; it starts when the first asks for it.
     ///
     /// # Errors
@@ -123,7 +123,7 @@ impl RosterWatch {
         let looking = shared.clone();
         let worker = Worker::spawn("device watch", move || {
             while !looking.stop.load(Ordering::Relaxed) {
-                looking.note(Roster::look());
+                looking.note(DeviceList::look());
                 looking.looks.fetch_add(1, Ordering::Release);
                 std::thread::park_timeout(LOOK_PERIOD);
             }
@@ -139,23 +139,23 @@ impl RosterWatch {
     }
 
     /// What was there at the last look, and the number of that state: another one means that something changed.
-    pub fn latest(&self) -> (u64, Arc<Roster>) {
+    pub fn latest(&self) -> (u64, Arc<DeviceList>) {
         let generation = self.shared.generation.load(Ordering::Acquire);
-        (generation, self.shared.roster.lock().unwrap_or_else(PoisonError::into_inner).clone())
+        (generation, self.shared.device_list.lock().unwrap_or_else(PoisonError::into_inner).clone())
     }
 }
 
 impl Shared {
-    fn note(&self, roster: Roster) {
-        let mut slot = self.roster.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.generation.load(Ordering::Relaxed) == 0 || **slot != roster {
-            *slot = Arc::new(roster);
+    fn note(&self, device_list: DeviceList) {
+        let mut slot = self.device_list.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.generation.load(Ordering::Relaxed) == 0 || **slot != device_list {
+            *slot = Arc::new(device_list);
             self.generation.fetch_add(1, Ordering::Release);
         }
     }
 }
 
-impl Drop for RosterWatch {
+impl Drop for DeviceWatch {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         let worker = self.worker.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -168,40 +168,40 @@ impl Drop for RosterWatch {
 mod tests {
     use super::*;
 
-    fn entry(id: &str) -> RosterEntry {
-        RosterEntry { id: id.into(), name: id.to_uppercase() }
+    fn entry(id: &str) -> ListedDevice {
+        ListedDevice { id: id.into(), name: id.to_uppercase() }
     }
 
     #[test]
     fn the_monitor_of_the_default_output_is_found() {
-        let mut roster = Roster {
+        let mut device_list = DeviceList {
             known: true,
             outputs: vec![entry("p:a"), entry("p:b")],
             inputs: vec![entry("p:a.monitor"), entry("p:mic"), entry("p:b.monitor")],
             default_output: Some("p:b".into()),
             default_input: Some("p:mic".into()),
         };
-        assert_eq!(roster.default_monitor().map(|entry| &*entry.name), Some("P:B.MONITOR"));
-        let monitors: Vec<bool> = roster.inputs.iter().map(RosterEntry::is_monitor).collect();
+        assert_eq!(device_list.default_monitor().map(|entry| &*entry.name), Some("P:B.MONITOR"));
+        let monitors: Vec<bool> = device_list.inputs.iter().map(ListedDevice::is_monitor).collect();
         assert_eq!(monitors, [true, false, true]);
-        roster.default_output = None;
-        assert_eq!(roster.default_monitor(), None);
+        device_list.default_output = None;
+        assert_eq!(device_list.default_monitor(), None);
     }
 
     #[test]
     fn only_changes_count() {
         let shared = Shared::default();
-        shared.note(Roster::default());
-        shared.note(Roster::default());
+        shared.note(DeviceList::default());
+        shared.note(DeviceList::default());
         assert_eq!(shared.generation.load(Ordering::Relaxed), 1);
-        shared.note(Roster { known: true, ..Roster::default() });
+        shared.note(DeviceList { known: true, ..DeviceList::default() });
         assert_eq!(shared.generation.load(Ordering::Relaxed), 2);
     }
 
     #[test]
     fn there_is_one_watch_for_all() {
-        let first = RosterWatch::shared().expect("a thread");
-        let second = RosterWatch::shared().expect("a thread");
+        let first = DeviceWatch::shared().expect("a thread");
+        let second = DeviceWatch::shared().expect("a thread");
         assert!(Arc::ptr_eq(&first, &second));
     }
 }
