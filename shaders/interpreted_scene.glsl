@@ -1,5 +1,5 @@
 // The scene by way of the interpreter: its programs are found by the directory at the tape's start
-// (src/world/interpreted.rs), distances by the regions' tapes.
+// (crates/field/src/world/interpreted.rs), distances by the regions' tapes.
 
 #include "interpreter.glsl"
 
@@ -22,7 +22,7 @@ struct Place {
     vec3 n;
 };
 
-// Runs a program (src/world/interpreted.rs): first its textures, whose coordinates are asked for the pixel to the right,
+// Runs a program (crates/field/src/world/interpreted.rs): first its textures, whose coordinates are asked for the pixel to the right,
 // the one above, and here; then its tape. The results stay in their registers, which the header tells.
 uvec4 run_program(int program, Place here, Place right, Place above) {
     uvec4 head = texelFetch(tape, program);

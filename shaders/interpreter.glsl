@@ -1,5 +1,5 @@
-// The tape's interpreter: runs tapes that lie in texture buffers. Clauses, registers and operators: `src/tape/`; texels, the
-// variant's defines and its operators: `src/tape/interpreter.rs`, which writes operators.glsl.
+// The tape's interpreter: runs tapes that lie in texture buffers. Clauses, registers and operators: `crates/field/src/tape/`; texels, the
+// variant's defines and its operators: `crates/field/src/tape/interpreter.rs`, which writes operators.glsl.
 //
 // A texel holds two clauses, each followed by its immediate. The last texel's second clause is END, with the registers of two
 // results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; a region's tape finds in the place of

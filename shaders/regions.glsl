@@ -1,4 +1,4 @@
-// The tree over space that the program builds for a frame (src/region/): how far away every surface is from a cell at
+// The tree over space that the program builds for a frame (crates/field/src/region/): how far away every surface is from a cell at
 // least, and the short tape that gives the distance inside it.
 //
 // Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A cell that is divided has a brick of 4 x 4 x 4.

@@ -22,7 +22,7 @@ const float SHARPNESS_MAX = 64.0;
 const float SUN_DISTANCE = 1000.0;
 
 // Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest
-// pass between two steps estimated by triangulation (Aaltonen 2018; thesis section 3.4, Abb. 11).
+// pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = p + normal * max(0.012, 2.0 * cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;

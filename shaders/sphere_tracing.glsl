@@ -1,4 +1,4 @@
-// Sphere tracing (Hart 1996, thesis section 2.2) inside the scene's bounds. Planes are solved exactly.
+// Sphere tracing (Hart 1996, Abt 2022, section 2.2) inside the scene's bounds. Planes are solved exactly.
 
 // STEPS_MAX, HIT_SHARE and other numbers that tests follow rays by: crates/field/src/rays.rs.
 

@@ -1,5 +1,5 @@
 // Rays through formulas that are no distance functions, in the variant STEEP: `trace` of sphere_tracing.glsl. Each cell of the tree (regions.glsl) knows
-// how steep the formula may be inside (src/region/gradient.rs), so a step that cannot pass a surface is known, too: the
+// how steep the formula may be inside (crates/field/src/region/gradient.rs), so a step that cannot pass a surface is known, too: the
 // value over the rate at which it can fall along the ray, or up to the cell's face.
 
 // Bounds of the gradient.

@@ -1,5 +1,5 @@
 // From exposed light, which is finite and not negative, to linear light of the screen, 0..1. TONE_MAP is the number of
-// the way in src/lang/scene.rs.
+// the way in crates/field/src/lang/scene.rs.
 
 #if TONE_MAP == 0
 // AgX (Troy Sobotka): 16.5 stops of light, brought nearer to grey, through a curve in logarithms; bright colours fade to
@@ -46,7 +46,7 @@ vec3 tone_map(vec3 color) {
     return clamp(outset * fitted, 0.0, 1.0);
 }
 #elif TONE_MAP == 2
-// Extended Reinhard on luminance (thesis section 3.2): what is as bright as WHITE becomes white. As bright as the other
+// Extended Reinhard on luminance (Abt 2022, section 3.2): what is as bright as WHITE becomes white. As bright as the other
 // curves where light is neither weak nor strong.
 vec3 tone_map(vec3 color) {
     const float WHITE = 6.0;

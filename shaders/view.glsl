@@ -28,7 +28,7 @@ float line_cover(float away, float half_width) {
     return clamp(half_width + 0.5 - away, 0.0, 1.0);
 }
 
-// Lines of equal distance (thesis Abb. 1).
+// Lines of equal distance (thesis figure 1).
 vec3 slice_color(vec3 direction) {
     float along = dot(view_plane.xyz, direction);
     float t = -(dot(view_plane.xyz, camera_position.xyz) + view_plane.w) / max(along, 1e-6);

@@ -3,6 +3,12 @@
 //! A job that writes files ends wherever it is, be that in a draw that takes a minute or in a write to a program that
 //! does not read: the thread that waits for signals removes what is unfinished ([`undo_at_end`]) and ends the process.
 //! A show ends by itself: it asks [`asked_to_end`] when it is woken.
+//!
+//! **A job ends where it is.** SIGINT, SIGTERM and SIGHUP are waited for by a thread, which removes the unfinished
+//! files, ends ffmpeg, says so and leaves with `_exit`: a draw may take a minute, and a pipe may never be read. ffmpeg
+//! has a process group of its own, so that Ctrl-C is for Mariana alone. Whoever writes an unfinished file holds a lock
+//! on it, which the kernel takes back from a killed process: the next run that writes into the folder removes what it
+//! can lock.
 
 use std::collections::BTreeMap;
 use std::fmt;

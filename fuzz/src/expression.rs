@@ -1,7 +1,7 @@
 //! Expressions that bytes spell: what each evaluator gives for them, bit for bit.
 //!
 //! There is no processor that runs the generated GLSL here. It is held to naga (`World::compiled_glsl`); that a driver
-//! computes the same with it is `tests/agreement.rs`.
+//! computes the same with it is `tests/pictures/agreement.rs`.
 
 use mariana_field::graph::SoundInput;
 use std::sync::Arc;

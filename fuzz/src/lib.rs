@@ -6,7 +6,7 @@
 mod bytes;
 mod expression;
 mod files;
-#[allow(dead_code, reason = "tests/agreement.rs uses the rest")]
+#[allow(dead_code, reason = "tests/pictures/agreement.rs uses the rest")]
 #[path = "../../crates/field/tests/field/expression.rs"]
 mod random;
 mod regions;

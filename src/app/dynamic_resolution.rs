@@ -4,6 +4,14 @@
 //! A pure controller: when frames were and what they cost come in, a level comes out. It gives way within a quarter of a
 //! second and comes back one level at a time, after seconds without a doubt. One slow frame changes nothing. A level
 //! that was left again soon is tried later and later, so that nothing swings at a boundary.
+//!
+//! **The window gives way, the files do not.** `app::dynamic_resolution` chooses among fourteen levels: fewer pixels,
+//! which `upscale.frag` enlarges, and the shaders' `frame_quality`, by which what is costly and little missed may be
+//! less. Frames cost what the GPU's timer says, or the clock on a software renderer. A quarter of a second of frames
+//! that take too long is answered at once, by as many levels as it takes; it comes back one level at a time, and later
+//! each time it was too early. Below half the pixels' width only a show is drawn that would not move otherwise. Where
+//! fewer pixels prove to be no help they come back. A picture that stands still is drawn best; stills, videos and
+//! measurements always are.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};

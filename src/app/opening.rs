@@ -1,4 +1,8 @@
 //! What a show begins with: everything that lives as long as the window, made on the show's thread.
+//!
+//! **A lost context is made anew.** When the driver reports that its context is lost, everything that was of it goes,
+//! while it is still current, and comes again from the worlds, which are plain values (`app::opening::renewed`); the
+//! song does not notice. A picture that the driver has no room for is drawn smaller. `faults` lets tests cause both.
 
 use std::time::Instant;
 

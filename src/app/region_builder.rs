@@ -3,6 +3,12 @@
 //! Only the latest request counts: one that was not begun is replaced. What comes back is the tree with the whole frame
 //! that it was asked for, so that a picture is drawn with the inputs of its tree. A tree that takes longer than it may is
 //! given up, and so is one that nobody waits for any more.
+//!
+//! **A picture is drawn with the inputs of its tree.** `Renderer::draw` builds the regions of a frame if nobody has:
+//! stills, videos and measurements know of nothing else. The window asks a thread for them, the latest request only,
+//! and draws a picture when its tree has come, whenever that is: inputs that take long follow the sound with fewer
+//! frames. Where the compiled program draws sooner than a tree is built it draws without cells; an interpreter without
+//! cells takes tens of times as long as with them, longer than any tree. The line of key I tells which.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,4 +1,7 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
+//!
+//! **A picture that would look the same is not drawn.** In a scene whose expressions hold no time nothing but sound
+//! moves; while features stay the same the show only listens.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};

@@ -7,6 +7,12 @@
 //!
 //! A picture is looked at as a grid of cells, each with its mean colour: finer patterns are none that flash. A cell
 //! counts its own changes; the area is that of the cells of a field with so many flashes within the same second.
+//!
+//! **Flashes are limited in the finished picture.** Whatever flashes, scenes cannot: `flash::Limiter` sees the mean
+//! colours of 48 by 36 cells of what is about to be shown, counts changes as WCAG 2.3.1 does, and says which cells to
+//! dim so that a fourth flash within a second is none. They are read back before the picture is shown, so that the
+//! limit is never a frame late. Gains are at most 1 and nothing of an older picture is used: what is limited is darker,
+//! not smeared. Cells, not the picture as a whole: what does not flash beside it stays as it is.
 
 mod analyser;
 mod fields;

@@ -1,4 +1,8 @@
 //! A camera that is moved by hand: what it adds to the scene's own, which may go on moving.
+//!
+//! **The hand adds to the scene's camera.** A drag and the wheel turn and move the eye around what the scene's camera
+//! looks at, wherever that goes (`frame::hand`): regions, bounds and planes do not depend on it. `eye` in materials and
+//! the sky is where it really is. Formulas of a scene's own for its path do not see the hand.
 
 use std::f64::consts::PI;
 

@@ -7,6 +7,13 @@
 //!    grain.
 //!
 //! Light has the size of the scene's targets, the finished picture that of the output.
+//!
+//! **Light until the last pass.** Samples, their means, blur and bloom are linear light in 16-bit floats; exposure,
+//! tone map and sRGB come at the very end, in `present.frag`. A mean of samples is weighed by what is seen of them, or
+//! one bright sample would outshine the edge that it is part of. AgX is the default, since bright saturated colours
+//! fade to white in it as on film instead of being cut off; its look is a little more saturated than neutral, as
+//! emissive scenes live by colour. Bloom and lens are means, so a picture gets no brighter by them. Nothing is noise
+//! that changes: a still part stays the same, bit for bit.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 

@@ -8,6 +8,14 @@
 //!
 //! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
 //! any of them.
+//!
+//! **Samples where edges are.** Every pixel gets one sample. Where neighbours show different surfaces (a key in alpha)
+//! and visibly different colours, more are drawn by the same program: four in the window (6 to 13 % of the pixels),
+//! sixteen in stills and videos, which also look for the edges of shadows. `bench --edges` compares them with 64
+//! samples everywhere. On a GPU a stencil lets them through. A software renderer computes eight neighbours at once, and
+//! those few pixels would cost more than all did at first: there they are read back, listed, and their samples drawn
+//! side by side. All samples are drawn in one GL state, since some drivers compile a program once for each. Textures
+//! are filtered by mip levels with exact footprints.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 

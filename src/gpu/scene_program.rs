@@ -3,6 +3,10 @@
 //! Both are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled one holds the
 //! scene's expressions, the interpreted one runs them from a texture buffer and so fits every scene that its variant has
 //! the operators, registers and textures for.
+//!
+//! **One loop around the interpreter.** Drivers inline every call and compile it anew: normals, object and occlusion of
+//! a surface are asked by one call in a loop, material and ambient light by another. What never skips a branch meets
+//! textures and rare operators between loops over the rest.
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};

@@ -2,6 +2,15 @@
 //! long draw for a hang.
 //!
 //! What a pixel costs is measured: by probes all over the picture where nothing is known of a program, then by each part.
+//!
+//! **Pictures are drawn in parts.** A draw that takes seconds keeps a window from answering and may be taken for a hang
+//! by a driver's watchdog. What a pixel costs is probed all over a scene's first picture, then measured (`gpu::tiles`),
+//! and each pass is cut so that no part takes longer than a quarter of a second. In the window a picture takes as many
+//! goes as it needs, and between two of them the show looks at its keys; the picture before stands meanwhile. A picture
+//! that would take far too long is begun again with fewer pixels. The first tree of a scene is built before it comes on
+//! the stage, and the scene before stays until the first picture is finished: where either takes more than
+//! `picture_seconds_max`, the new scene is refused with what is dear about it. Most pictures are one part, and the same
+//! bit for bit.
 
 use std::cell::Cell;
 use std::time::Duration;

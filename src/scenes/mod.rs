@@ -1,4 +1,7 @@
 //! Where scenes come from: those that are shipped, files, and formulas given in their place.
+//!
+//! **A scene reads its own folder.** Includes and pictures come from there, pictures that are not there from what is
+//! shipped; where a path really leads is asked of the system, so that links do not lead out.
 
 mod content;
 mod debounce;

@@ -2,6 +2,13 @@
 //! the shaders.
 //!
 //! `shaders/view.glsl` draws them; the colours and the numbers that it shares with the legends come from [`scale`].
+//!
+//! **Views are programs of their own.** A view (key V, `--view`) is drawn by a variant of the scene's program that
+//! counts and takes note of the first surface that it meets, so that it shows what the picture is made of, not a copy
+//! of it. It is compiled when a view is first asked for, while the picture goes on, and costs the picture nothing. Its
+//! colours go straight into the finished picture, one sample a pixel: a mean of two counts, or a tone-mapped normal,
+//! would mean nothing. Its legend is drawn by the processor and put over it, the same bytes in a window, a still and a
+//! video; shaders and legends have their colours from one table (`view::scale`).
 
 pub mod legend;
 mod letters;

@@ -33,7 +33,7 @@ pub struct ViewSetup {
     pub number: Option<f32>,
 }
 
-/// Steps that are red: as many as the thesis allowed (Abb. 4).
+/// Steps that are red: as many as the thesis allowed (figure 4).
 const STEPS_RED: f32 = 100.0;
 /// Runs of the distance for a pixel that are red.
 const RUNS_RED: f32 = 100.0;

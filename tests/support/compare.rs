@@ -65,7 +65,7 @@ pub(crate) fn check_golden(name: &str, actual: &RgbaImage) -> Result<(), String>
     if std::env::var_os("MARIANA_BLESS").is_some_and(|value| value == "1") {
         return write(&path, actual);
     }
-    let advice = "if the new look is wanted, run MARIANA_BLESS=1 cargo test --test pictures --test scene_looks --test views";
+    let advice = "if the new look is wanted, run MARIANA_BLESS=1 cargo test --workspace --test pictures";
     let golden =
         image::open(&path).map_err(|error| format!("{}: {error}; {advice}", path.display()))?.to_rgba8();
     if golden.dimensions() != actual.dimensions() {

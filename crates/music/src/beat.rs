@@ -6,6 +6,12 @@
 //! all others expect none. It is causal, knows of nothing but the flux, and forgets what it heard within seconds. Since a
 //! period's states move as one, its ring turns and is not copied: a moment costs a multiplication for each state in which
 //! a beat starts, and a sum over all.
+//!
+//! **The beat is inferred, not picked.** A hidden Markov model over periods and phases, filtered forwards, expects
+//! onsets at the start of a beat and none between. Octaves, swing and missing beats are weighed against each other by
+//! the same rule, and the phase foretells the next beat. Windowed, held and leaking quantities only: all that is heard
+//! is forgotten within seconds, so that a moment looks the same however it was reached. A seek lets the analysis hear
+//! 13 s before its target, as a history spans 10 s.
 
 use std::f32::consts::TAU;
 

@@ -44,7 +44,7 @@ macro_rules! features {
 
 // Each feature: what it is, its type, what silence reads, and what is between two moments.
 features! {
-    /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (thesis, section 5,
+    /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (Abt 2022, section 5,
     /// eq. 1), times the gain, followed with attack and release. 0 is silence, a full-scale sine reads 2/π = 0.637 at a
     /// gain of 0 dB, a full-scale square wave 1; only samples beyond full scale read more than 1 (at most 8).
     volume: [f32; 2] = [0.0; 2], mixed;

@@ -1,4 +1,8 @@
 //! Automatic gain: quiet and loud sources move a scene alike.
+//!
+//! **What scenes see is levelled, what is measured is not.** The gain is a function of the loudest moment of the last
+//! 1.2 s alone: nothing within the range of published music, so that a song's quiet passages stay quiet, and nothing
+//! for what is as quiet as a room.
 
 use super::bands::decibels;
 use super::smoothing::Follower;

@@ -1,4 +1,9 @@
 //! Three lengths of window: a long one tells low tones apart, a short one tells when a high sound was.
+//!
+//! **Three windows.** 16 hops tell the tones of the bass apart, 2 hops tell when a high sound was, 4 are between. Where
+//! one hands over to the next, both count by shares along half a cosine, so that a tone keeps its level wherever it
+//! lies. The long window is taken at an eighth of the rate: a tenth of the work. Live input has no future, so its
+//! windows end at the newest sample (`Alignment::Trailing`) and nothing is waited for.
 
 /// One of the three windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

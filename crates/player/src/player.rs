@@ -1,6 +1,13 @@
 //! Playback of tracks: the handle that the window holds.
 //!
 //! Every method returns at once: what takes time happens on the threads that [`Player::start`] starts.
+//!
+//! **Tracks join in the stream.** The track that follows is opened by the list thread (`audio::player::listing`) while
+//! the one before plays, so neither a slow disk nor a list of missing files keeps the sound waiting. Its frames go into
+//! the same ring of the same segment, by the same resampler if it has the same rate: not a sample is added or lost, and
+//! a filter never sees an edge that is not in the music. Another rate flushes the resampler and goes on with a new one.
+//! What is ahead in the ring counts as not played: a seek is within the track that is heard, whose decoder is kept
+//! until then.
 
 mod analysis;
 mod decoding;

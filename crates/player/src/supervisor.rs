@@ -4,6 +4,13 @@
 //! Each device lives on a thread of its own, that opens, holds and drops its stream. None of these calls is trusted to
 //! return: a thread that does not answer in time is left behind. Nothing is opened while another opening is on its way,
 //! so that a sound server that hangs costs one thread, not one for each attempt.
+//!
+//! **One supervisor for a direction** (`audio::supervisor`, with a `Port` for outputs and one for inputs). It opens
+//! devices on threads of their own, counts their callbacks, and compares what is open with the roster of devices, which
+//! another thread asks for four times a second: cpal passes on no news of devices, and a sound server moves the stream
+//! of a device that is pulled out to another one without a word. What is open goes on until its successor is. Each kind
+//! of cpal's errors has its wait before the next attempt; a change of the roster is answered at once. As the default
+//! may change and change back between two looks, what was opened is looked at once more afterwards.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};

@@ -3,6 +3,10 @@
 //! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus. Where there is
 //! no bus, and on other systems, nothing is asked and nothing said; media keys then work while the window has the
 //! keyboard.
+//!
+//! **Media keys ask the show.** `app::media_controls` serves MPRIS on a thread of its own and hands over what was
+//! asked; it answers from a copy of what the window last told. No bus, a dead one or another system: nothing is served,
+//! nothing said.
 
 #[cfg(target_os = "linux")]
 mod mpris;

@@ -3,6 +3,10 @@
 //!
 //! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again for
 //! it. What has not changed is painted again as it was laid out; what shows nothing costs nothing.
+//!
+//! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when what stands over the picture
+//! does, so a fading notice moves in a paused show and a panel that stands still costs nothing. egui gets no keys: they
+//! are the show's, whatever was clicked last. A click that begins on a panel is the overlay's.
 
 mod content;
 mod help;

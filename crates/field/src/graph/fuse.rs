@@ -3,6 +3,12 @@
 //! Most of a distance is lengths, boxes and balls, whose squares, sums, differences and roots follow each other. What an
 //! interpreter pays for is the clause, so each pair made one saves half of its work. The value stays the same bit for
 //! bit: a fused operator rounds as both did.
+//!
+//! **Fused operators.** Lengths, boxes and balls are squares, sums, differences and roots that follow each other:
+//! `graph::fuse` makes pairs one operator where nothing else reads what lies between, for the interpreter alone. An
+//! interpreter pays for the clause, so that a third of the distance's clauses is a third of its time. Each rounds as
+//! both did. Where no ray asks for a distance, far from surfaces, cells have the whole tape, and where there is no
+//! room, too.
 
 use super::node::{Node, NodeId};
 use super::op::Op;

@@ -1,4 +1,9 @@
 //! A checked scene: one graph, and which of its nodes mean what.
+//!
+//! **Bounds and estimates.** An object's `bound` says how far away everything is that its shape leaves out: of 32 bars
+//! two are measured. Rays step by the lesser of both. Penumbras and occlusion trust the shape alone, since a bound
+//! would cast shadows of things that do not exist (Abt 2022, figure 12); from the bound on the estimate grows until it
+//! casts none.
 
 use super::material::Material;
 use super::source::Span;
@@ -131,7 +136,7 @@ pub enum ToneMap {
     Agx,
     /// ACES, fitted (Stephen Hill): more contrast, colours turn as they get brighter.
     Aces,
-    /// Extended Reinhard on luminance (thesis, section 3.2): colours stay as they are until they are cut off.
+    /// Extended Reinhard on luminance (Abt 2022, section 3.2): colours stay as they are until they are cut off.
     Reinhard,
     /// None: light of 0..1 as it is, brighter light as 1.
     None,

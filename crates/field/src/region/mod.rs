@@ -23,6 +23,20 @@
 //! bits, at most 0 where a surface may be; the first texel of its tape; the number of the nearest object, or
 //! [`OBJECT_UNKNOWN`]; bounds of the gradient ([`gradient`]) if the distance is none ([`World::steep`]) and a surface may
 //! be in the cell, else 0. A bound of [`DIVIDED`] says that the second word is the first texel of the cell's brick.
+//!
+//! **Regions shorten tapes for cells of the world** (this module; Keeter 2020 does it for tiles of the screen, which
+//! shadow, occlusion and reflection rays cannot use). A frame's numbers are folded into the distance's program;
+//! intervals of its values are computed for 64 cells at once; a mask of 64 bits says for each value in which cells it
+//! is needed, a number, or one of its operands. Nested minima count as one of many operands: one is left out where it
+//! lies above the upper end of all. Cells with the same masks share a program, which is written once; programs with
+//! equal steps share a tape. 16 cells to each side are looked at in any case, those with a surface and more than 16
+//! clauses have 64 children of their own. Away from surfaces only penumbras and occlusion ask, and eight neighbours
+//! share what they decide. Blocks of the root are built side by side: `region` makes the parts, `gpu::scene_resources`
+//! gives them threads.
+//!
+//! **What may be rounded otherwise.** In its cell a shortened tape is equal bit for bit on the processor; tests compare
+//! random expressions. Shaders round otherwise: bounds are less by 1e-5 of the scene's size, cells overlap by 4e-6 of
+//! it, and rays look for their cell a hundred-thousandth of a root cell further on, so that none stays at a face.
 
 mod encode;
 pub mod gradient;

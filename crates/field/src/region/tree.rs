@@ -1,4 +1,7 @@
 //! The tree: what its parts (`part.rs`) start from, and how they are put together.
+//!
+//! **Bounds of a frame.** Up to three passes over 64 cells make the world's box smaller before the tree is built: at
+//! one moment surfaces reach less far than over all sounds and times. Rays, shadows and occlusion keep to that box.
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};

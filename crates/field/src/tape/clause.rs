@@ -26,7 +26,7 @@ pub mod opcode {
     pub const IMMEDIATE_REGISTER: u8 = 128;
 }
 
-/// One clause (thesis, section 4.3).
+/// One clause (Abt 2022, section 4.3).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(C)]
 pub struct Clause {

@@ -11,6 +11,11 @@
 //! **Variants.** The text holds the operators that stand in a [`Variant`] and no others. `EVERY_CASE` is for
 //! renderers that never skip a branch (llvmpipe): all cases are computed and the result is selected. Without it
 //! there is a switch.
+//!
+//! **One number for a point.** The interpreter runs a tape for one point. Only the coordinates of textures, a few
+//! clauses, are run for the pixels to the right and above, too, before the material's own tape. A frame's numbers stand
+//! in the clauses as immediates: programs are written anew for each frame, which takes microseconds, and the shader has
+//! no table.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

@@ -1,4 +1,4 @@
-//! The tape: an expression as a list of four-byte clauses (thesis, section 4.3; Keeter 2020, section 3).
+//! The tape: an expression as a list of four-byte clauses (Abt 2022, section 4.3; Keeter 2020, section 3).
 //!
 //! A clause is an opcode, an output and two inputs, each a byte. Registers hold values; the table
 //! holds the constants and the inputs that are the same all over a frame, which clauses take as immediates.

@@ -26,7 +26,7 @@ fn tape_of(graph: &Graph, roots: &[NodeId], registers: usize) -> Tape {
     Tape::build(graph, roots, &TapeOptions { registers, ..TapeOptions::default() }).unwrap()
 }
 
-/// The thesis, section 4.3, Table 1.
+/// The Abt 2022, section 4.3, Table 1.
 const TABLE_1: [[&str; 4]; 9] = [
     ["X", "-", "-", "register 0"],
     ["Y", "-", "-", "register 1"],

@@ -2,6 +2,9 @@
 //!
 //! An expression of the frame's inputs alone (a sine of the time, a curve of the volume) becomes an input of its own,
 //! [`Input::Hoisted`]: a uniform of the compiled shader, an entry of the interpreter's table.
+//!
+//! **Once a frame.** Expressions of time, sound and parameters alone are taken out of the shaders and computed on the
+//! processor, up to 256: inputs of the tape and uniforms of the GLSL. No point computes the sine of the time again.
 
 use super::Roots;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};

@@ -2,6 +2,11 @@
 //!
 //! Whatever hides a part of the sky from a surface sends its own light from there instead. The shader asks here, once for
 //! a surface, at a point above it: what shines nearby, and how far away it is.
+//!
+//! **What hides the sky sends its own light.** Emission lights its surroundings as ambient occlusion darkens them: a
+//! probe above the surface asks one program for the emission and the distance of what shines nearby
+//! (`world::nearby_light`), mixed between objects so that it has no seams. It costs one program a surface, in scenes in
+//! which something shines. No other light finds its way from surface to surface but by mirrors.
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;

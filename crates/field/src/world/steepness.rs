@@ -1,4 +1,11 @@
 //! Whether a scene's formula is a distance function in practice, found by sampling its gradient.
+//!
+//! **Any formula is traced.** Whether a scene's distance is one is found by sampling its gradient when it is loaded.
+//! Where it is steeper than 1, or far flatter at its surfaces, steps of the value would miss surfaces or draw them fat.
+//! Each cell of the tree then tells bounds of the gradient (`graph::GradientInterval`: forward accumulation in
+//! intervals; lengths have a rule of their own, as a square root's slope is unbounded at 0), and a step that cannot
+//! pass a surface follows from them. Boxes are cut where parts of a formula jump, so that noise is as smooth as it
+//! looks.
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};

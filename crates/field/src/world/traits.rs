@@ -1,4 +1,7 @@
 //! What a scene needs of the shaders beyond what every scene does: what it does not need is not compiled for it.
+//!
+//! **What a scene does not have is not compiled for it** (`world::SceneFeatures`): panels, mirrors, rough ones, glow. A
+//! renderer that never skips a branch would compute them for nothing.
 
 use crate::graph::NodeId;
 use crate::lang::{LightPlace, Scene};

@@ -2,6 +2,11 @@
 //!
 //! ReplayGain 2.0 tells the gain in decibels that brings a track to -18 LUFS (EBU R128); Opus files tell it as
 //! `R128_TRACK_GAIN`, a whole number of 1/256 dB towards -23 LUFS (RFC 7845, 5.2.1). Either becomes one factor.
+//!
+//! **Loudness is the scene's alone.** A track's ReplayGain (or R128) tag multiplies its frames before they are
+//! analysed, live and offline by the same function, towards -14 LUFS. It is known before the first frame, as a measured
+//! loudness would not be; what has no tag is left to the analysis. The sound stays as it was mastered: whoever listens
+//! has a volume of his own for it, a scene has none, and a gain above 1 could clip.
 
 /// The loudness at which scenes are driven as untagged music does, in LUFS: what streaming services bring music to.
 const SCENE_LUFS: f64 = -14.0;

@@ -1,6 +1,11 @@
 //! Live input: the handle that the window holds.
 //!
 //! Every method returns at once: what takes time happens on the threads that [`Live::start`] starts.
+//!
+//! **Live features are the newest ones.** The window of a live moment ends at its newest sample, buffers are half a hop
+//! long, and nothing waits for a rhythm: moments go by a wait-free ring to the window, which keeps the last seconds of
+//! them and shows the newest, or those of before for a shift. Scene time is then the clock's. Silence takes the place
+//! of what does not come, so that the picture sinks as after a song.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

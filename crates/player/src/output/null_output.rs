@@ -2,6 +2,10 @@
 //!
 //! What it takes is stamped with the moment at which it was due, so that the song's pace does not depend on when its
 //! thread has its turn.
+//!
+//! **The silent clock.** Without a usable device the song runs in real time on a thread that calls the same
+//! `OutputCallback` and throws the samples away. Losing a device is the same: the position goes on and the status says
+//! why.
 
 use std::io;
 use std::sync::Arc;

@@ -1,4 +1,8 @@
 //! The analysis thread: frames in, features into the timeline.
+//!
+//! **Each track is analysed by itself.** The analysis begins anew with each track, as a passage of its own in the
+//! timeline. So the picture of a moment of a track is the same however one came to it, bit for bit that of `still` and
+//! `analyze`. A track that repeats is one passage, as its end and its start belong together for the ear.
 
 use std::sync::mpsc::Receiver;
 

@@ -7,6 +7,12 @@
 //! | [`natural`] | the order of names |
 //! | [`excerpt`] | a part of a file as a track |
 //! | [`order`] | what follows what: shuffle and repeat |
+//!
+//! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`Troubles`),
+//! the list thread goes on to the next one that opens, and where none does a track of silence plays. Lists are read
+//! within `limits.rs`: bytes, tracks, lists, depth, looks. Only what a user named alone, or lists without any entry,
+//! are refused before the window opens. After 64 tracks in a row without a frame there is silence, so that nothing
+//! spins.
 
 mod cue;
 mod error;

@@ -1,7 +1,7 @@
 //! Devices that come, go and change while a song plays or an input is listened to, on a PulseAudio server of the test's
 //! own. Needs `pulseaudio`, `pactl` and `pacat`.
 //!
-//! `MARIANA_STRESS_ROUNDS=1000 cargo test --test device_changes storm -- --nocapture` runs the long storm of changes, and
+//! `MARIANA_STRESS_ROUNDS=1000 cargo test -p mariana-player --test devices storm -- --nocapture` runs the long storm of changes, and
 //! prints how soon sound was back.
 
 #![cfg(target_os = "linux")]

@@ -1,4 +1,7 @@
 //! Objects, and those that melt into the one before them.
+//!
+//! **Melting is the language's.** An object that melts into another makes one object of both, with one shape and one
+//! material: the shader knows nothing of it.
 
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
