@@ -21,6 +21,19 @@ use mariana::scenes::{ReadyScene, SceneSource};
 /// A plane, a part that is traced, no textures: what `speakers` has and this has not is left out of the text.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
+/// No distance at all: rays go by bounds of its gradient.
+const STEEP: &str = "sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)";
+
+/// Rough mirrors, what shines, a panel and a lens.
+const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  emission = vec3(0.1) }\n\
+                          object ball { shape = sphere(p, 1)  material = m }\n\
+                          light panel { position = vec3(0, 3, 0)  right = vec3(1, 0, 0)  up = vec3(0, 0, 1) }\n\
+                          camera { aperture = 0.05 }";
+
+/// What a variant of the scene's shader may have, and some case has.
+const DEFINES: [&str; 8] =
+    ["STEEP", "BLUR", "LENS", "GLOW", "PANELS", "MIRRORS", "VIEWS", "COUNT_EVALUATIONS"];
+
 /// A shader as some driver gets to see it.
 struct Case {
     /// What messages call it.
@@ -68,6 +81,12 @@ fn cases() -> Vec<Case> {
     }
     for mode in [Mode::Compiled, Mode::Interpreted] {
         cases.push(views_case(scene_case(&speakers(), mode, true, Counting::On)));
+        for text in [STEEP, EVERYTHING] {
+            let scene = SceneSource::Formula(text.into());
+            cases.push(scene_case(&scene, mode, false, Counting::Off));
+            cases.push(scene_case(&scene, mode, true, Counting::On));
+            cases.push(views_case(scene_case(&scene, mode, true, Counting::On)));
+        }
     }
     cases
 }
@@ -83,6 +102,20 @@ fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case)
         }
     }
     assert!(refused.is_empty(), "{refused}");
+}
+
+#[test]
+fn every_define_is_in_some_case_in_both_modes() {
+    for interpreted in [false, true] {
+        let of_mode = cases().into_iter().filter(|case| case.interpreted == interpreted);
+        let given: Vec<String> = of_mode.flat_map(|case| case.variant.defines).collect();
+        for define in DEFINES {
+            assert!(
+                given.iter().any(|given| given.split(' ').next() == Some(define)),
+                "no case has {define}, interpreted: {interpreted}"
+            );
+        }
+    }
 }
 
 #[test]
