@@ -1,6 +1,6 @@
 //! Intervals of f32, and which operand of a minimum or maximum decides.
 
-use super::op::Op;
+use super::op::{Op, Properties};
 use super::rules;
 
 /// Either all f32 from `lo` to `hi`, infinities included and no NaN, or [`Interval::ANY`].
@@ -120,7 +120,7 @@ pub enum Choice {
 impl Op {
     /// Whether [`Op::choice`] can say anything but [`Choice::Both`].
     pub const fn chooses(self) -> bool {
-        matches!(self, Op::Min | Op::Max | Op::Mask)
+        self.properties().has(Properties::CHOOSES)
     }
 
     /// Which operand decides for every a and b of the given intervals. An operand that may be a NaN never

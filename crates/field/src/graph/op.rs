@@ -50,6 +50,10 @@ impl Properties {
     pub const WHOLE: Self = Self(4);
     /// The result depends on the frame's tables; it cannot be folded.
     pub const READS_FRAME: Self = Self(8);
+    /// It costs several times an addition: the interpreter's clauses of it stand second in a texel.
+    pub const DEAR: Self = Self(32);
+    /// Over a box one operand may decide alone, so that the other is not needed there.
+    pub const CHOOSES: Self = Self(64);
     /// The result is 0 or 1.
     pub const TRUTH: Self = Self(16 | 2 | 4);
 
@@ -189,6 +193,8 @@ const NEVER_NEGATIVE: Properties = Properties::NEVER_NEGATIVE;
 const WHOLE: Properties = Properties::WHOLE;
 const TRUTH: Properties = Properties::TRUTH;
 const READS_FRAME: Properties = Properties::READS_FRAME;
+const DEAR: Properties = Properties::DEAR;
+const CHOOSES: Properties = Properties::CHOOSES;
 
 operators! {
     /// -a.
@@ -245,73 +251,73 @@ operators! {
         slope_bounds |_, _, r, _| slopes::sqrt(r),
         glsl "sqrt(max($a, 0.0))";
     /// e^a.
-    Exp = 26 "EXP" NEVER_NEGATIVE,
+    Exp = 26 "EXP" NEVER_NEGATIVE.and(DEAR),
         value |a, _, _| a.exp(), bounds |a, _, _| rules::exp(a), slopes |_, _, r, _| (r, 0.0),
         slope_bounds |_, _, r, _| slopes::first(r),
         glsl "exp($a)";
     /// 2^a.
-    Exp2 = 27 "EXP2" NEVER_NEGATIVE,
+    Exp2 = 27 "EXP2" NEVER_NEGATIVE.and(DEAR),
         value |a, _, _| a.exp2(), bounds |a, _, _| rules::exp2(a),
         slopes |_, _, r, _| (r * std::f32::consts::LN_2, 0.0),
         slope_bounds |_, _, r, _| slopes::exp2(r),
         glsl "exp2($a)";
     /// The natural logarithm of max(a, [`SMALLEST`]), so at least -87.34.
-    Log = 28 "LOG" NONE,
+    Log = 28 "LOG" DEAR,
         value |a, _, _| a.max(SMALLEST).ln(), bounds |a, _, _| rules::log(a),
         slopes |a, _, _, _| (if a > SMALLEST { a.recip() } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, 1.0),
         glsl "log(max($a, 1.17549435e-38))";
     /// The binary logarithm of max(a, [`SMALLEST`]), so at least -126.
-    Log2 = 29 "LOG2" NONE,
+    Log2 = 29 "LOG2" DEAR,
         value |a, _, _| a.max(SMALLEST).log2(), bounds |a, _, _| rules::log2(a),
         slopes |a, _, _, _| (if a > SMALLEST { std::f32::consts::LOG2_E / a } else { 0.0 }, 0.0),
         slope_bounds |a, _, _, _| slopes::log(a, std::f32::consts::LOG2_E),
         glsl "log2(max($a, 1.17549435e-38))";
     /// The sine of a in radians.
-    Sin = 30 "SIN" NONE,
+    Sin = 30 "SIN" DEAR,
         value |a, _, _| a.sin(), bounds |a, _, _| rules::sin(a), slopes |a, _, _, _| (a.cos(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cos(a)),
         glsl "sin($a)";
     /// The cosine of a in radians.
-    Cos = 31 "COS" NONE,
+    Cos = 31 "COS" DEAR,
         value |a, _, _| a.cos(), bounds |a, _, _| rules::cos(a), slopes |a, _, _, _| (-a.sin(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::neg(rules::sin(a))),
         glsl "cos($a)";
     /// The tangent of a in radians.
-    Tan = 32 "TAN" NONE,
+    Tan = 32 "TAN" DEAR,
         value |a, _, _| a.tan(), bounds |a, _, _| rules::tan(a), slopes |_, _, r, _| (1.0 + r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tan(r),
         glsl "tan($a)";
     /// The arc sine of a clamped to -1..1; 0 for a NaN. (GLSL's own is off by 4e-4 in Mesa.)
-    Asin = 33 "ASIN" NONE,
+    Asin = 33 "ASIN" DEAR,
         value |a, _, _| unit(a).asin(), bounds |a, _, _| rules::asin(a),
         slopes |a, _, _, _| (arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(slopes::arc(a)),
         glsl "atan(clamp($a, -1.0, 1.0), sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)))";
     /// The arc cosine of a clamped to -1..1; that of 0 for a NaN.
-    Acos = 34 "ACOS" NEVER_NEGATIVE,
+    Acos = 34 "ACOS" NEVER_NEGATIVE.and(DEAR),
         value |a, _, _| unit(a).acos(), bounds |a, _, _| rules::acos(a),
         slopes |a, _, _, _| (-arc_slope(a), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::neg(slopes::arc(a))),
         glsl "atan(sqrt(max((1.0 - $a) * (1.0 + $a), 0.0)), clamp($a, -1.0, 1.0))";
     /// The arc tangent of a.
-    Atan = 35 "ATAN" NONE,
+    Atan = 35 "ATAN" DEAR,
         value |a, _, _| a.atan(), bounds |a, _, _| rules::atan(a),
         slopes |a, _, _, _| ((1.0 + a * a).recip(), 0.0),
         slope_bounds |a, _, _, _| slopes::atan(a),
         glsl "atan($a)";
     /// The hyperbolic sine of a.
-    Sinh = 36 "SINH" NONE,
+    Sinh = 36 "SINH" DEAR,
         value |a, _, _| a.sinh(), bounds |a, _, _| rules::sinh(a), slopes |a, _, _, _| (a.cosh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::cosh(a)),
         glsl "sinh($a)";
     /// The hyperbolic cosine of a.
-    Cosh = 37 "COSH" NEVER_NEGATIVE,
+    Cosh = 37 "COSH" NEVER_NEGATIVE.and(DEAR),
         value |a, _, _| a.cosh(), bounds |a, _, _| rules::cosh(a), slopes |a, _, _, _| (a.sinh(), 0.0),
         slope_bounds |a, _, _, _| slopes::first(rules::sinh(a)),
         glsl "cosh($a)";
     /// The hyperbolic tangent of a clamped to ±[`TANH_MAX`]; 0 for a NaN.
-    Tanh = 38 "TANH" NONE,
+    Tanh = 38 "TANH" DEAR,
         value |a, _, _| tanh(a), bounds |a, _, _| rules::tanh(a), slopes |_, _, r, _| (1.0 - r * r, 0.0),
         slope_bounds |_, _, r, _| slopes::tanh(r),
         glsl "tanh(clamp($a, -10.0, 10.0))";
@@ -321,19 +327,19 @@ operators! {
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a == 0.0)";
     /// The band with the number floor(a), clamped to 0..=31; band 0 for a NaN.
-    Band = 40 "BAND" READS_FRAME,
+    Band = 40 "BAND" READS_FRAME.and(DEAR),
         value |a, _, frame| frame.band(a), bounds |a, _, frame| frame.band_bounds(a),
         slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "table_band($a)";
     /// The spectrum at a in 0..1, low to high, clamped; linear between entries.
-    Spectrum = 41 "SPECTRUM" READS_FRAME,
+    Spectrum = 41 "SPECTRUM" READS_FRAME.and(DEAR),
         value |a, _, frame| frame.spectrum.at(a, 0.0), bounds |a, _, frame| frame.spectrum.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.spectrum.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.spectrum.slope_bounds(a, Interval::point(0.0)),
         glsl "table_spectrum($a)";
     /// The waveform at a in 0..1, old to new, clamped; linear between entries.
-    Waveform = 42 "WAVEFORM" READS_FRAME,
+    Waveform = 42 "WAVEFORM" READS_FRAME.and(DEAR),
         value |a, _, frame| frame.waveform.at(a, 0.0), bounds |a, _, frame| frame.waveform.bounds(a, Interval::point(0.0)),
         slopes |a, _, _, frame| frame.waveform.slopes(a, 0.0),
         slope_bounds |a, _, _, frame| frame.waveform.slope_bounds(a, Interval::point(0.0)),
@@ -361,13 +367,13 @@ operators! {
         slope_bounds |a, b, r, _| slopes::div(a, b, r),
         glsl "($b == 0.0 ? 0.0 : $a / $b)";
     /// The smaller of both.
-    Min = 68 "MIN" COMMUTATIVE,
+    Min = 68 "MIN" COMMUTATIVE.and(CHOOSES),
         value |a, b, _| a.min(b), bounds |a, b, _| rules::min(a, b),
         slopes |a, b, _, _| if b < a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Min, a, b),
         glsl "min($a, $b)";
     /// The larger of both.
-    Max = 69 "MAX" COMMUTATIVE,
+    Max = 69 "MAX" COMMUTATIVE.and(CHOOSES),
         value |a, b, _| a.max(b), bounds |a, b, _| rules::max(a, b),
         slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Max, a, b),
@@ -380,14 +386,14 @@ operators! {
         glsl "($b == 0.0 ? $a : $a - $b * floor($a / $b))";
     /// a to the power of b for positive a. A base that is 0 or negative (or below [`SMALLEST`]) gives 0, and
     /// 1 where b is 0.
-    Pow = 71 "POW" NEVER_NEGATIVE,
+    Pow = 71 "POW" NEVER_NEGATIVE.and(DEAR),
         value |a, b, _| pow(a, b), bounds |a, b, _| rules::pow(a, b),
         slopes |a, b, r, _| if a >= SMALLEST { (b * r / a, r * a.ln()) } else { (0.0, 0.0) },
         slope_bounds |a, b, r, _| slopes::pow(a, b, r),
         glsl "($a >= 1.17549435e-38 ? pow($a, $b) : float($b == 0.0))";
     /// The angle of the vector (b, a) from the x axis, -π..π: GLSL's atan(a, b). Where a is 0: π for negative
     /// b, else 0.
-    Atan2 = 72 "ATAN2" NONE,
+    Atan2 = 72 "ATAN2" DEAR,
         value |a, b, _| atan2(a, b), bounds |a, b, _| rules::atan2(a, b),
         slopes |a, b, _, _| { let d = a * a + b * b; if d > 0.0 { (b / d, -a / d) } else { (0.0, 0.0) } },
         slope_bounds |a, b, _, _| slopes::atan2(a, b),
@@ -414,20 +420,20 @@ operators! {
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "float($a == $b)";
     /// b where a is not 0 (also where it is a NaN), else 0.
-    Mask = 77 "MASK" NONE,
+    Mask = 77 "MASK" CHOOSES,
         value |a, b, _| if a == 0.0 { 0.0 } else { b }, bounds |a, b, _| rules::mask(a, b),
         slopes |a, _, _, _| (0.0, truth(a != 0.0)),
         slope_bounds |a, b, _, _| slopes::chosen(Op::Mask, a, b),
         glsl "($a == 0.0 ? 0.0 : $b)";
     /// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)); see
     /// [`cell_hash`].
-    Hash = 78 "HASH" NEVER_NEGATIVE,
+    Hash = 78 "HASH" NEVER_NEGATIVE.and(DEAR),
         value |a, b, _| cell_hash(a, b), bounds |a, b, _| rules::hash(a, b), slopes |_, _, _, _| (0.0, 0.0),
         slope_bounds |_, _, _, _| slopes::constant(0.0, 0.0),
         glsl "cell_hash($a, $b)";
     /// The history of the spectrum at a in 0..1 (low to high) and the age b in 0..1 (now to oldest), clamped,
     /// bilinear.
-    History = 79 "HISTORY" READS_FRAME,
+    History = 79 "HISTORY" READS_FRAME.and(DEAR),
         value |a, b, frame| frame.history.at(a, b), bounds |a, b, frame| frame.history.bounds(a, b),
         slopes |a, b, _, frame| frame.history.slopes(a, b),
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),

@@ -117,6 +117,14 @@ const fn named_sounds() -> usize {
     count
 }
 
+/// A function of three operands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Three {
+    Mix,
+    Clamp,
+    Smoothstep,
+}
+
 /// A function that the language brings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Builtin {
@@ -129,9 +137,8 @@ pub(super) enum Builtin {
     /// To a whole number, or of a shape's edges.
     Round,
     Pow,
-    Mix,
-    Clamp,
-    Smoothstep,
+    /// One of three operands, component by component.
+    Three(Three),
     Length,
     Dot,
     /// A vector of that many components.
@@ -166,9 +173,7 @@ const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
     function(name, "a", Builtin::Each(op), (1, 1), doc)
 }
 
-use Builtin::{
-    Atan, Band, Clamp, Construct, Dot, History, Length, Mix, Pair, Pow, Round, Smoothstep, Table, Texture,
-};
+use Builtin::{Atan, Band, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
 
 /// Every function that the language brings.
 pub(super) const BUILTINS: &[BuiltinRow] = &[
@@ -212,9 +217,27 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     function("sum", "a, b, …", Pair(Op::Add), (2, 2), "the sum of any number of values"),
     function("product", "a, b, …", Pair(Op::Mul), (2, 2), "the product of any number of values"),
     function("step", "edge, a", Pair(Op::Step), (2, 2), "0 where a is below the edge, else 1"),
-    function("mix", "a, b, share", Mix, (3, 3), "a where share is 0, b where it is 1, linear between"),
-    function("clamp", "a, low, high", Clamp, (3, 3), "a, but no less than low and no more than high"),
-    function("smoothstep", "low, high, a", Smoothstep, (3, 3), "0 at low, 1 at high, a smooth curve between"),
+    function(
+        "mix",
+        "a, b, share",
+        Builtin::Three(Three::Mix),
+        (3, 3),
+        "a where share is 0, b where it is 1, linear between",
+    ),
+    function(
+        "clamp",
+        "a, low, high",
+        Builtin::Three(Three::Clamp),
+        (3, 3),
+        "a, but no less than low and no more than high",
+    ),
+    function(
+        "smoothstep",
+        "low, high, a",
+        Builtin::Three(Three::Smoothstep),
+        (3, 3),
+        "0 at low, 1 at high, a smooth curve between",
+    ),
     function("length", "v", Length, (1, 1), "the length of a vector"),
     function("dot", "a, b", Dot, (2, 2), "the scalar product"),
     function("vec2", "x, y", Construct(2), (1, 2), "a vector of two numbers"),

@@ -22,19 +22,15 @@ use std::fmt::Write as _;
 
 use super::glsl::fill;
 use super::{Instruction, Operand, Tape, opcode};
-use crate::graph::Op;
+use crate::graph::{Op, Properties};
 use crate::limits::LIMITS;
 
 /// Entries of a table's page.
 const PAGE: usize = 256;
 
 /// Whether an operator costs several times an addition: those stand second in a texel.
-pub fn is_rare(op: Op) -> bool {
-    let power = matches!(op, Op::Exp | Op::Exp2 | Op::Log | Op::Log2 | Op::Pow);
-    let circular = matches!(op, Op::Sin | Op::Cos | Op::Tan | Op::Asin | Op::Acos | Op::Atan | Op::Atan2);
-    let hyperbolic = matches!(op, Op::Sinh | Op::Cosh | Op::Tanh);
-    let table = matches!(op, Op::Hash | Op::Band | Op::Spectrum | Op::Waveform | Op::History);
-    power || circular || hyperbolic || table
+pub const fn is_rare(op: Op) -> bool {
+    op.properties().has(Properties::DEAR)
 }
 
 impl Tape {

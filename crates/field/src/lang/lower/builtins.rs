@@ -1,6 +1,6 @@
 //! Functions that the language brings.
 
-use super::super::builtin::{Builtin, BuiltinRow, uses};
+use super::super::builtin::{Builtin, BuiltinRow, Three, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::path;
 use super::super::scene::TextureRef;
@@ -48,10 +48,8 @@ impl Lowering<'_> {
             (Builtin::Pow, [Some(a), Some(b), ..]) if sizes_fit(&[a, b]) => {
                 self.zip(a, b, |graph, a, b| graph.pow(a, b))
             }
-            (Builtin::Mix | Builtin::Clamp | Builtin::Smoothstep, [Some(a), Some(b), Some(c), _])
-                if sizes_fit(&[a, b, c]) =>
-            {
-                self.triple(row.builtin, a, b, c)
+            (Builtin::Three(three), [Some(a), Some(b), Some(c), _]) if sizes_fit(&[a, b, c]) => {
+                self.triple(three, a, b, c)
             }
             (Builtin::Length, [Some(a), ..]) => Value::scalar(self.graph.length(a.parts())),
             (Builtin::Dot, [Some(a), Some(b), ..]) if a.len() == b.len() => {
@@ -91,15 +89,15 @@ impl Lowering<'_> {
         self.zip(a, b, |graph, a, b| graph.binary(op, a, b))
     }
 
-    fn triple(&mut self, builtin: Builtin, a: Vector, b: Vector, c: Vector) -> Value {
+    fn triple(&mut self, three: Three, a: Vector, b: Vector, c: Vector) -> Value {
         let len = a.len().max(b.len()).max(c.len());
         let mut parts = [a.first(); 4];
         for (index, part) in parts.iter_mut().enumerate().take(len) {
             let (a, b, c) = (a.part(index), b.part(index), c.part(index));
-            *part = match builtin {
-                Builtin::Mix => self.graph.mix(a, b, c),
-                Builtin::Clamp => self.graph.clamp(a, b, c),
-                _ => self.graph.smoothstep(a, b, c),
+            *part = match three {
+                Three::Mix => self.graph.mix(a, b, c),
+                Three::Clamp => self.graph.clamp(a, b, c),
+                Three::Smoothstep => self.graph.smoothstep(a, b, c),
             };
         }
         Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
