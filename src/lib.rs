@@ -17,4 +17,5 @@ pub mod frame;
 pub mod gpu;
 pub mod limits;
 pub mod scenes;
+pub mod srgb;
 pub mod view;

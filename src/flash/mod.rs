@@ -47,10 +47,7 @@ impl Grid {
 
     /// The cells of a finished picture: sRGB, four bytes a pixel, row by row.
     pub fn of_picture(rgba: &[u8], (width, height): (u32, u32)) -> Self {
-        let linear: [f32; 256] = std::array::from_fn(|byte| {
-            let encoded = byte as f32 / 255.0;
-            if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-        });
+        let linear = crate::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
         let (width, height) = (width as usize, height as usize);
         // A picture with fewer pixels than cells gives each cell the nearest one.

@@ -8,21 +8,17 @@ use image::RgbaImage;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
+use crate::srgb;
 
 /// Texture anisotropy on a GPU: what grazing floors and cabinet sides need, at little cost.
 const ANISOTROPY: f32 = 8.0;
 /// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, lanes without a hit
 /// included, and was seen not to come back from it.
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
-/// Linear light of an sRGB byte, by IEC 61966-2-1.
-fn linear(byte: u8) -> f32 {
-    let encoded = f32::from(byte) / 255.0;
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
 
 /// The picture's texels as 32-bit floats in linear light.
 fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
-    let table: [f32; 256] = std::array::from_fn(|byte| linear(byte as u8));
+    let table = srgb::linear_of_bytes();
     let light = |byte: u8| table.get(usize::from(byte)).copied().unwrap_or(0.0);
     let texels = picture.pixels().map(|pixel| {
         let [r, g, b, a] = pixel.0;

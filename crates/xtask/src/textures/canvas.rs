@@ -11,10 +11,7 @@ pub type Color = [f32; 3];
 
 /// The linear colour of an sRGB colour 0xRRGGBB.
 pub fn rgb(hex: u32) -> Color {
-    [16, 8, 0].map(|shift| {
-        let s = (hex >> shift & 0xFF) as f32 / 255.0;
-        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
-    })
+    [16, 8, 0].map(|shift| mariana::srgb::linear((hex >> shift & 0xFF) as f32 / 255.0))
 }
 
 /// A linear component as an sRGB byte.
