@@ -22,12 +22,12 @@
 //! let bounds = field.bounds([5.0, 5.0, 5.0], [6.0, 6.0, 6.0], &silence);
 //! assert!(bounds.lo > 4.0 && bounds.hi < 10.0);
 //!
-//! The clauses that compute it, and the same for a shader.
+//! // The clauses that compute it, and the same for a shader.
 //! assert!(field.tape().clauses().len() < 40);
 //! println!("{}", field.tape());
 //! assert!(field.glsl()?.contains("float"));
 //!
-//! A tree of cells: between the two shapes, the tape of each cell knows one of them.
+//! // A tree of cells: between the two shapes, the tape of each cell knows one of them.
 //! let tree = field.tree(&silence);
 //! let cell = tree.cell_at([0.0, 0.9, 0.0]).expect("the tree holds all surfaces");
 //! assert_eq!(cell.bound, 0.0, "a surface may be in this cell");

@@ -24,7 +24,7 @@ pub struct Limits {
     pub scene_nesting_max: usize,
     /// Deepest nesting of expressions after functions have been expanded where they are called.
     pub scene_depth_max: usize,
-    /// Most operations that a scene is expanded to by functions and loops before equal ones are merged.
+    /// Most operations to which functions and loops expand a scene, before equal operations are merged.
     pub scene_expansion_max: usize,
     /// Most rounds of one loop.
     pub scene_loop_max: usize,
