@@ -20,9 +20,10 @@
 //!         | number | text | name | name "(" exprs ")" | "(" expr ")" | block
 //! ```
 //!
-//! A line's end separates only where the next line could go either way: `(…)` on a new line begins an expression
-//! instead of calling, and so does `-x` with nothing between, while `- x` goes on. Inside parentheses line ends mean
-//! nothing. The words `param object material light camera sky picture include` are reserved only where an item begins.
+//! A line's end separates only where the next line could be read either way. On a new line `(…)` begins an expression
+//! instead of a call, and so does `-x` without a space, whereas `- x` continues. Inside parentheses line ends mean
+//! nothing. The words `param object material light camera sky picture include` are reserved only where an item
+//! begins.
 
 mod expr;
 mod items;
