@@ -1,11 +1,11 @@
-//! The front door: a field from a text, and what there is to know of it.
+//! The entrance to the crate: a field from a text, and everything that is known of it.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::region::{RegionOptions, RegionPlan, Regions};
 use crate::tape::{Batch, IntervalEvaluator, Points, Tape, TapeOptions};
 use crate::world::{World, WorldError};
 
-/// A signed distance function, or any other function of a point, made ready to be evaluated.
+/// A signed distance function, or any other function of a point, prepared for evaluation.
 #[derive(Debug, Clone)]
 pub struct Field {
     world: World,
@@ -13,11 +13,12 @@ pub struct Field {
 }
 
 impl Field {
-    /// The field of a formula or of a whole scene that includes no other. Of a scene it is the distance to the nearest of
-    /// its objects.
+    /// The field of a formula, or of a whole scene that includes no other scene. The field of a scene is the distance
+    /// to the nearest of its objects.
     ///
     /// # Errors
-    /// Mistakes in the text, each with its place and a hint, or more expressions than [`limits`](crate::limits) allow.
+    /// Mistakes in the text, each with its place and a hint; or more expressions than the [`limits`](crate::limits)
+    /// allow.
     pub fn parse(text: &str) -> Result<Self, WorldError> {
         let world = World::parse("field", text)?;
         let scene = &world.scene;
@@ -26,14 +27,14 @@ impl Field {
         Ok(Self { world, tape })
     }
 
-    /// The values at points, at a moment of time and sound.
+    /// The values at the given points, for one moment of time and sound.
     pub fn eval(&self, points: &[[f32; 3]], frame: &FrameInputs) -> Vec<f32> {
         let [x, y, z] = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).collect::<Vec<_>>());
         let points = Points { position: [&x, &y, &z], normal: None };
         Batch::new(&self.tape, frame).run(points).pop().unwrap_or_default()
     }
 
-    /// Bounds of the values over a box: every value in it is inside.
+    /// Bounds of the values over a box: they hold every value in it.
     pub fn bounds(&self, low: [f32; 3], high: [f32; 3], frame: &FrameInputs) -> Interval {
         let position = std::array::from_fn(|axis| Interval::new(low[axis], high[axis]));
         let nothing = [Interval::point(0.0); 3];
@@ -41,25 +42,25 @@ impl Field {
         bounds.unwrap_or(Interval::ANY)
     }
 
-    /// The clauses that compute it. They print as a table.
+    /// The clauses that compute the field. They print as a table.
     pub fn tape(&self) -> &Tape {
         &self.tape
     }
 
-    /// Its functions in GLSL, which naga has found to be valid.
+    /// The field's functions in GLSL, validated by naga.
     ///
     /// # Errors
-    /// Over a limit, or a fault of the generator.
+    /// A limit is exceeded, or the generator has a fault.
     pub fn glsl(&self) -> Result<String, WorldError> {
         self.world.compiled_glsl()
     }
 
-    /// The tree of cells over a frame's surfaces, each with a bound of the distance and a shortened tape.
+    /// The tree of cells over the surfaces of a frame, each with a bound of the distance and a shortened tape.
     pub fn tree(&self, frame: &FrameInputs) -> Regions {
         RegionPlan::new(&self.world).build(frame, &RegionOptions::default())
     }
 
-    /// Everything else.
+    /// The world behind the field, for everything else.
     pub fn world(&self) -> &World {
         &self.world
     }

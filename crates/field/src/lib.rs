@@ -1,12 +1,12 @@
-//! Signed distance functions as text, and everything that is known of them without a window or a GPU.
+//! Signed distance functions as text, and everything that can be known of them without a window or a GPU.
 //!
 //! ```text
 //! text ─ lang ─► graph ─┬─► tape: clauses of four bytes, evaluated at points and over intervals
 //!                       └─► world: bounds, planes, programs, GLSL ─► region: a tree of bounds and short tapes
 //! ```
 //!
-//! [`Field`] is the short way in. A formula becomes a graph in which equal expressions are one, a tape of clauses, bounds
-//! over a box, GLSL, and a tree of cells:
+//! [`Field`] is the short way in. A formula becomes a graph in which equal expressions are stored once, a tape of
+//! clauses, bounds over a box, GLSL, and a tree of cells:
 //!
 //! ```
 //! use mariana_field::Field;
@@ -22,26 +22,26 @@
 //! let bounds = field.bounds([5.0, 5.0, 5.0], [6.0, 6.0, 6.0], &silence);
 //! assert!(bounds.lo > 4.0 && bounds.hi < 10.0);
 //!
-//! // What computes it, and the same for a shader.
+//! // The clauses that compute it, and the same for a shader.
 //! assert!(field.tape().clauses().len() < 40);
 //! println!("{}", field.tape());
 //! assert!(field.glsl()?.contains("float"));
 //!
-//! // A tree of cells: between the two shapes each tape knows one of them.
+//! // A tree of cells: between the two shapes, the tape of each cell knows one of them.
 //! let tree = field.tree(&silence);
 //! let cell = tree.cell_at([0.0, 0.9, 0.0]).expect("the tree holds all surfaces");
 //! assert_eq!(cell.bound, 0.0, "a surface may be in this cell");
 //! # Ok::<(), mariana_field::world::WorldError>(())
 //! ```
 //!
-//! Mistakes are told with their place and a hint:
+//! Mistakes are reported with their place and a hint:
 //!
 //! ```
 //! let mistake = mariana_field::Field::parse("spere(p, 1)").unwrap_err();
 //! assert!(mistake.to_string().contains("sphere"));
 //! ```
 //!
-//! Whoever draws scenes begins with [`world::World`], whoever writes tools for the language with [`lang::compile`].
+//! To draw scenes, begin with [`world::World`]; to write tools for the language, with [`lang::compile`].
 
 mod field;
 pub mod graph;

@@ -1,7 +1,7 @@
 //! Every ceiling of this crate, in one place.
 //!
-//! A limit is data: code that meets one reads it here, an error that reports one names the number that stands here, and a
-//! test reaches it.
+//! A limit is data: code that is bound by one reads it here, an error that reports one names the number that is given
+//! here, and a test reaches it.
 
 /// Ceilings on the text of a scene and on what is made of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Limits {
     pub graph_nodes_max: usize,
     /// Most clauses of a tape (four bytes each, and 40 while it is built).
     pub tape_clauses_max: usize,
-    /// Most outputs of a tape; each keeps a slot to the end.
+    /// Most outputs of a tape; each keeps a slot until the end.
     pub tape_outputs_max: usize,
     /// Most memory slots that the values of one tape are spilled to.
     pub tape_memory_max: usize,
@@ -22,19 +22,19 @@ pub struct Limits {
     pub scene_tokens_max: usize,
     /// Deepest nesting of expressions in a scene's text.
     pub scene_nesting_max: usize,
-    /// Deepest nesting of expressions once functions stand where they are called.
+    /// Deepest nesting of expressions after functions have been expanded where they are called.
     pub scene_depth_max: usize,
-    /// Most operations that a scene is expanded to by functions and loops before equal ones are merged.
+    /// Most operations to which functions and loops expand a scene, before equal operations are merged.
     pub scene_expansion_max: usize,
     /// Most rounds of one loop.
     pub scene_loop_max: usize,
     /// Most mistakes that are reported at once.
     pub scene_diagnostics_max: usize,
-    /// Most files that a scene includes, each counted once; [`Limits::include_depth_max`] holds for their depth.
+    /// Most files that a scene includes, each counted once; [`Limits::include_depth_max`] limits their depth.
     pub scene_includes_max: usize,
     /// Most parameters of a scene.
     pub scene_params_max: usize,
-    /// Most textures of a scene (16 are what OpenGL 3.3 promises a fragment shader).
+    /// Most textures of a scene (OpenGL 3.3 guarantees a fragment shader 16).
     pub scene_textures_max: usize,
     /// Most objects of a scene.
     pub scene_objects_max: usize,
@@ -42,11 +42,12 @@ pub struct Limits {
     pub scene_materials_max: usize,
     /// Most lights of a scene.
     pub scene_lights_max: usize,
-    /// Most values that are computed once a frame instead of at every point; further ones stay where they are.
+    /// Most values that are computed once per frame instead of at every point; further ones are computed at every
+    /// point.
     pub hoisted_max: usize,
 }
 
-/// The limits that hold.
+/// The limits that apply.
 pub const LIMITS: Limits = Limits {
     include_depth_max: 16,
     graph_nodes_max: 1 << 21,

@@ -1,11 +1,11 @@
-//! Numbers by which the shaders trace rays, and by which tests follow those rays on the processor. They stand here once:
-//! shaders get them as defines, so that a test never judges a tracer that is not shipped.
+//! The numbers with which the shaders trace rays and with which tests follow those rays on the CPU. They are defined
+//! here once, and shaders get them as defines, so that a test always judges the tracer that is shipped.
 
 macro_rules! rays {
     ($($(#[doc = $doc:literal])+ $name:ident: $kind:ty = $value:literal;)+) => {
         $($(#[doc = $doc])+ pub const $name: $kind = $value;)+
 
-        /// Each as `NAME value` in GLSL.
+        /// Each number as `NAME value` in GLSL.
         pub fn defines() -> impl Iterator<Item = String> {
             [$(format!(concat!(stringify!($name), " {:?}"), $name)),+].into_iter()
         }
@@ -13,41 +13,42 @@ macro_rules! rays {
 }
 
 rays! {
-    /// Evaluations along a ray through a distance field, at most.
+    /// Most evaluations along a ray through a distance field.
     STEPS_MAX: u32 = 128;
     /// Share of a pixel's cone that counts as the surface.
     HIT_SHARE: f32 = 0.25;
-    /// How much that share grows with each step once there were [`STEPS_MANY`]: a ray that creeps along a surface ends
+    /// How much that share grows with each step beyond [`STEPS_MANY`], so that a ray that creeps along a surface ends
     /// there.
     HIT_SHARE_GROWTH: f32 = 0.03;
-    /// From so many steps on they are many.
+    /// From this number of steps on, the share grows.
     STEPS_MANY: u32 = 32;
     /// How far rays go where a scene has no bounds.
     FAR: f32 = 1000.0;
-    /// Evaluations along a ray through a formula that is no distance field, at most, grazing ones counted in. (llvmpipe
-    /// ends every loop after 65,535 rounds of all loops of a pixel together, those of the tapes included.)
+    /// Most evaluations along a ray through a formula that is not a distance field, grazing rays included. (llvmpipe
+    /// ends every loop once all loops of a pixel together, those of the tapes included, have run 65,535 rounds.)
     STEEP_STEPS_MAX: u32 = 512;
-    /// Rounds that close in on where the sign of such a formula changed.
+    /// Rounds that close in on the place where the sign of such a formula changes.
     CLOSINGS_MAX: u32 = 6;
-    /// Its smallest step, as a share of the radius of the pixel's cone: nothing that is seen is thinner.
+    /// The smallest step through such a formula, as a share of the radius of the pixel's cone: nothing visible is
+    /// thinner.
     STEEP_STEP_MIN: f32 = 0.5;
-    /// How much the smallest step grows with each: a ray that grazes a surface ends.
+    /// How much the smallest step grows with each step, so that a ray that grazes a surface ends.
     STEEP_STEP_GROWTH: f32 = 0.04;
-    /// So close to a change of sign is close enough, as a share of the same radius.
+    /// The place of a change of sign is known well enough within this share of the same radius.
     CLOSE_ENOUGH: f32 = 0.05;
-    /// Cells of the tree's root to each side.
+    /// Cells of the tree's root along each axis.
     ROOT_SIDE: f32 = 16.0;
-    /// Texels that are read to find a cell: in the root, in a brick.
+    /// Texels that are read to find a cell: one in the root, one in a brick.
     REGION_LEVELS: u32 = 2;
-    /// The number in the place of the nearest object where a cell holds several.
+    /// The number that replaces that of the nearest object where a cell holds several.
     SEVERAL: u32 = 255;
-    /// The most cells that a ray passes without an evaluation.
+    /// The most cells that a ray passes through without an evaluation.
     SKIPS_MAX: u32 = 1024;
-    /// A ray takes each step at least so far, and so much of its way.
+    /// Each step of a ray is at least this long, and at least this share of the way so far.
     PAST_FACE: f32 = 4e-7;
-    /// Rays look for their cells so much further on, in root cells, so that none stays at a face.
+    /// Rays look for their cell this much further on, in root cells, so that none gets stuck at a face.
     AHEAD: f32 = 1e-5;
-    /// And by this share of how far off they began.
+    /// And further by this share of the distance at which they began.
     AHEAD_OF_FAR: f32 = 5e-7;
 }
 

@@ -1,6 +1,6 @@
 //! Builders: how expressions get into the graph.
 //!
-//! The helpers compose operators. Each says what it means; none of them is an operator of its own.
+//! The helpers compose operators and say which value they build; none of them is an operator of its own.
 
 use super::{Graph, Input, Node, NodeId, Op};
 
@@ -8,7 +8,7 @@ use super::{Graph, Input, Node, NodeId, Op};
 pub const PRODUCT_EXPONENT_MAX: f32 = 64.0;
 
 impl Graph {
-    /// A constant. The zeros are one, and so are the NaNs.
+    /// A constant. Both zeros become one node, and so do all NaNs.
     #[inline]
     pub fn constant(&mut self, value: f32) -> NodeId {
         let value = if value.is_nan() { f32::NAN } else { value + 0.0 };
@@ -33,7 +33,7 @@ impl Graph {
         if op.arity() == 2 { self.simplified_binary(op, a, b) } else { self.simplified_unary(op, a) }
     }
 
-    /// The node as it stands, without any simplification; for tests of the rules.
+    /// The node as it is given, without any simplification; for tests of the rules.
     pub fn raw(&mut self, node: Node) -> NodeId {
         self.intern(node)
     }
@@ -149,8 +149,8 @@ impl Graph {
         self.simplified_unary(Op::Not, c)
     }
 
-    /// a where c is not 0, else b: MASK(c, a) + MASK(NOT c, b). Exact, as the masked-out side is +0, whatever
-    /// the side that was not taken is, even a NaN.
+    /// a where c is not 0, else b: MASK(c, a) + MASK(NOT c, b). This is exact: the side that is not taken is masked
+    /// out to +0 whatever its value is, even a NaN.
     pub fn select(&mut self, c: NodeId, a: NodeId, b: NodeId) -> NodeId {
         if a == b {
             return a;
@@ -190,7 +190,7 @@ impl Graph {
         self.mul(squared, rest)
     }
 
-    /// The sum of the products of the components, from the first; 0 for empty slices. The longer slice is
+    /// The sum of the products of the components, beginning with the first; 0 for empty slices. The longer slice is
     /// cut.
     pub fn dot(&mut self, a: &[NodeId], b: &[NodeId]) -> NodeId {
         let mut sum = None;

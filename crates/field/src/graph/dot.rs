@@ -6,10 +6,11 @@ use super::node::{Node, NodeId};
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// What a root needs, as a `digraph` in Graphviz' language: a box per node, edges from operands to users.
+    /// The nodes that a root needs, as a `digraph` in the language of Graphviz: a box per node, edges from operands
+    /// to users.
     ///
     /// # Errors
-    /// What [`Graph::check`] says.
+    /// Those of [`Graph::check`].
     pub fn to_dot(&self, root: NodeId) -> Result<String, GraphError> {
         let mut text = String::from("digraph expression {\n  node [shape=box];\n");
         for id in self.order(&[root])?.nodes {

@@ -1,4 +1,4 @@
-//! The graph's own evaluator: plain, what the others are held against.
+//! The graph's own evaluator: a plain one, with which the others are compared.
 
 use super::frame_inputs::FrameInputs;
 use super::node::{Input, Node, NodeId};
@@ -10,7 +10,7 @@ use super::{Graph, GraphError};
 pub struct Point {
     /// Position in world space.
     pub position: [f32; 3],
-    /// Surface normal; in materials.
+    /// Surface normal; used in materials.
     pub normal: [f32; 3],
 }
 
@@ -31,7 +31,7 @@ impl Graph {
     /// The values of the roots at a point.
     ///
     /// # Errors
-    /// What [`Graph::check`] says.
+    /// Those of [`Graph::check`].
     pub fn evaluate(
         &self,
         roots: &[NodeId],
@@ -41,7 +41,7 @@ impl Graph {
         Ok(self.evaluate_in(&self.order(roots)?, roots, point, frame))
     }
 
-    /// The same in an order that was found before, by [`Graph::order`] of this graph and these roots.
+    /// The same in an order that [`Graph::order`] gave for this graph and these roots.
     pub fn evaluate_in(
         &self,
         order: &Order,

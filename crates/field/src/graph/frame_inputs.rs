@@ -1,4 +1,4 @@
-//! What one frame gives to every point: the sound's features, the scene's parameters and the tables.
+//! The data that a frame gives to every point: the sound's features, the scene's parameters and the tables.
 
 use super::{BAND_COUNT, SoundInputs};
 use std::sync::Arc;
@@ -17,16 +17,16 @@ fn unit(value: f32) -> f32 {
     if value > 0.0 { value.min(1.0) } else { 0.0 }
 }
 
-/// A table that is read with coordinates in 0..1 and interpolates linearly; the first entry stands at 0, the
-/// last at 1, unless the rows scroll ([`TableData::scrolling`]). Without entries it is 0 everywhere. Cheap to clone.
+/// A table that is read with coordinates in 0..1 and interpolated linearly. The first entry lies at 0 and the last at
+/// 1, unless the rows scroll ([`TableData::scrolling`]). Without entries it is 0 everywhere. Cheap to clone.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TableData {
     columns: usize,
     rows: usize,
     values: Option<Arc<[f32]>>,
-    /// The row at 0 and how many there are to the one at 1, where the rows scroll.
+    /// If the rows scroll: the row at coordinate 0, and the number of rows from there to coordinate 1.
     scroll: Option<(f32, f32)>,
-    /// Bounds of entries that are not known.
+    /// Bounds of the entries, if the entries themselves are not known.
     unknown: Option<(f32, f32)>,
 }
 
@@ -41,7 +41,7 @@ impl TableData {
         Self::rows(values, columns)
     }
 
-    /// A table of rows with `columns` entries each; entries that fill no row are not read.
+    /// A table of rows with `columns` entries each; entries of an incomplete last row are not read.
     pub fn rows(values: impl Into<Arc<[f32]>>, columns: usize) -> Self {
         let values = values.into();
         let rows = values.len().checked_div(columns).unwrap_or(0);
@@ -49,7 +49,8 @@ impl TableData {
         Self { columns, rows, values, scroll: None, unknown: None }
     }
 
-    /// The same, with the row coordinate 0 at row `first` and 1 at row `first + span`, both clamped to the rows there are.
+    /// The same, with coordinate 0 at row `first` and coordinate 1 at row `first + span`, both clamped to the
+    /// existing rows.
     pub fn scrolling(values: impl Into<Arc<[f32]>>, columns: usize, first: f32, span: f32) -> Self {
         Self { scroll: Some((unit(first), span.max(0.0))), ..Self::rows(values, columns) }
     }
@@ -59,17 +60,17 @@ impl TableData {
         self.values.as_deref().unwrap_or_default()
     }
 
-    /// The row at 0 and how many there are to the one at 1.
+    /// The row at coordinate 0, and the number of rows from there to coordinate 1.
     pub fn scroll(&self) -> (f32, f32) {
         self.scroll.unwrap_or((0.0, self.rows.saturating_sub(1) as f32))
     }
 
-    /// A table of which only the bounds of its entries are known. It reads as 0.
+    /// A table of which only the bounds of its entries are known. Reading it gives 0.
     fn within(low: f32, high: f32) -> Self {
         Self { unknown: Some((low, high)), ..Self::EMPTY }
     }
 
-    /// The two entries beside a coordinate and the way from the first to the second.
+    /// The two entries beside a coordinate and the fraction of the way from the first to the second.
     #[inline]
     fn place(coordinate: f32, count: usize, (first, span): (f32, f32)) -> (usize, usize, f32) {
         let last = count - 1;
@@ -121,8 +122,8 @@ impl TableData {
         )
     }
 
-    /// Bounds of [`TableData::slopes`] over intervals of the coordinates: those of all pieces that can be touched, and 0
-    /// for what lies beyond the ends.
+    /// Bounds of [`TableData::slopes`] over intervals of the coordinates: those of all pieces that can be touched,
+    /// and 0 beyond the ends.
     pub fn slope_bounds(&self, u: Interval, v: Interval) -> (Interval, Interval) {
         if self.unknown.is_some() {
             return (Interval::ALL, Interval::ALL);
@@ -149,16 +150,16 @@ impl TableData {
         (by_u, by_v)
     }
 
-    /// The slope from one entry to the next, of which `scale` are passed from 0 to 1, with what interpolating between
-    /// rows may round.
+    /// The slope from one entry to the next, where `scale` entries lie between 0 and 1, widened by the rounding of
+    /// the interpolation between rows.
     fn piece(from: f32, to: f32, scale: f32) -> Interval {
         let error = 16.0 * f32::EPSILON * from.abs().max(to.abs()) * scale;
         let slope = (to - from) * scale;
         Interval::new(slope - error, slope + error)
     }
 
-    /// First and last column and first and last row whose entries can be read. Of a table without entries there is none:
-    /// the first lies behind the last.
+    /// First and last column and first and last row whose entries can be read. For a table without entries the range
+    /// is empty: the first lies behind the last.
     fn touched(&self, u: Interval, v: Interval) -> (usize, usize, usize, usize) {
         if self.values.is_none() {
             return (1, 0, 1, 0);
@@ -174,8 +175,7 @@ impl TableData {
         (left, right, upper, lower)
     }
 
-    /// Bounds of the value over intervals of the coordinates: the extremes of the entries that can be
-    /// touched.
+    /// Bounds of the value over intervals of the coordinates: the extremes of the entries that can be touched.
     pub fn bounds(&self, u: Interval, v: Interval) -> Interval {
         if let Some((low, high)) = self.unknown {
             return Interval { lo: low, hi: high };
@@ -191,13 +191,13 @@ impl TableData {
                 bounds = Interval { lo: bounds.lo.min(value), hi: bounds.hi.max(value) };
             }
         }
-        // The interpolation rounds, relatively to the larger of both entries.
+        // The interpolation rounds relative to the larger of the two entries.
         let error = bounds.lo.abs().max(bounds.hi.abs()) * super::interval::LIBRARY_ERROR + f32::MIN_POSITIVE;
         Interval { lo: bounds.lo - error, hi: bounds.hi + error }
     }
 }
 
-/// What folding gives to operators that do not read it.
+/// The frame that constant folding passes to operators, none of which reads it.
 pub(super) static SILENT: FrameInputs = FrameInputs {
     time: 0.0,
     sound: SoundInputs::SILENCE,
@@ -217,15 +217,15 @@ pub(super) static SILENT: FrameInputs = FrameInputs {
 pub struct FrameInputs {
     /// Time in seconds.
     pub time: f32,
-    /// What is heard.
+    /// The numbers of the sound.
     pub sound: SoundInputs,
     /// The frequency bands, low to high.
     pub bands: [f32; BAND_COUNT],
-    /// Where the picture is seen from.
+    /// Position of the eye.
     pub eye: [f32; 3],
     /// The scene's parameters by number; missing ones are 0.
     pub params: Vec<f32>,
-    /// What was computed once for the frame, by number; missing ones are 0.
+    /// The values that were computed once for this frame, by number; missing ones are 0.
     pub hoisted: Vec<f32>,
     /// The spectrum, low to high.
     pub spectrum: TableData,
@@ -235,16 +235,16 @@ pub struct FrameInputs {
     pub history: TableData,
     /// The scene's textures; without a reader every texture is 0.
     pub textures: Option<Arc<dyn TextureReader>>,
-    /// Set where only ranges are known ([`FrameInputs::any`]): those of the parameters.
+    /// The ranges of the parameters; set only where nothing else is known of them ([`FrameInputs::any`]).
     pub ranges: Option<Arc<[Interval]>>,
 }
 
-/// Longest time that bounds for every frame count with, in seconds: a day.
+/// Longest time in seconds for which the bounds for every frame hold: a day.
 const TIME_MAX: f32 = 86_400.0;
 
 impl FrameInputs {
-    /// Inputs of every frame at once: any sound, any time, parameters within their ranges. Bounds over them hold for each
-    /// frame; values are those of silence.
+    /// The inputs of all frames at once: any sound, any time, parameters within their ranges. Bounds over them hold
+    /// for every frame; values computed with them are those of silence.
     pub fn any(params: impl IntoIterator<Item = (f32, f32)>) -> Self {
         Self {
             spectrum: TableData::within(0.0, 1.0),
@@ -255,7 +255,7 @@ impl FrameInputs {
         }
     }
 
-    /// Bounds of an input: a point, unless these are the inputs of every frame ([`FrameInputs::any`]).
+    /// Bounds of an input: a single value, unless these are the inputs of every frame ([`FrameInputs::any`]).
     pub fn bounds(&self, input: Input) -> Interval {
         let Some(params) = &self.ranges else { return Interval::point(self.value(input)) };
         match input {
@@ -271,7 +271,7 @@ impl FrameInputs {
         }
     }
 
-    /// An input that is the same all over the frame; 0 for those of a point.
+    /// The value of an input that is the same all over the frame; 0 for the inputs of a point.
     pub fn value(&self, input: Input) -> f32 {
         match input {
             Input::X | Input::Y | Input::Z | Input::NX | Input::NY | Input::NZ => 0.0,
@@ -286,7 +286,7 @@ impl FrameInputs {
         }
     }
 
-    /// The band with the number floor(index), clamped to the bands there are; band 0 for a NaN.
+    /// The band with the number floor(index), clamped to the existing bands; band 0 for a NaN.
     pub fn band(&self, index: f32) -> f32 {
         self.bands[Self::band_number(index)]
     }

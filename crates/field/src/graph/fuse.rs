@@ -1,28 +1,25 @@
-//! Fewer clauses: pairs of operators become one where nothing else reads what stands between them.
+//! Fewer clauses: a pair of operators becomes one operator where nothing else reads the value between them.
 //!
-//! Most of a distance is lengths, boxes and balls, whose squares, sums, differences and roots follow each other. What an
-//! interpreter pays for is the clause, so each pair made one saves half of its work. The value stays the same bit for
-//! bit: a fused operator rounds as both did.
-//!
-//! **Fused operators.** Lengths, boxes and balls are squares, sums, differences and roots that follow each other:
-//! `graph::fuse` makes pairs one operator where nothing else reads what lies between, for the interpreter alone. An
-//! interpreter pays for the clause, so that a third of the distance's clauses is a third of its time. Each rounds as
-//! both did. Where no ray asks for a distance, far from surfaces, cells have the whole tape, and where there is no
-//! room, too.
+//! **Fused operators.** Most of a distance consists of lengths, boxes and balls, in which squares, sums, differences
+//! and roots follow each other. An interpreter pays for each clause, so a distance with a third fewer clauses takes a
+//! third less time; only the interpreter gets fused operators. Fusing is bit-exact: the result is rounded as the two
+//! operators rounded it. Cells use the whole tape far from surfaces, where no ray asks for a distance, and where no
+//! room is left.
 
 use super::node::{Node, NodeId};
 use super::op::Op;
 use super::{Graph, GraphError};
 
 impl Graph {
-    /// What the roots need, with pairs of operators fused, as a graph of its own. The roots become those of that graph.
+    /// The nodes that the roots need, as a new graph with pairs of operators fused. The roots become nodes of that
+    /// graph.
     ///
     /// # Errors
-    /// What [`Graph::check`] says; the roots stay.
+    /// Those of [`Graph::check`]; the roots are then unchanged.
     pub fn fused(&self, roots: &mut [NodeId]) -> Result<Graph, GraphError> {
         let order = self.order(roots)?.nodes;
         let readers = self.readers(&order, roots);
-        // From the roots down: what is read after all, and as what.
+        // From the roots down: which nodes are still read, and as which operator.
         let mut tiles: Vec<Option<Node>> = vec![None; self.len()];
         let mut read = vec![false; self.len()];
         for root in roots.iter() {
@@ -69,7 +66,7 @@ impl Graph {
         matches!(self.node(id), Node::Input(input) if input.of_point().is_some())
     }
 
-    /// How often each node is read: 0, 1, or 2 for more and for roots.
+    /// How often each node is read: 0, 1, or 2 for more often and for roots.
     fn readers(&self, order: &[NodeId], roots: &[NodeId]) -> Vec<u8> {
         let mut readers = vec![0u8; self.len()];
         for root in roots {
@@ -84,15 +81,15 @@ impl Graph {
         readers
     }
 
-    /// The largest operator of which a node is the result.
+    /// The largest operator that has this node as its result.
     fn tile(&self, id: NodeId, readers: &[u8]) -> Node {
-        // What is only read here.
+        // A node that only this one reads.
         let own = |id: NodeId| (readers[id.index()] == 1).then(|| self.node(id));
         let own_square = |id: NodeId| match own(id) {
             Some(Node::Unary(Op::Square, a)) => Some(a),
             _ => None,
         };
-        // a and 0 where max(a, 0) is only read here.
+        // The operands a and 0 of a max(a, 0) that only this node reads.
         let own_outside = |id: NodeId| match own(id) {
             Some(Node::Binary(Op::Max, a, b)) if self.as_constant(b) == Some(0.0) => Some((a, b)),
             Some(Node::Binary(Op::Max, a, b)) if self.as_constant(a) == Some(0.0) => Some((b, a)),
@@ -136,7 +133,7 @@ impl Graph {
     }
 }
 
-/// What a node reads.
+/// The operands of a node.
 fn operands(node: Node) -> impl Iterator<Item = NodeId> {
     let (a, b) = match node {
         Node::Constant(_) | Node::Input(_) => (None, None),

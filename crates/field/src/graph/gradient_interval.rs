@@ -6,36 +6,36 @@ use super::interval::Interval;
 use super::op::Op;
 use super::rules;
 
-/// Bounds of a value all over a box, and of its derivatives by x, y and z there; of those on both sides at a kink. Jumps
-/// have no slope (see `slope_rules.rs`).
+/// Bounds of a value and of its derivatives by x, y and z over a whole box; at a kink they hold the slopes of both
+/// sides. Jumps have no slope (see `slope_rules.rs`).
 ///
-/// **Lengths.** The slope of a square root is unbounded at 0, that of a length is not: with s = Σ aᵢ² and r = √s,
-/// ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x, and by Cauchy and Schwarz |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²), as Σ (aᵢ/r)² = 1. So a sum of squares
-/// carries Σ (∂aᵢ/∂x)² until its root is taken.
+/// **Lengths.** The slope of a square root is unbounded at 0, but that of a length is not. With s = Σ aᵢ² and r = √s,
+/// ∂r/∂x = Σ (aᵢ/r) ∂aᵢ/∂x. Since Σ (aᵢ/r)² = 1, Cauchy and Schwarz give |∂r/∂x| ≤ √(Σ (∂aᵢ/∂x)²). A sum of squares
+/// therefore carries Σ (∂aᵢ/∂x)² along until its root is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GradientInterval {
     /// The value.
     pub value: Interval,
     /// The gradient.
     pub gradient: [Interval; 3],
-    /// Where the value is known to be a sum of squares, also of a constant that is not negative: for each axis at least
-    /// the sum of the squared derivatives of what is squared. Else infinite.
+    /// For each axis an upper bound of the sum of the squared derivatives of the squared terms, if the value is known
+    /// to be a sum of squares (a constant that is not negative counts as one); infinite otherwise.
     squares: [f32; 3],
 }
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
-/// More than what the roundings of a sum of squares, of its root and of both slopes come to.
+/// Exceeds all rounding errors of a sum of squares, of its root and of both slopes.
 const LENGTH_ERROR: f32 = 1.0 + 1e-4;
 
 impl GradientInterval {
-    /// What is the same all over the box: a constant, an input of the frame.
+    /// A value that is the same all over the box: a constant or an input of the frame.
     #[inline(always)]
     pub fn flat(value: Interval) -> Self {
         let squares = if value.lo >= 0.0 { [0.0; 3] } else { [f32::INFINITY; 3] };
         Self { value, gradient: [ZERO; 3], squares }
     }
 
-    /// The coordinate with the number `axis`, 0..3.
+    /// The coordinate of axis `axis`, 0..3.
     #[inline(always)]
     pub fn coordinate(axis: usize, value: Interval) -> Self {
         let gradient = [0, 1, 2].map(|each| Interval::point(if each == axis { 1.0 } else { 0.0 }));
@@ -53,7 +53,8 @@ impl GradientInterval {
             Op::Sqrt => {
                 for (change, square) in gradient.iter_mut().zip(a.squares) {
                     let most = (square * LENGTH_ERROR).sqrt();
-                    // Nothing is known of the change where the root's slope is unbounded and its operand's a NaN.
+                    // Where the root's slope is unbounded and its operand's slope is a NaN, nothing is known of the
+                    // change.
                     if most.is_finite() {
                         let (lo, hi) = (change.lo.max(-most), change.hi.min(most));
                         *change = Interval { lo: lo.min(most), hi: hi.max(-most) };
@@ -82,8 +83,8 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
-    /// A minimum, maximum or mask has the slopes of one operand: where either may be it, of both. (By the chain rule
-    /// alone it would have any sum of shares of both.)
+    /// A minimum, maximum or mask has the slopes of the operand it takes; where it may take either, the bounds hold
+    /// those of both. (The chain rule alone would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {
         let may_be = operands.iter().filter(|(_, share)| share.hi > 0.0).map(|(operand, _)| **operand);
         let surely = operands.iter().any(|(_, share)| share.lo > 0.0)
@@ -93,7 +94,7 @@ impl GradientInterval {
         Self { value, ..chosen }
     }
 
-    /// Where a one-operand operator jumps in a box, if that is on one plane across one axis: the axis and the
+    /// Where a one-operand operator jumps inside a box, if it does so on one plane across one axis: the axis and the
     /// coordinate.
     pub fn jump(op: Op, a: &Self, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let offset = match op {
@@ -114,8 +115,8 @@ impl GradientInterval {
         Self { value: rules::sub(a.value, b.value), gradient, ..*a }.place_of(0.0, sides)
     }
 
-    /// Where the value, if it changes evenly along one axis alone, is `wanted` inside the box, and half as much again
-    /// and further away only outside of it.
+    /// The place inside the box where the value is `wanted`, if it changes evenly along one axis alone and stays
+    /// below `wanted` + 1, so that no further jump lies in the box.
     fn place_of(&self, wanted: f32, sides: [Interval; 3]) -> Option<(usize, f32)> {
         let inside = self.value.lo < wanted && wanted < self.value.hi && self.value.hi < wanted + 1.0;
         let mut along = (0..3).filter(|axis| !rules::is_zero(self.gradient[*axis]));
@@ -129,7 +130,7 @@ impl GradientInterval {
         (sides[axis].lo < place && place < sides[axis].hi).then_some((axis, place))
     }
 
-    /// What holds for both.
+    /// The bounds that hold both.
     pub fn hull(&self, other: &Self) -> Self {
         Self {
             value: self.value.hull(other.value),
@@ -139,26 +140,27 @@ impl GradientInterval {
     }
 }
 
-/// A box cut where parts of a formula jump. In each piece their slopes are those of one side, which bounds the whole far
-/// more closely than a box that holds both: noise is smooth, but its parts are not where its cells meet.
+/// A box, cut where parts of a formula jump. In each piece the slopes are those of one side of the jump, so they are
+/// bounded far more closely than over the whole box. Noise is the reason: it is smooth, but its parts jump at its
+/// cells.
 #[derive(Debug, Clone, Default)]
 pub struct Pieces {
     cuts: Vec<(usize, f32)>,
     boxes: Vec<[Interval; 3]>,
 }
 
-/// Most pieces of a box; what would need more is not cut further.
+/// Most pieces of a box; cuts that would make more are left out.
 const PIECES_MAX: usize = 32;
-/// So much is left out on both sides of a jump, as a share of the coordinate: a rounding must not reach across.
+/// This share of the coordinate is left out on both sides of a jump, so that rounding cannot reach across it.
 const JUMP_WIDTH: f32 = 2e-6;
 
 impl Pieces {
-    /// Begins with no jump known.
+    /// Forgets all jumps.
     pub fn clear(&mut self) {
         self.cuts.clear();
     }
 
-    /// Takes up a jump.
+    /// Adds a jump.
     #[inline(always)]
     pub fn add(&mut self, jump: Option<(usize, f32)>) {
         if let Some(jump) = jump.filter(|jump| !self.cuts.contains(jump)) {
@@ -166,7 +168,7 @@ impl Pieces {
         }
     }
 
-    /// The pieces of the box by the jumps that were found; none where there were no jumps.
+    /// The pieces into which the jumps found cut the box; empty if there were no jumps.
     pub fn of(&mut self, sides: [Interval; 3]) -> &[[Interval; 3]] {
         self.boxes.clear();
         if self.cuts.is_empty() {
@@ -189,12 +191,13 @@ impl Pieces {
     }
 }
 
-/// What a sum of squares may be multiplied by.
+/// Whether a sum of squares may be multiplied by this.
 fn is_factor(a: &GradientInterval) -> bool {
     a.gradient == [ZERO; 3] && a.value.lo >= 0.0 && a.value.hi < f32::INFINITY
 }
 
-/// The chain rule; what does not change passes no slope on, however steep, and what is not steep none of any change.
+/// The chain rule. A constant operand contributes nothing, however steep the function is; and where the function is
+/// flat, no change of the operand matters.
 #[inline(always)]
 fn along(slope: Interval, change: Interval) -> Interval {
     if rules::is_zero(slope) || rules::is_zero(change) {

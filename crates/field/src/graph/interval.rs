@@ -3,10 +3,10 @@
 use super::op::{Op, Properties};
 use super::rules;
 
-/// Either all f32 from `lo` to `hi`, infinities included and no NaN, or [`Interval::ANY`].
+/// Either all f32 from `lo` to `hi`, infinities included but no NaN, or [`Interval::ANY`].
 ///
-/// An interval bounds what the CPU evaluates, rounding to nearest included: the endpoints of plain arithmetic
-/// are rounded as the values are, and those of library functions are widened by [`LIBRARY_ERROR`].
+/// An interval bounds the values that the CPU computes, with their rounding to nearest: the endpoints of plain
+/// arithmetic are rounded as the values are, and those of library functions are widened by [`LIBRARY_ERROR`].
 #[derive(Debug, Clone, Copy)]
 pub struct Interval {
     /// Lower end.
@@ -15,18 +15,18 @@ pub struct Interval {
     pub hi: f32,
 }
 
-/// Relative widening of what a library function gives: 4 units in the last place.
+/// Relative widening of the results of library functions: 4 units in the last place.
 pub const LIBRARY_ERROR: f32 = 4.768_371_6e-7;
 
 impl Interval {
-    /// Any value, also a NaN. Both ends are NaN, so that every comparison with them is false.
+    /// Any value, NaN included. Both ends are NaN, so that every comparison with them is false.
     pub const ANY: Self = Self { lo: f32::NAN, hi: f32::NAN };
     /// Any value but a NaN.
     pub const ALL: Self = Self { lo: f32::NEG_INFINITY, hi: f32::INFINITY };
     /// 0 and 1 and what lies between.
     pub const UNIT: Self = Self { lo: 0.0, hi: 1.0 };
 
-    /// From `lo` to `hi`; [`Interval::ANY`] if they are no ends of an interval.
+    /// From `lo` to `hi`; [`Interval::ANY`] if these are not the ends of an interval.
     #[inline(always)]
     pub fn new(lo: f32, hi: f32) -> Self {
         if lo <= hi { Self { lo, hi } } else { Self::ANY }
@@ -44,7 +44,7 @@ impl Interval {
         self.lo.is_nan()
     }
 
-    /// Whether a value can be what this interval bounds.
+    /// Whether a value may be one that this interval bounds.
     #[inline(always)]
     pub fn contains(self, value: f32) -> bool {
         self.is_any() || (self.lo <= value && value <= self.hi)
@@ -71,7 +71,7 @@ impl Interval {
         Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
-    /// The bounds of a function that never falls and is rounded correctly.
+    /// The bounds of a function that never decreases and is rounded correctly.
     #[inline(always)]
     pub fn map_rising(self, f: impl Fn(f32) -> f32) -> Self {
         Self { lo: f(self.lo), hi: f(self.hi) }
@@ -83,7 +83,7 @@ impl Interval {
         if self.is_any() {
             return self;
         }
-        // An overflow is no further off than the largest number.
+        // After an overflow the true value may be as small as the largest finite number.
         let (lo, hi) = (self.lo.min(f32::MAX), self.hi.max(f32::MIN));
         let below = lo - (lo.abs() * LIBRARY_ERROR + f32::MIN_POSITIVE);
         let above = hi + (hi.abs() * LIBRARY_ERROR + f32::MIN_POSITIVE);
@@ -108,7 +108,7 @@ impl PartialEq for Interval {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 pub enum Choice {
-    /// Either may.
+    /// Either operand may.
     #[default]
     Both,
     /// The value is operand a everywhere; for MASK: 0 everywhere.
@@ -118,13 +118,13 @@ pub enum Choice {
 }
 
 impl Op {
-    /// Whether [`Op::choice`] can say anything but [`Choice::Both`].
+    /// Whether [`Op::choice`] can return anything but [`Choice::Both`].
     pub const fn chooses(self) -> bool {
         self.properties().has(Properties::CHOOSES)
     }
 
-    /// Which operand decides for every a and b of the given intervals. An operand that may be a NaN never
-    /// loses to a comparison, so that the choice holds for NaNs, too.
+    /// Which operand decides for every a and b in the given intervals. An operand that may be a NaN never loses a
+    /// comparison, so the choice holds for NaNs, too.
     #[inline]
     pub fn choice(self, a: Interval, b: Interval) -> Choice {
         let (left, right) = match self {

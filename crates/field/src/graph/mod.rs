@@ -1,12 +1,12 @@
 //! The expression graph: scalar nodes, each distinct one stored once.
 //!
-//! A [`Graph`] is an arena in which operands stand before the nodes that use them. Building a node that
-//! exists gives the one that exists (hash-consing), so that a common subexpression is computed once. On the
-//! way in constants are folded and algebra that is exact in floating point is applied; `simplify.rs` states
-//! every rule.
+//! A [`Graph`] is an arena in which operands stand before the nodes that use them. Building a node that exists
+//! already returns the existing one (hash-consing), so that a common subexpression is computed once. While nodes are
+//! built, constants are folded, and algebra that is exact in floating point is applied; `simplify.rs` states every
+//! rule.
 //!
-//! Builders never fail in the middle of an expression: a graph that met its limit remembers it, answers with
-//! any node, and [`Graph::check`] and everything that reads the graph report it. All traversals are
+//! Builders never fail in the middle of an expression. A graph that has reached its limit remembers it and answers
+//! with an arbitrary node; [`Graph::check`] and everything that reads the graph report it. All traversals are
 //! iterative.
 
 mod build;
@@ -63,7 +63,8 @@ pub enum GraphError {
 #[derive(Debug, Clone)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// Open addressing: 1 + a node's index, or 0; a power of two of places, at most half of them taken.
+    /// Open addressing: 1 + a node's index, or 0 if free. The number of places is a power of two; at most half are
+    /// taken.
     places: Vec<u32>,
     nodes_max: usize,
     full: bool,
@@ -101,14 +102,14 @@ impl Graph {
         self.nodes.is_empty()
     }
 
-    /// The node with the given name, which must be of this graph.
+    /// The node with the given id, which must belong to this graph.
     #[inline(always)]
     pub fn node(&self, id: NodeId) -> Node {
         self.nodes[id.index()]
     }
 
-    /// Whether any expression built so far, used or not, reads the time, or a table of the sound: both may change while the
-    /// sound's features stay the same.
+    /// Whether any expression built so far, used or not, reads the time or a table of the sound: both may change
+    /// while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
             Node::Input(input) => *input == Input::T,
@@ -124,21 +125,22 @@ impl Graph {
             .any(|node| matches!(node, Node::Unary(op, _) | Node::Binary(op, ..) if Op::CURVES.contains(op)))
     }
 
-    /// The constant that a node is, if it is one.
+    /// The value of a node that is a constant.
     #[inline(always)]
     pub fn as_constant(&self, id: NodeId) -> Option<f32> {
         self.node(id).as_constant()
     }
 
-    /// Whether everything that was asked for was built.
+    /// Whether everything that was requested has been built.
     ///
     /// # Errors
-    /// [`GraphError::TooManyNodes`] once a builder met the limit; the nodes that it gave since mean nothing.
+    /// [`GraphError::TooManyNodes`] once a builder has reached the limit; the nodes that it gave since then mean
+    /// nothing.
     pub fn check(&self) -> Result<(), GraphError> {
         if self.full { Err(GraphError::TooManyNodes { max: self.nodes_max }) } else { Ok(()) }
     }
 
-    /// Makes room for as many nodes at once.
+    /// Makes room for this many more nodes.
     pub fn reserve(&mut self, nodes: usize) {
         let nodes = (self.nodes.len() + nodes).min(self.nodes_max);
         self.nodes.reserve(nodes - self.nodes.len().min(nodes));
@@ -147,8 +149,8 @@ impl Graph {
         }
     }
 
-    /// The node that is equal to `node`, built if there is none yet.
-    // Inlined, as callers know the kind of node.
+    /// The node that equals `node`; built if it does not exist yet.
+    // Inlined because callers know the kind of node.
     #[inline(always)]
     fn intern(&mut self, node: Node) -> NodeId {
         let mask = self.places.len() - 1;
@@ -163,7 +165,7 @@ impl Graph {
         self.push(node, place)
     }
 
-    /// A new node, found by the given place from now on.
+    /// A new node, which is found by the given place from now on.
     fn push(&mut self, node: Node, place: usize) -> NodeId {
         if self.nodes.len() >= self.nodes_max {
             self.full = true;
@@ -177,7 +179,7 @@ impl Graph {
         NodeId(self.nodes.len() as u32 - 1)
     }
 
-    /// Spreads the nodes over `count` places, a power of two.
+    /// Distributes the nodes over `count` places, a power of two.
     #[cold]
     fn grow(&mut self, count: usize) {
         let mask = count - 1;
@@ -193,7 +195,7 @@ impl Graph {
     }
 }
 
-/// Mixes a node's key; every bit of it reaches the low bits of the result.
+/// Mixes a node's key; every bit of the key reaches the low bits of the result.
 #[inline(always)]
 fn hash([head, a, b]: [u32; 3]) -> u32 {
     let operands = u64::from(a) | u64::from(b) << 32;
@@ -203,5 +205,5 @@ fn hash([head, a, b]: [u32; 3]) -> u32 {
     folded as u32 ^ (folded >> 32) as u32
 }
 
-/// Keeps the mix of small keys, as most are, from being 0.
+/// Keeps the mix of small keys (most keys are small) from being 0.
 const SEED: u64 = 0xA076_1D64_78BD_642F;

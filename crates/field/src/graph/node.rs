@@ -3,7 +3,7 @@
 use super::SoundInput;
 use super::op::Op;
 
-/// Names a node of one [`super::Graph`].
+/// Identifies a node of one [`super::Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct NodeId(pub(super) u32);
 
@@ -26,7 +26,7 @@ pub enum Input {
     Y,
     /// Position, z.
     Z,
-    /// Surface normal, x; in materials.
+    /// Surface normal, x; used in materials.
     NX,
     /// Surface normal, y.
     NY,
@@ -38,15 +38,15 @@ pub enum Input {
     Sound(SoundInput),
     /// One of the frequency bands.
     Band(u8),
-    /// Where the picture is seen from.
+    /// Position of the eye, x.
     EyeX,
-    /// See [`Input::EyeX`].
+    /// Position of the eye, y.
     EyeY,
-    /// See [`Input::EyeX`].
+    /// Position of the eye, z.
     EyeZ,
     /// A parameter of the scene, by its number.
     Param(u16),
-    /// A value that is computed once a frame from the inputs above (see `world`).
+    /// A value that is computed once per frame from the inputs above (see `world`).
     Hoisted(u16),
 }
 
@@ -54,7 +54,7 @@ impl Input {
     /// The inputs that differ from point to point, in the order in which a tape reads them.
     pub const OF_POINT: [Input; 6] = [Input::X, Input::Y, Input::Z, Input::NX, Input::NY, Input::NZ];
 
-    /// Place in [`Input::OF_POINT`]; none for inputs that are the same all over a frame.
+    /// Place in [`Input::OF_POINT`]; `None` for inputs that are the same all over a frame.
     pub const fn of_point(self) -> Option<usize> {
         match self {
             Input::X => Some(0),
@@ -113,7 +113,7 @@ impl std::fmt::Display for Input {
 /// A node: a number, or an operator on nodes that stand before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Node {
-    /// A constant; never -0, and one NaN only.
+    /// A constant; never -0, and always the same NaN.
     Constant(f32),
     /// A number from outside.
     Input(Input),
@@ -135,7 +135,7 @@ pub enum Node {
 }
 
 impl Node {
-    /// Three words that are equal exactly for equal nodes.
+    /// Three words that are equal if and only if the nodes are equal.
     #[inline(always)]
     pub(super) const fn key(self) -> [u32; 3] {
         match self {
@@ -149,7 +149,8 @@ impl Node {
         }
     }
 
-    /// Whether both are equal as [`Node::key`] has it: constants by their bits, so that NaN is NaN.
+    /// Whether the keys of both nodes are equal ([`Node::key`]): constants compare by their bits, so that NaN equals
+    /// NaN.
     #[inline(always)]
     pub(super) fn is(self, other: Self) -> bool {
         match (self, other) {
@@ -158,7 +159,7 @@ impl Node {
         }
     }
 
-    /// The nodes that this one is computed from, in order.
+    /// The operands of this node, in order.
     #[inline(always)]
     pub fn operands(self) -> impl DoubleEndedIterator<Item = NodeId> {
         let (a, b) = match self {

@@ -1,48 +1,46 @@
 //! The operators: one table defines each of them once.
 //!
-//! A row gives the number, the printed name, the properties, the meaning on the CPU, the interval rule
-//! (`rules.rs`), the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. The CPU
-//! evaluators, the interpreter's switch and the compiled source are all derived from it, so that they cannot drift
-//! apart.
+//! A row gives the number, the printed name, the properties, the meaning on the CPU, the interval rule (`rules.rs`),
+//! the partial derivatives, their interval rule (`slope_rules.rs`) and the GLSL expression. The CPU evaluators, the
+//! interpreter's switch and the compiled source are all derived from the table, so that they cannot drift apart.
 //!
-//! **Numbers.** One-operand operators stand at 16..64, two-operand operators at 64..128; the tape adds the
-//! form of the operands on top (see `tape`). Words that were written keep their meaning only as long as a
-//! number does.
+//! **Numbers.** One-operand operators have numbers 16..64, two-operand operators 64..128; the tape adds the form of
+//! the operands on top (see `tape`). Encoded words keep their meaning only as long as these numbers stay the same.
 //!
-//! **Total.** No operator has an undefined result for any operands that GLSL leaves undefined: square roots
-//! of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], arcs are clamped, x / 0 is 0,
-//! mod(x, 0) is x, pow of a negative base is 0. For finite operands an operator never gives NaN; an overflow
-//! gives an infinity, and infinities may meet in a NaN as in IEEE 754. MIN and MAX of a NaN and a number are
-//! the number.
+//! **Total.** Every operator is defined for all operands, also for those for which GLSL leaves the result undefined:
+//! square roots of negative numbers are 0, logarithms are taken of at least [`SMALLEST`], operands of arcs are
+//! clamped, x / 0 is 0, mod(x, 0) is x, and pow of a negative base is 0. For finite operands an operator never gives
+//! NaN; an overflow gives an infinity, and infinities may combine to a NaN as in IEEE 754. MIN and MAX of a NaN and a
+//! number are the number.
 //!
-//! **One zero.** No operator tells -0 from +0, so that the sign of a zero is not part of a value. That makes
-//! `x + 0 = x` exact. Evaluators add +0 to what they return: the bits that are seen are exact, too.
+//! **One zero.** No operator distinguishes -0 from +0, so the sign of a zero is not part of a value. That makes `x +
+//! 0 = x` exact. Evaluators add +0 to the values they return, so that these are exact bit for bit, too.
 //!
-//! **Agreement.** Plain arithmetic, rounding, comparisons and HASH are correctly rounded on the CPU and on
-//! GPUs that follow IEEE 754; division, roots and transcendental functions agree to a few units in the last
-//! place, and GPUs may fuse a product and a sum.
+//! **Agreement.** Plain arithmetic, rounding, comparisons and HASH are correctly rounded on the CPU and on GPUs that
+//! follow IEEE 754. Division, roots and transcendental functions agree to a few units in the last place, and GPUs may
+//! fuse a product and a sum.
 
 use super::frame_inputs::FrameInputs;
 use super::interval::Interval;
 use super::rules;
 use super::slope_rules as slopes;
 
-/// The smallest operand of a logarithm and of a power's base, the smallest normal f32. GPUs flush what is
-/// below it.
+/// The smallest operand of a logarithm and of a power's base: the smallest normal f32. GPUs flush smaller numbers to
+/// 0.
 pub const SMALLEST: f32 = f32::MIN_POSITIVE;
-/// Operands of TANH are clamped to this magnitude, where it is 1 in f32; drivers overflow far beyond it.
+/// Operands of TANH are clamped to this magnitude, where its value is 1 in f32; drivers overflow far beyond it.
 pub const TANH_MAX: f32 = 10.0;
-/// Largest f32 below 2^31: what cell numbers are clamped to before they become integers.
+/// Largest f32 below 2^31: cell numbers are clamped to it before they become integers.
 pub const CELL_MAX: f32 = 2_147_483_520.0;
 
-/// What holds for an operator besides its row's functions: a set of the constants below.
+/// Properties of an operator besides the functions of its row: a set of the constants below.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Properties(u8);
 
 impl Properties {
-    /// Nothing in particular.
+    /// No property.
     pub const NONE: Self = Self(0);
-    /// Both orders of the operands give the same value.
+    /// The order of the operands does not matter.
     pub const COMMUTATIVE: Self = Self(1);
     /// The result is a NaN or at least 0.
     pub const NEVER_NEGATIVE: Self = Self(2);
@@ -67,7 +65,8 @@ impl Properties {
     }
 }
 
-/// A computation that is instantiated for each operator's meaning, so that a loop over points inlines it.
+/// A computation that is instantiated for each operator's meaning, so that the meaning is inlined into a loop over
+/// points.
 pub trait Kernel {
     /// Runs with the operator's meaning: operands a and b (b is ignored by one-operand operators) and the
     /// frame.
@@ -88,7 +87,7 @@ macro_rules! operators {
             value $value:expr, bounds $bounds:expr, slopes $slopes:expr, slope_bounds $slope_bounds:expr,
             glsl $glsl:literal;
     )+) => {
-        /// An operator of the expression graph; see the module for what holds for all of them.
+        /// An operator of the expression graph; the module's documentation says what holds for all of them.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Op { $( $(#[doc = $doc])+ $id = $number, )+ }
@@ -102,13 +101,13 @@ macro_rules! operators {
                 match self { $( Op::$id => $name, )+ }
             }
 
-            /// What holds for the operator.
+            /// The operator's properties.
             pub const fn properties(self) -> Properties {
                 match self { $( Op::$id => $properties, )+ }
             }
 
-            /// GLSL expression of the operator with `$a` and `$b` for its operands, which must be simple
-            /// (names or literals), as they may stand more than once.
+            /// GLSL expression of the operator, with `$a` and `$b` for its operands. These must be simple (names or
+            /// literals) because they may occur more than once.
             pub const fn glsl(self) -> &'static str {
                 match self { $( Op::$id => $glsl, )+ }
             }
@@ -153,8 +152,8 @@ macro_rules! operators {
                 match self { $( Op::$id => kernel.run($bounds), )+ }
             }
 
-            /// The partial derivatives by a and by b, where `r` is the value. Where there is none (a jump, a
-            /// kink) it is that of one side, and 0 where the operator's value was made total.
+            /// The partial derivatives by a and by b, where `r` is the value. Where there is no derivative (at a jump
+            /// or a kink) it is that of one side; where the operator's value was made total it is 0.
             #[inline(always)]
             pub fn slopes(self, a: f32, b: f32, r: f32, frame: &FrameInputs) -> (f32, f32) {
                 #[inline(always)]
@@ -167,9 +166,9 @@ macro_rules! operators {
                 match self { $( Op::$id => call($slopes, a, b, r, frame), )+ }
             }
 
-            /// Intervals that hold the partial derivatives by a and by b for every a and b of the given
-            /// intervals, where `r` bounds the value: what [`Op::slopes`] gives, and at kinks those of both
-            /// sides. Jumps have no slope (see `slope_rules.rs`).
+            /// Intervals that hold the partial derivatives by a and by b for all a and b in the given intervals,
+            /// where `r` bounds the value: those that [`Op::slopes`] gives, and at kinks those of both sides. Jumps
+            /// have no slope (see `slope_rules.rs`).
             #[inline(always)]
             pub fn slope_bounds(
                 self, a: Interval, b: Interval, r: Interval, frame: &FrameInputs,
@@ -360,7 +359,7 @@ operators! {
         value |a, b, _| a * b, bounds |a, b, _| rules::mul(a, b), slopes |a, b, _, _| (b, a),
         slope_bounds |a, b, _, _| (b, a),
         glsl "($a * $b)";
-    /// a / b; 0 where b is 0, so that the direction of no vector at all is no direction.
+    /// a / b; 0 where b is 0, so that normalizing a vector of length 0 gives 0.
     Div = 67 "DIV" NONE,
         value |a, b, _| div(a, b), bounds |a, b, _| rules::div(a, b),
         slopes |_, b, r, _| if b == 0.0 { (0.0, 0.0) } else { (b.recip(), -r / b) },
@@ -378,7 +377,7 @@ operators! {
         slopes |a, b, _, _| if b > a { (0.0, 1.0) } else { (1.0, 0.0) },
         slope_bounds |a, b, _, _| slopes::chosen(Op::Max, a, b),
         glsl "max($a, $b)";
-    /// a - b * floor(a / b), GLSL's mod: the sign is that of b; a where b is 0.
+    /// a - b * floor(a / b), GLSL's mod: it has the sign of b; a where b is 0.
     Mod = 70 "MOD" NONE,
         value |a, b, _| modulo(a, b), bounds |a, b, _| rules::modulo(a, b),
         slopes |a, b, _, _| (1.0, -div(a, b).floor()),
@@ -439,7 +438,7 @@ operators! {
         slope_bounds |a, b, _, frame| frame.history.slope_bounds(a, b),
         glsl "table_history($a, $b)";
 
-    // Two operators in one, which only `fuse.rs` makes. Each rounds as both did.
+    // Two operators fused into one; only `fuse.rs` makes these. Each rounds as the two operators did.
 
     /// a * a + b.
     SquareAdd = 80 "SQUARE_ADD" NONE,
@@ -447,7 +446,7 @@ operators! {
         slopes |a, _, _, _| (2.0 * a, 1.0),
         slope_bounds |a, _, _, _| (slopes::square(a).0, slopes::ONE),
         glsl "($a * $a + $b)";
-    /// max(a, 0)^2 + b: a corner's part of a length.
+    /// max(a, 0)^2 + b: the share of one axis in the distance to a box's corner.
     OutsideAdd = 81 "OUTSIDE_ADD" NONE,
         value |a, b, _| { let a = a.max(0.0); a * a + b },
         bounds |a, b, _| rules::add(rules::square(rules::max(a, Interval::point(0.0))), b),
@@ -472,13 +471,13 @@ operators! {
         slopes |a, _, _, _| (if a < 0.0 { -1.0 } else { 1.0 }, -1.0),
         slope_bounds |a, _, _, _| (slopes::abs(a).0, rules::neg(slopes::ONE)),
         glsl "(abs($a) - $b)";
-    /// The square root of a, 0 for negative a and for a NaN, less b.
+    /// The square root of a (0 for negative a and for a NaN) minus b.
     SqrtSub = 85 "SQRT_SUB" NONE,
         value |a, b, _| sqrt(a) - b, bounds |a, b, _| rules::sub(rules::sqrt(a), b),
         slopes |a, _, _, _| (if a > 0.0 { 0.5 / a.sqrt() } else { 0.0 }, -1.0),
         slope_bounds |a, _, _, _| (slopes::sqrt(rules::sqrt(a)).0, rules::neg(slopes::ONE)),
         glsl "(sqrt(max($a, 0.0)) - $b)";
-    /// The square root of a * a + b, 0 where that is negative or a NaN: the end of a length.
+    /// The square root of a * a + b (0 where that is negative or a NaN): the last step of a length.
     Length = 86 "LENGTH" NEVER_NEGATIVE,
         value |a, b, _| sqrt(a * a + b), bounds |a, b, _| rules::sqrt(rules::add(rules::square(a), b)),
         slopes |a, _, r, _| if r > 0.0 { length_slopes(a, r) } else { (0.0, 0.0) },
@@ -490,7 +489,7 @@ operators! {
 pub const FIRST_BINARY: u8 = 64;
 
 impl Op {
-    /// Those that read a curve of the sound, which a frame has for them alone.
+    /// The operators that read a curve of the sound; frames hold these curves for them alone.
     pub const CURVES: [Op; 3] = [Op::Spectrum, Op::Waveform, Op::History];
 
     /// The operator's number.
@@ -503,8 +502,7 @@ impl Op {
         if self.number() < FIRST_BINARY { 1 } else { 2 }
     }
 
-    /// GLSL expression for a constant second operand that is not 0: the same meaning without the guard
-    /// against 0.
+    /// GLSL expression for a constant second operand that is not 0: the same meaning without the guard against 0.
     pub const fn glsl_by_constant(self) -> &'static str {
         match self {
             Op::Div => "($a / $b)",
@@ -574,9 +572,9 @@ pub(super) fn atan2(a: f32, b: f32) -> f32 {
 
 /// A random-looking number in 0..1, a multiple of 2^-24, of the cell (floor(a), floor(b)).
 ///
-/// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN) and are mixed by
-/// multiplications, shifts and exclusive ors of unsigned integers, which are the same bits on every machine;
-/// the upper 24 bits are the result. More dimensions by chaining: `cell_hash(cell_hash(x, y) * 16777216, z)`
+/// The cell's numbers become 32-bit integers (clamped to ±[`CELL_MAX`]; 0 for a NaN). They are mixed by
+/// multiplications, shifts and exclusive ors of unsigned integers, which give the same bits on every machine; the
+/// upper 24 bits are the result. More dimensions are had by chaining: `cell_hash(cell_hash(x, y) * 16777216, z)`
 /// loses nothing.
 #[inline(always)]
 pub fn cell_hash(a: f32, b: f32) -> f32 {

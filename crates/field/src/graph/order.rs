@@ -8,9 +8,9 @@ use super::{Graph, GraphError};
 
 /// Nodes in an order in which operands stand before their users, each once.
 ///
-/// The inputs of the point that are used come first; then the tree is walked from the first root to the last,
-/// operands before users, the operand that needs more values at once first (Sethi and Ullman 1970, on the
-/// graph as if it were a tree), the left one where both need as many.
+/// The inputs of the point that are used come first. Then the tree is walked from the first root to the last,
+/// operands before users. Of two operands, the one that needs more values at once comes first (Sethi and Ullman 1970,
+/// treating the graph as if it were a tree); the left one if both need equally many.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Order {
     /// The nodes.
@@ -35,7 +35,7 @@ impl Graph {
     /// The order of evaluation of everything that the roots need.
     ///
     /// # Errors
-    /// What [`Graph::check`] says.
+    /// Those of [`Graph::check`].
     pub fn order(&self, roots: &[NodeId]) -> Result<Order, GraphError> {
         self.check()?;
         let Some(last) = roots.iter().max() else { return Ok(Order::default()) };
@@ -74,7 +74,7 @@ impl Graph {
         Ok(Order { nodes })
     }
 
-    /// How many values at once each of the first nodes needs, if nothing were shared.
+    /// How many values each of the first `count` nodes needs at once, if nothing were shared.
     fn needs(&self, count: usize) -> Vec<u8> {
         let mut needs: Vec<u8> = Vec::with_capacity(count);
         for node in &self.nodes[..count] {
@@ -94,7 +94,7 @@ impl Graph {
     /// What the roots read.
     ///
     /// # Errors
-    /// What [`Graph::check`] says.
+    /// Those of [`Graph::check`].
     pub fn inputs_used(&self, roots: &[NodeId]) -> Result<InputsUsed, GraphError> {
         let mut used = InputsUsed::default();
         for id in self.order(roots)?.nodes {

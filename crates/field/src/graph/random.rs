@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use super::{FrameInputs, Graph, Input, Node, NodeId, Op, TableData, TextureReader};
 
-/// Numbers at which arithmetic misbehaves.
+/// Numbers at which arithmetic goes wrong.
 pub(crate) const SPECIALS: [f32; 24] = [
     0.0,
     -0.0,
@@ -35,20 +35,20 @@ pub(crate) const SPECIALS: [f32; 24] = [
     std::f32::consts::PI,
 ];
 
-/// One step of building an expression: what to build from which earlier steps.
+/// One step in building an expression: what to build, and from which earlier steps.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Step {
     /// A constant.
     Constant(f32),
     /// An input by number.
     Input(u8),
-    /// An operator by number on earlier steps, counted back from here.
+    /// An operator by number, on earlier steps counted backwards from this one.
     Operator(u8, u16, u16),
     /// A texture read.
     Texture(u16, u16),
 }
 
-/// Any number: ordinary, special, or any bits.
+/// Any number: an ordinary one, a special one, or one of random bits.
 pub(crate) fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         4 => -10.0f32..10.0,
@@ -84,7 +84,7 @@ const INPUTS: [Input; 12] = [
     Input::X,
 ];
 
-/// Builds the steps, simplified or as they stand; the last step is the root.
+/// Builds the steps, with or without simplification; the last step is the root.
 pub(crate) fn build(graph: &mut Graph, steps: &[Step], simplify: bool) -> Vec<NodeId> {
     let mut built: Vec<NodeId> = Vec::new();
     for &step in steps {
@@ -128,7 +128,7 @@ impl TextureReader for Stripes {
     }
 }
 
-/// A frame in which something sounds.
+/// A frame with sound in it.
 pub(crate) fn frame() -> FrameInputs {
     let wave = |count: usize, step: f32| (0..count).map(|i| (i as f32 * step).sin()).collect::<Vec<_>>();
     FrameInputs {

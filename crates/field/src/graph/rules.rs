@@ -1,18 +1,18 @@
-//! The interval rules of the operators: for every value in the operands, the value the CPU computes is in the
-//! result.
+//! The interval rules of the operators: for all values in the operands' intervals, the result holds the value that
+//! the CPU computes.
 //!
-//! Sums, products, quotients and roots are rounded to nearest, which never reverses an order, so that
-//! endpoints computed in f32 bound every value computed in f32. Library functions need not rise everywhere
-//! where the true function does: their endpoints are widened by more than their error
-//! ([`super::interval::LIBRARY_ERROR`]). Interval arithmetic: Moore, Kearfott and Cloud, Introduction to
-//! Interval Analysis (2009), chapters 2 and 5.
+//! Sums, products, quotients and roots are rounded to nearest, which never reverses an order; endpoints computed in
+//! f32 therefore bound every value computed in f32. Library functions need not be monotonic everywhere where the true
+//! function is, so their endpoints are widened by more than their error ([`super::interval::LIBRARY_ERROR`]).
+//! Interval arithmetic: Moore, Kearfott and Cloud, Introduction to Interval Analysis (2009), chapters 2 and 5.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
 use super::interval::{Interval, LIBRARY_ERROR};
 use super::op::{self, SMALLEST};
 
-/// Beyond this angle in radians, where f64 still knows the place in the period well, sines are just -1..1.
+/// Up to this angle in radians f64 still knows the place in the period well; beyond it sines are bounded by -1..1
+/// only.
 const ANGLE_MAX: f32 = 1e5;
 /// Beyond this magnitude of an operand or of its quotient MOD may overflow.
 const MODULO_MAX: f32 = 1e30;
@@ -105,7 +105,7 @@ pub(super) fn cos(a: Interval) -> Interval {
     wave(a, f32::cos, 0.0)
 }
 
-/// A sine whose crests stand at `crest` + 2πk and whose troughs stand half a period further on.
+/// A sine whose crests lie at `crest` + 2πk, with its troughs half a period after them.
 fn wave(a: Interval, f: fn(f32) -> f32, crest: f64) -> Interval {
     use std::f64::consts::{PI, TAU};
     if a.is_any() || a.is_unbounded() {
@@ -171,7 +171,7 @@ pub(super) fn tanh(a: Interval) -> Interval {
     a.map_rising(op::tanh).widened().clamped(-1.0, 1.0)
 }
 
-/// 0, 1 or both, from what is known to be true and known to be false.
+/// 0, 1 or both, depending on whether the condition is known to be true or known to be false.
 #[inline(always)]
 fn truth(surely: bool, never: bool) -> Interval {
     if surely {
@@ -223,7 +223,7 @@ pub(super) fn hash(a: Interval, b: Interval) -> Interval {
     }
 }
 
-/// Infinities of both signs meet in a NaN.
+/// The sum of infinities of opposite signs is a NaN.
 #[inline(always)]
 pub(super) fn add(a: Interval, b: Interval) -> Interval {
     if (a.lo == f32::NEG_INFINITY && b.hi == f32::INFINITY)
@@ -254,7 +254,7 @@ pub(super) fn mul(a: Interval, b: Interval) -> Interval {
     hull_of([a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi])
 }
 
-/// The quotient by exactly 0 is 0; near 0 it grows beyond all bounds.
+/// A quotient by exactly 0 is 0; near 0 quotients grow without bound.
 #[inline(always)]
 pub(super) fn div(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() || (a.is_unbounded() && b.is_unbounded()) {
@@ -288,7 +288,7 @@ pub(super) fn max(a: Interval, b: Interval) -> Interval {
     neg(min(neg(a), neg(b)))
 }
 
-/// Where both ends lie in one period the value rises with a; else it is between 0 and b, up to the roundings
+/// If both ends lie in one period, the value increases with a. Otherwise it lies between 0 and b, up to the rounding
 /// of the quotient, the product and the difference, each relative to an operand.
 pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     if a.is_unbounded() || b.is_unbounded() {
@@ -301,7 +301,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     let step = b.lo.abs().max(b.hi.abs());
     let smallest = b.lo.abs().min(b.hi.abs());
     if b.has_zero() || size.max(step).max(size / smallest) > MODULO_MAX {
-        // The quotient may overflow; it has no NaN, as both operands are finite.
+        // The quotient may overflow, but it cannot be a NaN because both operands are finite.
         return Interval::ALL;
     }
     if b.lo == b.hi && (a.lo / b.lo).floor() == (a.hi / b.lo).floor() {
@@ -311,7 +311,7 @@ pub(super) fn modulo(a: Interval, b: Interval) -> Interval {
     Interval { lo: b.lo.min(0.0) - error, hi: b.hi.max(0.0) + error }
 }
 
-/// For positive bases the extremes stand at the corners.
+/// For positive bases the extremes lie at the corners.
 pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     if b.is_any() {
         return Interval::ANY;
@@ -337,7 +337,7 @@ pub(super) fn pow(a: Interval, b: Interval) -> Interval {
     hull.unwrap_or(Interval::ANY)
 }
 
-/// a is the sine's side, b the cosine's. The jump lies on a = 0, b < 0, whose value is π.
+/// a is the operand of the sine, b that of the cosine. The jump lies on a = 0, b < 0, where the value is π.
 pub(super) fn atan2(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return Interval::ANY;

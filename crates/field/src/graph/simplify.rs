@@ -1,9 +1,8 @@
-//! Simplification on the way into the graph: constant folding, and algebra that is exact in floating point.
+//! Simplification while nodes are built: constant folding, and algebra that is exact in floating point.
 //!
-//! Exact means: for every operand, infinities and NaNs included, the value is the same number or both are
-//! NaN. (The sign of a zero is no part of a value, see [`super::Op`].) What is true of real numbers but not
-//! of rounded ones, such as reassociation, x - x = 0 or sqrt(x²) = |x|, is not done. Each rule's comment
-//! states it.
+//! Exact means: for all operands, infinities and NaNs included, the value is the same number, or both values are NaN.
+//! (The sign of a zero is not part of a value, see [`super::Op`].) What holds for real numbers but not for rounded
+//! ones, such as reassociation, x - x = 0 or sqrt(x²) = |x|, is not done. Each rule is stated in a comment.
 
 use super::Graph;
 use super::frame_inputs::{FrameInputs, SILENT};
@@ -23,7 +22,7 @@ impl Graph {
         }
     }
 
-    /// What a negation negates.
+    /// The operand of a negation.
     fn negated(&self, id: NodeId) -> Option<NodeId> {
         match self.node(id) {
             Node::Unary(Op::Neg, a) => Some(a),
@@ -53,7 +52,7 @@ impl Graph {
             (Op::Abs | Op::Square, Node::Unary(Op::Neg, x)) => return self.simplified_unary(op, x),
             // |x|² = x²
             (Op::Square, Node::Unary(Op::Abs, x)) => return self.simplified_unary(Op::Square, x),
-            // floor, ceil and trunc of a whole number are the number. (Not ROUND: x + 0.5 rounds above 2^23.)
+            // floor, ceil and trunc of a whole number are that number. (Not ROUND: x + 0.5 is rounded above 2^23.)
             (Op::Floor | Op::Ceil | Op::Trunc, _) if self.has(a, Properties::WHOLE) => return a,
             // sign(sign x) = sign x
             (Op::Sign, Node::Unary(Op::Sign, _)) => return a,
@@ -71,7 +70,7 @@ impl Graph {
         {
             return self.constant(folded);
         }
-        // One order for both orders: constants last, then by age.
+        // A canonical order of the operands: constants last, the rest by age.
         if op.properties().has(Properties::COMMUTATIVE) && (first.is_some() || (second.is_none() && b < a)) {
             std::mem::swap(&mut a, &mut b);
             std::mem::swap(&mut first, &mut second);

@@ -1,14 +1,14 @@
-//! Interval rules of the partial derivatives: for every value in the operands, the slopes that
-//! [`super::Op::slopes`] gives are in the result, and at a kink those of both sides.
+//! Interval rules of the partial derivatives: for all values in the operands' intervals, the result holds the slopes
+//! that [`super::Op::slopes`] gives, and at a kink those of both sides.
 //!
-//! **Jumps.** The slope of FLOOR, LESS, HASH and their like is 0 on both sides of a jump, and so it is here, though
-//! nothing bounds the change across one. That is right for what formulas use them for: parts that jump, put together
-//! to a value that does not (noise is smooth across its cells, a repeated shape across its seams). The mean value
-//! theorem holds for such a value: from one point of a box to another it changes by no more than bounds of the slopes
-//! on all pieces allow. A value that does jump is bounded from jump to jump only.
+//! **Jumps.** FLOOR, LESS, HASH and their like have slope 0 on both sides of a jump, and so they have here, although
+//! nothing bounds the change across it. Formulas use these operators for parts that jump but that together form a
+//! value that does not: noise is smooth across its cells, a repeated shape across its seams. For such a value the
+//! mean value theorem holds: between two points of a box it changes by no more than the slopes on all pieces allow. A
+//! value that does jump is bounded only from one jump to the next.
 //!
-//! **Rounding.** As in `rules.rs`: the slopes are computed by the operations of [`super::Op::slopes`] in the same order,
-//! rounded to nearest, which never reverses an order; library functions are widened.
+//! **Rounding.** As in `rules.rs`: the slopes are computed by the operations of [`super::Op::slopes`] in the same
+//! order, rounded to nearest, which never reverses an order; library functions are widened.
 
 use super::interval::{Choice, Interval};
 use super::op::{Op, SMALLEST};
@@ -16,7 +16,7 @@ use super::rules;
 
 const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
 pub(super) const ONE: Interval = Interval { lo: 1.0, hi: 1.0 };
-/// From 0 to beyond all bounds: near a vertical tangent.
+/// From 0 to infinity: the slopes near a vertical tangent.
 const STEEP: Interval = Interval { lo: 0.0, hi: f32::INFINITY };
 
 /// Slopes that are the same everywhere.
@@ -31,7 +31,7 @@ pub(super) const fn first(by_a: Interval) -> (Interval, Interval) {
     (by_a, ZERO)
 }
 
-/// What both bound; the first where rounding leaves nothing.
+/// The values that both intervals hold; the first interval if rounding leaves none.
 fn meet(a: Interval, b: Interval) -> Interval {
     if a.is_any() || b.is_any() {
         return if a.is_any() { b } else { a };
@@ -40,7 +40,7 @@ fn meet(a: Interval, b: Interval) -> Interval {
     if both.is_any() { a } else { both }
 }
 
-/// The bounds of a function that never rises.
+/// The bounds of a function that never increases.
 fn map_falling(a: Interval, f: impl Fn(f32) -> f32) -> Interval {
     Interval { lo: f(a.hi), hi: f(a.lo) }
 }
@@ -69,13 +69,13 @@ pub(super) fn sqrt(r: Interval) -> (Interval, Interval) {
     })
 }
 
-/// Of a function of a - b.
+/// The slopes of a function of a - b.
 #[inline(always)]
 pub(super) fn opposite(by_a: Interval) -> (Interval, Interval) {
     (by_a, rules::neg(by_a))
 }
 
-/// Of sqrt(a * a + b) with the value `r`.
+/// The slopes of sqrt(a * a + b), whose value is `r`.
 pub(super) fn length(a: Interval, r: Interval) -> (Interval, Interval) {
     let by_sum = sqrt(r).0;
     let by_a = rules::mul(square(a).0, by_sum);
@@ -86,7 +86,7 @@ pub(super) fn exp2(r: Interval) -> (Interval, Interval) {
     first(r.map_rising(|r| r * std::f32::consts::LN_2))
 }
 
-/// `scale` is the slope at 1.
+/// The slope of a logarithm; `scale` is its slope at 1.
 pub(super) fn log(a: Interval, scale: f32) -> (Interval, Interval) {
     if a.lo > SMALLEST {
         return first(map_falling(a, |v| scale / v));
@@ -102,7 +102,7 @@ pub(super) fn tanh(r: Interval) -> (Interval, Interval) {
     first(rules::sub(ONE, rules::square(r)))
 }
 
-/// Of the arc sine: 0 beyond -1..1, vertical at the ends.
+/// The slope of the arc sine: 0 beyond -1..1, vertical at the ends.
 pub(super) fn arc(a: Interval) -> Interval {
     let size = rules::abs(a);
     if size.lo >= 1.0 {
@@ -144,7 +144,8 @@ pub(super) fn modulo(a: Interval, b: Interval) -> (Interval, Interval) {
     (ONE, rules::neg(rules::div(a, b).map_rising(f32::floor)))
 }
 
-/// The slope of whichever operand is taken: of both where either may be, or where they touch.
+/// The slopes of an operator that takes one of its operands; both may be taken where either may be or where they
+/// touch.
 #[inline(always)]
 pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     match op.choice(a, b) {
@@ -157,9 +158,9 @@ pub(super) fn chosen(op: Op, a: Interval, b: Interval) -> (Interval, Interval) {
     }
 }
 
-/// Exponents up to here have slopes of their own power, not only quotients of it.
+/// Up to this exponent slopes are also computed from a power of their own, not only from a quotient of the power.
 const OWN_POWER_MAX: f32 = 64.0;
-/// Below this a value may come from denormal numbers, which are rounded too badly to be bounded in two ways.
+/// Values below this may come from denormal numbers, whose rounding is too coarse for bounding them in two ways.
 const ROUNDED_BADLY: f32 = 1e-3;
 
 pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval) {
@@ -172,7 +173,7 @@ pub(super) fn pow(a: Interval, b: Interval, r: Interval) -> (Interval, Interval)
     let base = Interval { lo: a.lo.max(SMALLEST), hi: a.hi };
     let mut by_a = rules::div(rules::mul(b, r), base);
     if b.lo >= 0.0 && b.hi <= OWN_POWER_MAX && r.hi < f32::INFINITY {
-        // The same by another way, which does not divide by what is almost 0; apart by the roundings of both ways.
+        // The same slope computed without dividing by a value near 0; the two differ only by rounding.
         let power = rules::mul(b, rules::pow(base, rules::sub(b, ONE)));
         if power.hi > ROUNDED_BADLY {
             by_a = meet(by_a, Interval { lo: 0.0, hi: power.hi * 1.001 });
@@ -191,7 +192,7 @@ pub(super) fn atan2(a: Interval, b: Interval) -> (Interval, Interval) {
     if !positive {
         return (Interval::ALL, Interval::ALL);
     }
-    // No steeper than one over the distance from the origin.
+    // The slope is at most one over the distance from the origin.
     let most = if d.lo > SMALLEST / f32::EPSILON { d.lo.sqrt().recip() * 1.001 } else { f32::INFINITY };
     let most = Interval { lo: -most, hi: most };
     (meet(rules::div(b, d), most), meet(rules::neg(rules::div(a, d)), most))

@@ -1,21 +1,22 @@
-//! The numbers of the sound that scenes read by a name, one row each. Everything that knows of them is made of the rows:
-//! the names of the language and their documentation, tapes, GLSL, the frame's block for the shaders, the bounds that hold
-//! for any sound, the frames that a scene is tried with, and `mariana eval --set`.
+//! The numbers of the sound that scenes read by name, one row each. Everything else about them is derived from the
+//! rows: the names of the language and their documentation, tapes, GLSL, the frame's block for the shaders, the
+//! bounds that hold for any sound, the frames with which a scene is tried, and `mariana eval --set`.
 //!
-//! Bands and tables (`band(i)`, `spectrum(u)`) are read by functions: they stand in [`FrameInputs`](super::FrameInputs).
+//! Bands and tables (`band(i)`, `spectrum(u)`) are read by functions; they stand in
+//! [`FrameInputs`](super::FrameInputs).
 
 use std::ops::{Index, IndexMut};
 
 macro_rules! sound_inputs {
     ($($(#[doc = $doc:literal])+ $input:ident, $name:literal, $least:literal..$most:literal, $told:literal;)+) => {
-        /// A number of the sound, the same all over a frame.
+        /// A number of the sound; constant over a frame.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum SoundInput {
             $($(#[doc = $doc])+ $input,)+
         }
 
-        /// Name, least and greatest value, and what the language's page says.
+        /// Name, least and greatest value, and the description on the language's page.
         const ROWS: &[(&str, f32, f32, &str)] = &[$(($name, $least, $most, $told),)+];
 
         impl SoundInput {
@@ -44,19 +45,19 @@ sound_inputs! {
     Phase, "phase", 0.0..1.0, "way from the last beat to the next, 0 up to 1";
     /// Volume of what both channels share.
     VolumeMid, "volume_mid", 0.0..1.0, "volume of what both channels share, 0..1";
-    /// Volume of that in which they differ.
+    /// Volume of the difference between the channels.
     VolumeSide, "volume_side", 0.0..1.0, "volume of that in which they differ, 0..1; 0 for mono";
     /// The integral of the low frequencies over the last seconds.
     BassDrive, "bass_drive", 0.0..4.0,
         "bass summed over time in seconds and forgotten in 4 s, 0..4: t + bass_drive is a time that runs with the bass";
-    /// Where the middle of the sound lies in the spectrum.
+    /// The spectral centroid: where the middle of the sound lies in the spectrum.
     Brightness, "brightness", 0.0..1.0, "where the middle of the sound lies, 0 low .. 1 high: the spectral centroid";
     /// Where the strongest tone lies in the spectrum.
     Pitch, "pitch", 0.0..1.0, "where the strongest tone lies, 0..1 as in spectrum(u)";
 }
 
 impl SoundInput {
-    /// The name in a scene; that of a vector's component has a dot.
+    /// The name in a scene; a component of a vector has a dot in its name.
     pub const fn name(self) -> &'static str {
         ROWS[self as usize].0
     }
@@ -66,24 +67,24 @@ impl SoundInput {
         (ROWS[self as usize].1, ROWS[self as usize].2)
     }
 
-    /// What it is, for people.
+    /// A description for readers.
     pub const fn doc(self) -> &'static str {
         ROWS[self as usize].3
     }
 
-    /// The one of that name.
+    /// The number with that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|input| input.name() == name)
     }
 
-    /// The value within the range; what is not finite becomes the least.
+    /// The value clamped to the range; a value that is not finite becomes the least.
     pub fn clamp(self, value: f32) -> f32 {
         let (least, most) = self.range();
         if value.is_finite() { value.clamp(least, most) } else { least }
     }
 }
 
-/// A number for each [`SoundInput`]; by default those of silence.
+/// A value for each [`SoundInput`]; silence by default.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SoundInputs([f32; ROWS.len()]);
 
@@ -91,12 +92,12 @@ impl SoundInputs {
     /// Silence.
     pub const SILENCE: Self = Self([0.0; ROWS.len()]);
 
-    /// What `value` gives for each.
+    /// For each number the result of `value`.
     pub fn each(value: impl FnMut(SoundInput) -> f32) -> Self {
         Self(SoundInput::ALL.map(value))
     }
 
-    /// Silence but for these.
+    /// Silence except for the given values.
     pub fn with(values: &[(SoundInput, f32)]) -> Self {
         let mut sound = Self::SILENCE;
         for &(input, value) in values {
@@ -105,7 +106,7 @@ impl SoundInputs {
         sound
     }
 
-    /// The numbers in the order of [`SoundInput::ALL`].
+    /// The values in the order of [`SoundInput::ALL`].
     pub fn numbers(&self) -> &[f32] {
         &self.0
     }

@@ -1,4 +1,4 @@
-//! The graph's promises: exactness, soundness, sharing, limits, depth.
+//! What the graph promises: exactness, soundness, sharing, limits, depth.
 
 use proptest::prelude::*;
 
@@ -69,8 +69,8 @@ proptest! {
     }
 }
 
-/// Every operator on every other, in the arrangements that rules look for, at points that rounding and
-/// infinities see.
+/// Every operator on every other, in the arrangements that rules look for, at points where rounding and infinities
+/// matter.
 #[test]
 fn every_pair_of_operators_is_simplified_exactly() {
     let frame = frame();
@@ -118,7 +118,7 @@ fn every_pair_of_operators_is_simplified_exactly() {
     }
 }
 
-/// Intervals with special ends, and everything that is special within them, also where only one end is NaN.
+/// Intervals with special ends, tried at all special numbers within them; also where only one end is NaN.
 #[test]
 fn bounds_hold_specials() {
     let frame = frame();
@@ -220,7 +220,7 @@ fn no_operator_makes_a_nan_of_finite_numbers() {
     }
 }
 
-/// Properties that simplification trusts, on every pair of special numbers.
+/// The properties on which simplification relies, on every pair of special numbers.
 #[test]
 fn properties_hold() {
     let frame = frame();
@@ -247,7 +247,7 @@ fn properties_hold() {
     }
 }
 
-/// Slopes against central differences, where the operators are smooth.
+/// Slopes compared with central differences, where the operators are smooth.
 #[test]
 fn slopes_are_those_of_the_values() {
     let frame = frame();
@@ -276,7 +276,7 @@ fn slopes_are_those_of_the_values() {
 fn table_slopes_are_those_of_the_values() {
     let frame = frame();
     for i in 0..15 {
-        // Inside a piece, where the table is linear.
+        // Inside one piece, where the table is linear.
         let (u, v, step) = ((i as f32 + 0.5) / 15.0, 0.4, 1e-3);
         let (by_u, by_v) = frame.history.slopes(u, v);
         let found = (frame.history.at(u + step, v) - frame.history.at(u - step, v)) / (2.0 * step);
@@ -316,13 +316,13 @@ fn equal_expressions_are_one_node() {
     assert_eq!(graph.len(), before + 1);
     let (zero, minus_zero) = (graph.constant(0.0), graph.constant(-0.0));
     assert_eq!(zero, minus_zero);
-    // Growing the table of nodes keeps them.
+    // The table of nodes keeps all nodes when it grows.
     let constants: Vec<NodeId> = (0..5_000).map(|i| graph.constant(i as f32 + 0.5)).collect();
     let again: Vec<NodeId> = (0..5_000).map(|i| graph.constant(i as f32 + 0.5)).collect();
     assert_eq!(constants, again);
 }
 
-/// What the rules are for: the shortest form comes out.
+/// The purpose of the rules: the shortest form comes out.
 #[test]
 fn rules_apply() {
     let mut g = Graph::new();
@@ -457,7 +457,7 @@ fn inputs_used_are_those_that_the_root_needs() {
     assert_eq!(used.textures.into_iter().collect::<Vec<_>>(), [3]);
 }
 
-/// Neighbouring cells share no pattern: means and spread of the hash are those of a uniform number.
+/// Neighbouring cells share no pattern: mean and spread of the hash are those of a uniform random number.
 #[test]
 fn hash_is_spread_evenly() {
     let count = 100 * 100;

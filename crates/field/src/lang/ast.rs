@@ -1,7 +1,7 @@
-//! What the parser makes of a text: expressions in one arena, and the items of a scene.
+//! The parser's result: expressions in one arena, and the items of a scene.
 //!
-//! Nodes stand after their children, and no walk over them recurses deeper than the parser did: a chain of a
-//! million additions is deep only to the left, where walks are loops.
+//! Nodes stand after their children, and no walk over them recurses deeper than the parser did: a chain of a million
+//! additions is deep only to the left, where walks are loops.
 
 use super::source::Span;
 use super::symbol::Symbol;
@@ -51,7 +51,7 @@ impl BinaryOp {
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Expr {
-    /// Something that was reported already.
+    /// A mistake that was already reported.
     Error,
     Number(f32),
     Bool(bool),
@@ -61,10 +61,10 @@ pub(super) enum Expr {
     Not(ExprId),
     Binary(BinaryOp, ExprId, ExprId),
     Swizzle(ExprId, Symbol),
-    /// A function's name and its arguments, which stand in `extra` from the index on, in that number.
+    /// A function's name and its arguments: the index in `extra` where they begin, and their number.
     Call(Symbol, u32, u32),
     If(ExprId, ExprId, ExprId),
-    /// Pairs of name and value in `extra` from the index on, in that number, then the result.
+    /// Pairs of name and value: the index in `extra` where they begin, and their number; then the result.
     Block(u32, u32, ExprId),
     /// Four entries in `extra`: variable, first, end, body.
     For(u32),
@@ -112,7 +112,7 @@ pub(super) struct Name {
     pub span: Span,
 }
 
-/// What a value is.
+/// The type of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Type {
     Number,
@@ -140,7 +140,7 @@ impl Type {
         }
     }
 
-    /// With its article, for messages.
+    /// The name with its article, for messages.
     pub(super) fn described(self) -> &'static str {
         match self {
             Self::Number => "a number",
@@ -153,7 +153,7 @@ impl Type {
     }
 }
 
-/// What a function takes; without a type, anything that its body can work with.
+/// The type that a function's parameter takes; without one, anything that its body can work with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Parameter {
     pub name: Name,
@@ -167,7 +167,7 @@ pub(super) struct Function {
     pub body: ExprId,
 }
 
-/// What a block with fields declares.
+/// The kinds of blocks with fields.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
     Object,
@@ -198,7 +198,8 @@ pub(super) enum Item {
         name: Name,
         value: ExprId,
     },
-    /// Camera, sky and picture have no name; the span is that of the head. Broken: a field was reported and is missing.
+    /// Camera, sky and picture have no name; the span is that of the head. Broken: a missing field was already
+    /// reported.
     Section {
         section: Section,
         name: Option<Name>,
@@ -210,6 +211,6 @@ pub(super) enum Item {
     Include {
         path: Name,
     },
-    /// Something with this name that was reported: whoever uses it makes no further mistake.
+    /// An item of this name that was already reported: using it causes no further mistake.
     Broken(Name),
 }

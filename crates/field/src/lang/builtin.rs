@@ -1,10 +1,10 @@
-//! The names that the language itself brings: inputs, and functions that cannot be written in it.
+//! The names that are built into the language: inputs, and functions that cannot be written in it.
 //!
-//! Everything else stands in the library, written in the language.
+//! All other functions are in the library, which is written in the language.
 
 use crate::graph::{Input, Op, SoundInput};
 
-/// What an input's name means.
+/// The meaning of an input's name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum InputValue {
     /// One number from outside.
@@ -20,18 +20,18 @@ pub(super) mod uses {
     pub(crate) const POINT: u8 = 1;
     /// The surface's normal.
     pub(crate) const NORMAL: u8 = 2;
-    /// The direction of a ray that meets nothing.
+    /// The direction of a ray that hits nothing.
     pub(crate) const DIRECTION: u8 = 4;
-    /// Pictures.
+    /// Textures.
     pub(crate) const TEXTURE: u8 = 8;
     /// Time, sound and parameters.
     pub(crate) const FRAME: u8 = 16;
-    /// Where the picture is seen from.
+    /// Position of the eye.
     pub(crate) const EYE: u8 = 32;
     pub(crate) const NOTHING: u8 = 0;
 }
 
-/// An input: its name, its meaning, which kind of input it is, and what it is for people.
+/// An input: its name, its meaning, which kind of input it is, and its description for readers.
 #[derive(Clone, Copy)]
 pub(super) struct InputRow {
     pub name: &'static str,
@@ -47,7 +47,7 @@ const fn row(name: &'static str, value: InputValue, uses: u8, doc: &'static str)
 use InputValue::{Constant, Many, One};
 use uses::{DIRECTION, EYE, FRAME, NORMAL, NOTHING, POINT};
 
-/// The inputs that are no numbers of the sound. A direction is read where the normal is: no expression has both.
+/// The inputs that are not numbers of the sound. A direction is read where the normal is: no expression has both.
 const OTHERS: &[InputRow] = &[
     row("p", Many(&[Input::X, Input::Y, Input::Z]), POINT, "the point in space"),
     row("x", One(Input::X), POINT, "p.x, to the right"),
@@ -82,7 +82,7 @@ const OTHERS: &[InputRow] = &[
     row("tau", Constant(std::f32::consts::TAU), NOTHING, "a full turn in radians"),
 ];
 
-/// Every input: the numbers of the sound that have a name of their own, and the others.
+/// Every input: the numbers of the sound that have a name of their own, and the inputs above.
 pub(super) const INPUTS: &[InputRow] = &{
     let mut rows = [const { row("", Constant(0.0), NOTHING, "") }; OTHERS.len() + named_sounds()];
     let mut at = 0;
@@ -134,23 +134,23 @@ pub(super) enum Builtin {
     Pair(Op),
     /// An arc tangent of one or two arguments.
     Atan,
-    /// To a whole number, or of a shape's edges.
+    /// Rounding to a whole number, or of a shape's edges.
     Round,
     Pow,
     /// One of three operands, component by component.
     Three(Three),
     Length,
     Dot,
-    /// A vector of that many components.
+    /// A vector with this number of components.
     Construct(u8),
     Band,
-    /// A table that is read at a number.
+    /// A table that is read at a coordinate.
     Table(Op),
     History,
     Texture,
 }
 
-/// A function: its name, its parameters for people, what it is, how many arguments it takes, and its doc line.
+/// A function: its name, its parameters for readers, its meaning, the number of arguments it takes, and its doc line.
 pub(super) struct BuiltinRow {
     pub name: &'static str,
     pub parameters: &'static str,
@@ -175,7 +175,7 @@ const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
 
 use Builtin::{Atan, Band, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
 
-/// Every function that the language brings.
+/// Every built-in function.
 pub(super) const BUILTINS: &[BuiltinRow] = &[
     each("abs", Op::Abs, "the magnitude"),
     each("sign", Op::Sign, "-1, 0 or 1"),
@@ -281,7 +281,7 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
     ),
 ];
 
-/// Functions that take any number of values: the name, and how many arguments at the end are not among those.
+/// Functions that take any number of values: the name, and how many arguments at the end are not among these values.
 pub(super) const FOLDS: &[(&str, usize)] = &[
     ("min", 0),
     ("max", 0),

@@ -1,6 +1,6 @@
-//! What is wrong with a scene, and how it is shown.
+//! Mistakes in a scene, and how they are shown.
 //!
-//! Rendered as compilers for the terminal do: message, place, source line, underline, hint. Tabs become four
+//! They are rendered as terminal compilers do: message, place, source line, underline, hint. Tabs become four
 //! columns, wide characters take two, control characters are shown as a placeholder, and a very long line is cut
 //! around its mistake.
 
@@ -8,12 +8,12 @@ use std::fmt::Write;
 
 use super::source::{BYTE_ORDER_MARK, Sources, Span};
 
-/// Which of the three ways an input can fail.
+/// The three ways in which an input can fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
-    /// The text says something that cannot be meant.
+    /// The text has no possible meaning.
     Malformed,
-    /// The text is clear but asks for what the language does not do.
+    /// The text is clear but asks for something that the language does not support.
     Unsupported,
     /// The text is larger than a ceiling of [`crate::limits`].
     OverLimit,
@@ -26,18 +26,18 @@ pub struct Diagnostic {
     pub fault: Fault,
     /// What is wrong, in one sentence without its full stop.
     pub message: String,
-    /// The text it is about.
+    /// The text that the mistake is about.
     pub span: Span,
-    /// What stands beside the underline; may be empty.
+    /// The words beside the underline; may be empty.
     pub label: String,
     /// What to do about it.
     pub hint: Option<String>,
-    /// Other places that belong to it, each with what they have to do with it.
+    /// Other places that belong to the mistake, each with a note that says how.
     pub notes: Vec<(Span, String)>,
 }
 
 impl Diagnostic {
-    /// A mistake at `span`, malformed unless said otherwise.
+    /// A mistake at `span`; malformed unless stated otherwise.
     pub fn new(span: Span, message: impl Into<String>) -> Self {
         Self {
             fault: Fault::Malformed,
@@ -49,7 +49,7 @@ impl Diagnostic {
         }
     }
 
-    /// The same, as a request for what the language does not do.
+    /// The same, as a request for something that the language does not support.
     pub fn unsupported(span: Span, message: impl Into<String>) -> Self {
         Self { fault: Fault::Unsupported, ..Self::new(span, message) }
     }
@@ -71,13 +71,13 @@ impl Diagnostic {
         self
     }
 
-    /// With another place that belongs to it.
+    /// With another place that belongs to the mistake.
     pub fn note(mut self, span: Span, text: impl Into<String>) -> Self {
         self.notes.push((span, text.into()));
         self
     }
 
-    /// With the hint that `similar` was meant, if there is one.
+    /// With a hint that `similar` may have been meant, if there is one.
     pub fn did_you_mean(self, similar: Option<&str>) -> Self {
         match similar {
             Some(name) => self.hint(format!("did you mean `{name}`?")),
@@ -107,7 +107,7 @@ impl Diagnostic {
     }
 }
 
-/// All of `diagnostics` as text, a blank line between two; empty for none.
+/// All of `diagnostics` as text, separated by blank lines; empty if there are none.
 pub fn render_all(diagnostics: &[Diagnostic], sources: &Sources, color: bool) -> String {
     let texts: Vec<String> = diagnostics.iter().map(|one| one.render(sources, color)).collect();
     texts.join("\n")
@@ -134,7 +134,7 @@ fn excerpt(
     let _ = writeln!(out, "{:gutter$}{arrow} {}:{}:{}", "", place.file.name, place.line, place.column);
     let _ = writeln!(out, "{:gutter$} {bar}", "");
 
-    // The line in cells: what is printed for each character, and its width in columns.
+    // The line in cells: the text that is printed for each character, and its width in columns.
     let length = (span.end - span.start) as usize;
     let (mut shown, mut before, mut under) = (String::new(), 0, 0);
     let (first, last) = (place.byte, place.byte + length.max(1));
@@ -173,17 +173,17 @@ fn excerpt(
     let _ = writeln!(out, "{:gutter$} {bar} {:before$}{text}", "", "");
 }
 
-/// How many columns of a terminal a character takes.
+/// The number of columns that a character takes on a terminal.
 pub fn columns(character: char) -> usize {
     cell(character).1
 }
 
-/// What a terminal gets for a character, where that is not the character itself, and how many columns it takes.
+/// The text printed in place of a character, if it is not the character itself, and the columns it takes.
 fn cell(character: char) -> (Option<&'static str>, usize) {
     match character {
         '\t' => (Some(TAB), TAB.len()),
         BYTE_ORDER_MARK => (Some(""), 0),
-        // Controls, and what turns the direction of writing.
+        // Control characters, and those that change the direction of writing.
         '\0'..='\x1f' | '\x7f'..='\u{9f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => {
             (Some("\u{fffd}"), 1)
         }
@@ -234,7 +234,7 @@ impl Diagnostics {
         Self { list: Vec::new(), max: max.max(1), dropped: 0 }
     }
 
-    /// Keeps `diagnostic` unless the same was said of the same place, or there are too many already.
+    /// Keeps `diagnostic` unless the same was already reported for the same place, or there are too many already.
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
         let known = |one: &Diagnostic| one.span == diagnostic.span && one.message == diagnostic.message;
         if self.list.iter().any(known) {
@@ -243,7 +243,7 @@ impl Diagnostics {
         if self.list.len() < self.max { self.list.push(diagnostic) } else { self.dropped += 1 }
     }
 
-    /// Whether nothing more would be kept.
+    /// Whether no more would be kept.
     pub(super) fn full(&self) -> bool {
         self.dropped > 0
     }
@@ -252,7 +252,7 @@ impl Diagnostics {
         self.list.is_empty()
     }
 
-    /// All in the order of their places; where some were dropped, the last says that there are more.
+    /// All of them in the order of their places; if some were dropped, the last one says that there are more.
     pub(super) fn finish(mut self) -> Vec<Diagnostic> {
         self.list.sort_by_key(|one| one.span);
         if self.dropped > 0 {

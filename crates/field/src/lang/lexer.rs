@@ -1,4 +1,4 @@
-//! Text to tokens. Never fails: what is no token is reported and becomes one of kind `Unknown`.
+//! Text to tokens. This never fails: text that is not a token is reported and becomes one of kind `Unknown`.
 
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::source::{BYTE_ORDER_MARK, Span};
@@ -7,7 +7,7 @@ use super::token::{Kind, Token};
 
 /// Appends the tokens of `text`, whose first byte has the offset `base`, and a last one of kind `End`.
 ///
-/// At most `tokens_max` tokens are kept in `tokens`; more is reported and the rest left out.
+/// At most `tokens_max` tokens are kept in `tokens`; if there are more, that is reported and the rest is left out.
 pub(super) fn tokenize(
     text: &str,
     base: u32,
@@ -41,7 +41,7 @@ struct Lexer<'a> {
     at: usize,
     base: u32,
     newline: bool,
-    /// Whether a `[` was reported and no `]` since.
+    /// Whether a `[` was reported and no `]` has followed since.
     in_brackets: bool,
     names: &'a mut Interner,
     diagnostics: &'a mut Diagnostics,
@@ -80,7 +80,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// What needs more than its first byte to be told; none for a comment.
+    /// The token for a byte that alone does not decide it; `None` for a comment.
     fn other(&mut self, byte: u8) -> Option<(Kind, Symbol)> {
         match (byte, self.peek(1)) {
             (b'#', _) | (b'/', b'/') => self.skip_line(),
@@ -103,7 +103,7 @@ impl Lexer<'_> {
         Span::new(self.base + start as u32, self.base + self.at as u32)
     }
 
-    /// The byte `ahead` of the current one; 0 behind the end.
+    /// The byte `ahead` of the current one; 0 behind the end of the text.
     fn peek(&self, ahead: usize) -> u8 {
         self.bytes.get(self.at + ahead).copied().unwrap_or(0)
     }
@@ -130,12 +130,12 @@ impl Lexer<'_> {
         }
     }
 
-    /// What stands from here on.
+    /// The rest of the text.
     fn rest(&self) -> &[u8] {
         self.bytes.get(self.at..).unwrap_or(&[])
     }
 
-    /// How many letters, digits and underscores stand here.
+    /// The number of letters, digits and underscores from here on.
     #[inline]
     fn word_length(&self) -> usize {
         let rest = self.rest();
@@ -170,7 +170,7 @@ impl Lexer<'_> {
         let mut number = self.digits(0);
         let mut digits = self.at - start;
         let mut decimals = 0;
-        // `0..32` is a range, `0.` a number.
+        // `0..32` is a range; in `0.` the point belongs to the number.
         if self.peek(0) == b'.' && self.peek(1) != b'.' {
             self.at += 1;
             let point = self.at;
@@ -196,7 +196,7 @@ impl Lexer<'_> {
         (Kind::Number, Symbol(value.to_bits()))
     }
 
-    /// Reports what follows a number without a gap.
+    /// Reports text that follows a number without a gap.
     #[cold]
     fn number_in_name(&mut self, start: usize, end: usize) {
         let (number, tail) = (&self.text[start..end], &self.text[end..self.at]);
@@ -224,7 +224,7 @@ impl Lexer<'_> {
         (Kind::Text, self.names.intern(text))
     }
 
-    /// Signs that are told by their second byte.
+    /// Signs that are distinguished by their second byte.
     fn sign(&mut self, byte: u8) -> Option<Kind> {
         let (kind, length) = match (byte, self.peek(1)) {
             (b'.', b'.') => (Kind::Range, 2),
@@ -246,7 +246,7 @@ impl Lexer<'_> {
         Some(kind)
     }
 
-    /// Reports a run of characters that mean nothing here. A look-alike stands for what it looks like.
+    /// Reports a run of characters without a meaning. A look-alike is taken for the sign that it resembles.
     fn unknown(&mut self) -> Kind {
         let start = self.at;
         let rest = &self.text[start..];
@@ -284,7 +284,7 @@ impl Lexer<'_> {
             format!("the character `{first}` is not part of the language")
         };
         let wrong = Diagnostic::new(self.span(start), message);
-        // The bracket that closes belongs to the one that was reported.
+        // A closing bracket belongs to the opening one that was already reported.
         if first != ']' || !std::mem::replace(&mut self.in_brackets, false) {
             self.diagnostics.push(wrong.hint(hint));
         }
@@ -297,7 +297,7 @@ impl Lexer<'_> {
     }
 }
 
-/// What a byte begins.
+/// The kind of token that a byte begins.
 #[derive(Clone, Copy)]
 enum Begins {
     Blank,
@@ -305,9 +305,9 @@ enum Begins {
     Line,
     Name,
     Number,
-    /// A sign of this byte alone.
+    /// A sign that consists of this byte alone.
     Sign(Kind),
-    /// That depends on what follows.
+    /// Depends on the bytes that follow.
     Other,
 }
 
@@ -340,7 +340,7 @@ const BEGINS: [Begins; 256] = {
     table
 };
 
-/// By byte: whether it goes on a name.
+/// By byte: whether it may continue a name.
 const IN_WORD: [bool; 256] = {
     let mut table = [false; 256];
     let mut byte = 0;
@@ -351,10 +351,10 @@ const IN_WORD: [bool; 256] = {
     table
 };
 
-/// Most decimal digits that every u64 of them holds.
+/// Any number with this many decimal digits fits a u64.
 const DIGITS_MAX: usize = 19;
 
-/// The nearest f32 of digits of which the last `decimals` stand behind the point, where one division finds it.
+/// The nearest f32 of digits, the last `decimals` of which are behind the point, if one division can find it.
 #[inline]
 fn exact_value(digits: u64, decimals: usize) -> Option<f32> {
     // Both parts are exact in f32, so one division rounds correctly.

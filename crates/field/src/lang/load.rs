@@ -1,4 +1,4 @@
-//! From a text and what it includes to one tree.
+//! From a text and its includes to one tree.
 
 use super::ast::{Ast, Item, Name};
 use super::diagnostic::{Diagnostic, Diagnostics};
@@ -7,7 +7,7 @@ use super::symbol::Interner;
 use super::{Resolver, lexer, parser, path};
 use crate::limits::Limits;
 
-/// What the texts of a scene hold.
+/// The contents of a scene's texts.
 pub(super) struct Loaded {
     pub ast: Ast,
     pub names: Interner,
@@ -15,7 +15,7 @@ pub(super) struct Loaded {
     pub includes: Vec<String>,
 }
 
-/// Parses `text` and, depth first, what it includes: what is included comes before what includes it.
+/// Parses `text` and its includes, depth first: an included text comes before the text that includes it.
 pub(super) fn load(
     name: &str,
     text: &str,
@@ -51,7 +51,8 @@ impl Loader<'_, '_> {
         let max = self.limits.scene_bytes_max;
         let base = if self.bytes > max { None } else { self.sources.add(name, text) };
         let Some(base) = base else {
-            // A text that is too long is not kept; its place is where it was asked for, or the start of nothing.
+            // A text that is too long is not kept. Its mistake is placed at its include, or else at the start of an
+            // empty text.
             let span = included.unwrap_or_else(|| {
                 self.sources.add(name, "");
                 Span::default()
@@ -93,8 +94,8 @@ impl Loader<'_, '_> {
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
             return self.diagnostics.push(Diagnostic::new(span, message).hint("leave this `include` out"));
         }
-        // Where no more mistakes are kept no more files are asked for either: a text of nothing but includes that
-        // fail costs no more than any other.
+        // Once no more mistakes are kept, no more files are requested: a text that consists of failing includes then
+        // costs no more than any other.
         if self.loaded.includes.contains(&name) || self.diagnostics.full() {
             return;
         }

@@ -1,6 +1,6 @@
-//! What a surface is made of, a row for each field. Everything that knows of the fields is made of the rows: the block of
-//! the language with its diagnostics and documentation, what a tape of a material gives and in which order, the struct of
-//! the shaders and how each mode fills it.
+//! The material of a surface, one row for each field. Everything else about the fields is derived from the rows: the
+//! block in the language with its diagnostics and documentation, the outputs of a material's tape and their order,
+//! the struct in the shaders, and how each mode fills it.
 
 use std::fmt::Write;
 
@@ -8,14 +8,14 @@ use crate::graph::NodeId;
 use crate::lang::scene::Vec3;
 use crate::limits::LIMITS;
 
-/// How a field's values are brought into their range before light is computed of them; what is no number is 0.
+/// How a field's values are clamped to their range before lighting; a NaN becomes 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MaterialRange {
     /// A share, 0..1.
     Share,
-    /// A colour that reflects: each part 0..1.
+    /// A reflected colour: each part 0..1.
     Reflectance,
-    /// Light: each part at least 0, and no more than a half float holds well.
+    /// Emitted light: each part at least 0, and at most what a half float holds well.
     Light,
 }
 
@@ -26,11 +26,11 @@ pub struct MaterialField {
     pub name: &'static str,
     /// How many numbers it holds: 1, or 3 for a vector.
     pub parts: usize,
-    /// What each of them is where a material does not say.
+    /// The value of each number if a material does not set it.
     pub default: f32,
-    /// What its values may be.
+    /// The range of its values.
     pub range: MaterialRange,
-    /// What it is, for people.
+    /// Its description for readers.
     pub doc: &'static str,
 }
 
@@ -67,10 +67,10 @@ impl Parts for Vec3 {
 
 macro_rules! material {
     ($($field:ident: $holds:ty = $default:literal, $range:ident, $doc:literal;)+) => {
-        /// What a surface is made of: functions of point, normal and frame (the thesis' R⁶ → R³, section 3.2).
+        /// The material of a surface: functions of point, normal and frame (R⁶ → R³ in Abt 2022, section 3.2).
         #[derive(Debug, Clone, PartialEq)]
         pub struct Material {
-            /// Its name; `default` for the one of objects that name none.
+            /// Its name; `default` for the material of objects that name none.
             pub name: String,
             $(#[doc = $doc] pub $field: $holds,)+
         }
@@ -92,7 +92,7 @@ macro_rules! material {
                 numbers
             }
 
-            /// The material of these numbers, in the order of [`Material::numbers`].
+            /// The material with these numbers, in the order of [`Material::numbers`].
             pub fn of(name: String, numbers: impl IntoIterator<Item = NodeId>) -> Self {
                 let mut numbers = numbers.into_iter();
                 Self { name, $($field: Parts::take(&mut numbers),)+ }
@@ -125,8 +125,9 @@ pub const MATERIAL_NUMBERS: usize = {
 
 const _: () = assert!(MATERIAL_NUMBERS <= LIMITS.tape_outputs_max, "a tape gives no more numbers");
 
-/// What the shaders know of the fields: the struct, what brings its members into their ranges, the members one after the
-/// other as arguments, and how they are read of what an interpreted program gave (`head` holds four places in each part).
+/// The fields as the shaders see them: the struct, the function that clamps its members to their ranges, the members
+/// as a list of arguments, and how they are read from an interpreted program's result (each part of `head` holds four
+/// places).
 pub fn material_glsl() -> String {
     let (mut members, mut ranges, mut read) = (String::new(), Vec::new(), Vec::new());
     let mut number = 0;
@@ -159,7 +160,7 @@ pub fn material_glsl() -> String {
     )
 }
 
-/// The members of a material `name` in the shaders' struct, number by number.
+/// The members of a material `name` in the shaders' struct, one per number.
 pub(crate) fn material_members(name: &str) -> Vec<String> {
     let members = Material::FIELDS.iter().flat_map(|field| {
         let parts: &[&str] = if field.parts == 3 { &[".r", ".g", ".b"] } else { &[""] };

@@ -8,17 +8,17 @@
 //! up to a limit, as [`Diagnostic`]s. No text makes it panic, recurse without bound or take more memory than
 //! [`crate::limits`] allow.
 //!
-//! **Meaning.** As in GLSL: vectors of two to four numbers with swizzles, functions that work on each component, scalars
-//! that fit every vector. Types are inferred for each use. Functions are put in where they are called, loops are
-//! unrolled, so a scene is one expression without calls or loops; recursion is therefore a mistake. `x^2` is a
-//! product for whole exponents and so is defined for negative x; `^` groups from the right and binds tighter than a
-//! minus in front. `a % b` is GLSL's mod. Division by zero gives 0 (see `graph`).
+//! **Meaning.** The language follows GLSL: vectors of two to four numbers with swizzles, functions that work on each
+//! component, scalars that fit every vector. Types are inferred for each use. Functions are expanded where they are
+//! called and loops are unrolled, so a scene is one expression without calls or loops; recursion is therefore a
+//! mistake. For whole exponents `x^2` is a product and thus defined for negative x; `^` groups from the right and
+//! binds tighter than a minus in front. `a % b` is GLSL's mod. Division by zero gives 0 (see `graph`).
 //!
 //! **Names.** A name in a function is a parameter, a `let` of the function, a `let` or `param` of the scene, or an
-//! input, in this order. Functions have names of their own, so `let box = box(p, 1)` is fine. A scene's function
-//! takes precedence over the library's of the same name, except within the library.
+//! input, looked up in this order. Functions have names of their own, so `let box = box(p, 1)` is fine. A scene's
+//! function takes precedence over the library's function of the same name, except within the library.
 //!
-//! This room does no I/O: what `include` names is asked of a [`Resolver`].
+//! This module does no I/O: a [`Resolver`] supplies the texts that `include` names.
 
 mod ast;
 mod builtin;
@@ -52,11 +52,11 @@ pub(crate) use tests::SHAPES;
 use crate::limits::{LIMITS, Limits};
 use diagnostic::Diagnostics;
 
-/// Gives the text of an included file, or why there is none, in words for people. Its path is relative to the
-/// scene's folder, has `/` between folders and never leads out of it.
+/// Gives the text of an included file, or says in plain words why there is none. Its path is relative to the scene's
+/// folder, has `/` between folders and never leads out of it.
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<String, String> + 'a;
 
-/// A resolver for scenes that are no files: nothing can be included.
+/// A resolver for scenes that are not files: nothing can be included.
 ///
 /// # Errors
 /// Always.
@@ -64,21 +64,21 @@ pub fn no_includes(_path: &str) -> Result<String, String> {
     Err("this scene is not a file, so there is nothing to include".to_owned())
 }
 
-/// What became of a text.
+/// The result of compiling a text.
 #[derive(Debug, Clone)]
 pub struct Compiled {
     /// The scene, if there was no mistake.
     pub scene: Option<Scene>,
-    /// What is wrong, in the order of the text; empty exactly if there is a scene.
+    /// The mistakes, in the order of the text; empty if and only if there is a scene.
     pub diagnostics: Vec<Diagnostic>,
     /// The texts that spans point into.
     pub sources: Sources,
-    /// Paths that were asked of the [`Resolver`], each once, in order: also those that it refused.
+    /// Paths that were requested from the [`Resolver`], each once, in order, including those that it refused.
     pub includes_asked: Vec<String>,
 }
 
 impl Compiled {
-    /// All diagnostics as text for people, with colours for a terminal if `color` is set; empty if there are none.
+    /// All diagnostics as readable text, with colours for a terminal if `color` is set; empty if there are none.
     pub fn render(&self, color: bool) -> String {
         render_all(&self.diagnostics, &self.sources, color)
     }
@@ -107,8 +107,8 @@ pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, l
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }
 
-/// The mistakes in a text's words and grammar alone, and the texts that their spans point into. What is included is not
-/// asked for, and what names mean is not looked at.
+/// Only the mistakes in a text's words and grammar, and the texts that their spans point into. Includes are not read,
+/// and the meaning of names is not checked.
 pub fn check_syntax(name: &str, text: &str) -> (Vec<Diagnostic>, Sources) {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);

@@ -1,6 +1,6 @@
-//! Paths that a scene names: relative, with `/` between, never out of the scene's folder.
+//! Paths that a scene names: relative, with `/` between folders, never out of the scene's folder.
 
-/// The path without `.` and doubled `/`, or what is wrong with it and what to do.
+/// The path without `.` and doubled `/`; or what is wrong with it and how to mend it.
 pub(super) fn checked(path: &str) -> Result<String, (&'static str, &'static str)> {
     if path.trim().is_empty() {
         return Err(("this file has no name", "write the file's name in the quotes"));

@@ -1,9 +1,9 @@
 //! A checked scene: one graph, and which of its nodes mean what.
 //!
-//! **Bounds and estimates.** An object's `bound` says how far away everything is that its shape leaves out: of 32 bars
-//! two are measured. Rays step by the lesser of both. Penumbras and occlusion trust the shape alone, since a bound
-//! would cast shadows of things that do not exist (Abt 2022, figure 12); from the bound on the estimate grows until it
-//! casts none.
+//! **Bounds and estimates.** A shape may leave parts out: of 32 bars only two are measured. An object's `bound` says
+//! how far away everything else is at least, and rays step by the lesser of the two. Penumbras and occlusion use the
+//! shape alone because a bound would cast shadows of things that do not exist (Abt 2022, figure 12); beyond the bound
+//! the estimate grows until it casts none.
 
 use super::material::Material;
 use super::source::Span;
@@ -27,13 +27,13 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Where the scene is seen from.
     pub camera: Camera,
-    /// What is seen where nothing is.
+    /// The background, where rays hit nothing.
     pub sky: Sky,
-    /// How the picture is made of the scene's light.
+    /// How the scene's light becomes the picture.
     pub picture: Picture,
     /// Sliders; `Input::Param(i)` is the i-th.
     pub params: Vec<Param>,
-    /// Pictures; texture i of the graph is the i-th.
+    /// Textures; texture i of the graph is the i-th.
     pub textures: Vec<TextureRef>,
     /// Paths of the files that were included, in the order in which they were read.
     pub includes: Vec<String>,
@@ -48,9 +48,9 @@ pub struct Object {
     pub span: Span,
     /// Its distance function. Depends on the point and the frame.
     pub shape: NodeId,
-    /// Where the shape leaves something out (of many bars it measures the two that are nearest in x, say): at least so
-    /// far away is everything that it left out. Rays step by the lesser of both; shadows and occlusion, which need
-    /// surfaces that are there, trust the shape alone.
+    /// Where the shape leaves something out (of many bars it may measure only the two that are nearest in x),
+    /// everything left out is at least this far away. Rays step by the lesser of bound and shape; shadows and
+    /// occlusion, which need actual surfaces, use the shape alone.
     pub bound: Option<NodeId>,
     /// Index into [`Scene::materials`].
     pub material: usize,
@@ -59,18 +59,17 @@ pub struct Object {
 /// Where a light's rays come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LightPlace {
-    /// From a point or, with a radius, a ball. Its light falls with the square of the distance.
+    /// A point or, with a radius, a ball. Its light falls with the square of the distance.
     At(Vec3),
-    /// From infinitely far away, towards this direction (of any length but 0).
+    /// From infinitely far away, travelling in this direction (of any length but 0).
     Towards(Vec3),
-    /// From a rectangle around a point: `right` and `up` are half its sides. It shines to the side of their cross
-    /// product.
+    /// A rectangle around a point: `right` and `up` are half its sides. It shines to the side of their cross product.
     Panel {
-        /// Its middle.
+        /// The centre of the rectangle.
         at: Vec3,
-        /// From the middle of it to the middle of its right side.
+        /// From the centre to the middle of the right side.
         right: Vec3,
-        /// The same for the upper side.
+        /// From the centre to the middle of the upper side.
         up: Vec3,
     },
 }
@@ -78,18 +77,18 @@ pub enum LightPlace {
 /// A light: functions of the frame alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Light {
-    /// Its name; `default` where the scene has none.
+    /// Its name; `default` for the light of a scene that has none.
     pub name: String,
     /// Where its rays come from.
     pub place: LightPlace,
-    /// Its strength in red, green and blue: what arrives at distance 1, or from a direction; of a panel its brightness,
-    /// as that of an `emission`.
+    /// Its strength in red, green and blue: the light that arrives at distance 1 or, for a direction, everywhere. For
+    /// a panel its brightness, in the units of `emission`.
     pub color: Vec3,
-    /// Radius of the ball that shines (for a direction: the tangent of its half angle); softens shadows.
+    /// Radius of the shining ball (for a direction: the tangent of its half angle); softens shadows.
     pub radius: NodeId,
-    /// Distance at which its light has faded to nothing; 0 for none.
+    /// Distance at which its light has faded to nothing; 0 for no limit.
     pub range: NodeId,
-    /// Share of its light that shadows take away, 0..1.
+    /// Share of its light that shadows remove, 0..1.
     pub shadow: NodeId,
 }
 
@@ -98,29 +97,29 @@ pub struct Light {
 pub struct Camera {
     /// The eye.
     pub position: Vec3,
-    /// What it looks at.
+    /// The point it looks at.
     pub target: Vec3,
     /// Vertical field of view in degrees.
     pub fov: NodeId,
-    /// Turn around the line of sight in radians, clockwise picture for positive values.
+    /// Roll around the line of sight in radians; positive values turn the picture clockwise.
     pub roll: NodeId,
     /// Radius of the lens; 0 is sharp everywhere.
     pub aperture: NodeId,
-    /// Distance that is sharp; none for that of the target.
+    /// Distance that is in focus; `None` for that of the target.
     pub focus: Option<NodeId>,
-    /// Width, at the target, that is in the picture in any case: in a narrow window the eye steps back for it. 0 asks
-    /// for none.
+    /// Width at the target that is always in the picture: in a narrow window the eye steps back to keep it there. 0
+    /// asks for none.
     pub keep: NodeId,
 }
 
-/// How the picture is made of the scene's light: functions of the frame alone.
+/// How the scene's light becomes the picture: functions of the frame alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// What light is multiplied by.
+    /// Factor by which light is multiplied.
     pub exposure: NodeId,
-    /// Share of the light that is scattered around where it belongs, 0..1.
+    /// Share of the light that is scattered around its place, 0..1.
     pub bloom: NodeId,
-    /// Share of the light that a wide lens takes from the corners, 0..1.
+    /// Share of the light that a wide lens loses in the corners, 0..1.
     pub vignette: NodeId,
     /// Strength of the grain, in steps of 1/255.
     pub grain: NodeId,
@@ -136,9 +135,9 @@ pub enum ToneMap {
     Agx,
     /// ACES, fitted (Stephen Hill): more contrast, colours turn as they get brighter.
     Aces,
-    /// Extended Reinhard on luminance (Abt 2022, section 3.2): colours stay as they are until they are cut off.
+    /// Extended Reinhard on luminance (Abt 2022, section 3.2): colours stay the same until they are clipped.
     Reinhard,
-    /// None: light of 0..1 as it is, brighter light as 1.
+    /// None: light of 0..1 unchanged, brighter light clipped to 1.
     None,
 }
 
@@ -146,7 +145,7 @@ impl ToneMap {
     /// All of them, in the order of their numbers in `shaders/tone_map.glsl`.
     pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
 
-    /// What scenes call it.
+    /// Its name in scenes.
     pub fn name(self) -> &'static str {
         match self {
             ToneMap::Agx => "agx",
@@ -157,23 +156,24 @@ impl ToneMap {
     }
 }
 
-/// What is seen where nothing is: functions of a direction (read where materials read the normal) and the frame.
+/// The background: functions of a direction (read where materials read the normal) and the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sky {
     /// Light from a direction.
     pub color: Vec3,
-    /// Light that a surface with its normal in that direction gets from everywhere.
+    /// Light from everywhere on a surface with its normal in that direction.
     pub ambient: Vec3,
-    /// How far away from a surface other things take that light, and give theirs: a function of the frame alone.
+    /// Distance from a surface within which other things block that light and give their own: a function of the frame
+    /// alone.
     pub reach: NodeId,
 }
 
-/// A number that a user turns.
+/// A number that the user sets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Param {
     /// Its name.
     pub name: String,
-    /// What it is at the start; `min <= default <= max`, all finite.
+    /// Its value at the start; `min <= default <= max`, all finite.
     pub default: f32,
     /// Least value.
     pub min: f32,
@@ -183,11 +183,11 @@ pub struct Param {
     pub span: Span,
 }
 
-/// A picture that a scene reads.
+/// A texture that a scene reads.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextureRef {
-    /// Its path below the scene's folder, with `/` between; never leads out of it.
+    /// Its path below the scene's folder, with `/` between folders; never leads out of it.
     pub name: String,
-    /// Where it was first asked for.
+    /// Where it was first named.
     pub span: Span,
 }

@@ -1,7 +1,7 @@
 //! Source texts and places in them.
 //!
-//! All files of a scene share one line of byte offsets: a file begins where the one before it ended, plus one. So a
-//! [`Span`] is two numbers and knows its file.
+//! All files of a scene share one sequence of byte offsets: a file begins at the end of the one before it plus one.
+//! So two numbers are enough for a [`Span`] to know its file.
 
 /// A stretch of source text: byte offsets over all files of a [`Sources`], `start <= end`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -13,7 +13,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// From `start` to before `end`.
+    /// From `start` up to but not including `end`.
     pub fn new(start: u32, end: u32) -> Self {
         Self { start, end: end.max(start) }
     }
@@ -27,7 +27,7 @@ impl Span {
 /// One text with its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceFile {
-    /// What diagnostics call it.
+    /// Its name in diagnostics.
     pub name: String,
     /// The text as it was given.
     pub text: String,
@@ -35,7 +35,7 @@ pub struct SourceFile {
     base: u32,
 }
 
-/// Where an offset lies, for people.
+/// Where an offset lies, for readers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place<'a> {
     /// The file.
@@ -50,17 +50,17 @@ pub struct Place<'a> {
     pub byte: usize,
 }
 
-/// The texts that a scene is made of: the first is the scene itself, the others it includes.
+/// The texts of a scene: the first is the scene itself, the others are those it includes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Sources {
     files: Vec<SourceFile>,
 }
 
-/// A byte-order mark, as editors on Windows write one.
+/// A byte-order mark, as editors on Windows write it.
 pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 
 impl Sources {
-    /// Adds a text and gives its first offset; none where offsets would no longer fit 32 bits.
+    /// Adds a text and gives its first offset; `None` if offsets would no longer fit 32 bits.
     pub fn add(&mut self, name: &str, text: &str) -> Option<u32> {
         let base = match self.files.last() {
             Some(last) => last.base as usize + last.text.len() + 1,
@@ -77,14 +77,14 @@ impl Sources {
         &self.files
     }
 
-    /// The text under `span`; empty where there is none.
+    /// The text of `span`; empty if there is none.
     pub fn text(&self, span: Span) -> &str {
         let Some(file) = self.file_at(span.start) else { return "" };
         let (start, end) = ((span.start - file.base) as usize, span.end.saturating_sub(file.base) as usize);
         file.text.get(start..end.min(file.text.len())).unwrap_or("")
     }
 
-    /// Where `offset` lies; none without any file.
+    /// Where `offset` lies; `None` if there is no file.
     pub fn place(&self, offset: u32) -> Option<Place<'_>> {
         let file = self.file_at(offset)?;
         let mut at = ((offset - file.base) as usize).min(file.text.len());

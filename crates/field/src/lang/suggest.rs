@@ -1,7 +1,7 @@
-//! What somebody may have meant: the nearest of the names in scope.
+//! Suggestions for misspelt names: the nearest of the names in scope.
 
-/// The name of `names` nearest to `typed` by edits (insert, delete, replace, swap neighbours); none where every name
-/// is too far away to be meant.
+/// The one of `names` that is nearest to `typed` by edits (insert, delete, replace, swap neighbours); `None` if every
+/// name is too far away to have been meant.
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = typed.chars().count();
     if length > LONGEST {
@@ -21,7 +21,7 @@ pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
     best.map(|(_, name)| name)
 }
 
-/// Longer names get no suggestion: comparing would take time and nobody types them.
+/// Longer names get no suggestion: comparing them takes time, and nobody types them.
 const LONGEST: usize = 40;
 
 /// Optimal string alignment distance.

@@ -16,7 +16,7 @@ pub(super) struct Interner {
     text: String,
     /// Where each name ends in `text`.
     ends: Vec<u32>,
-    /// Open addressing with linear probing. A power of two of places, at most half of them taken.
+    /// Open addressing with linear probing. The number of places is a power of two; at most half are taken.
     table: Vec<Place>,
 }
 
@@ -28,7 +28,7 @@ struct Place {
 }
 
 impl Interner {
-    /// How many names are known.
+    /// The number of known names.
     pub(super) fn len(&self) -> usize {
         self.ends.len()
     }
@@ -45,7 +45,7 @@ impl Interner {
         self.intern_with_key(name, Key::of(name.as_bytes()))
     }
 
-    /// The same for a caller that has the name's key already.
+    /// The same for a caller that already has the name's key.
     #[inline]
     pub(super) fn intern_with_key(&mut self, name: &str, key: Key) -> Symbol {
         match self.find(name, key) {
@@ -64,7 +64,7 @@ impl Interner {
         Symbol(self.ends.len() as u32 - 1)
     }
 
-    /// The symbol of a name that is known already.
+    /// The symbol of a name that is already known.
     pub(super) fn get(&self, name: &str) -> Option<Symbol> {
         self.find(name, Key::of(name.as_bytes()))
     }
@@ -103,7 +103,7 @@ impl Interner {
     }
 }
 
-/// What names are looked up by: up to [`Key::WHOLE_MAX`] bytes the name itself, of longer ones a digest.
+/// The key by which names are looked up: the name itself up to [`Key::WHOLE_MAX`] bytes, a digest of longer ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Key(u64);
 
@@ -116,7 +116,7 @@ impl Key {
         Self::of_first(name, name.len())
     }
 
-    /// The key of the first `length` bytes of `text`, which is at least that long.
+    /// The key of the first `length` bytes of `text`, which must be at least that long.
     #[inline]
     pub(super) fn of_first(text: &[u8], length: usize) -> Self {
         if length > Self::WHOLE_MAX {
@@ -141,7 +141,7 @@ impl Key {
         Self(state | Self::DIGEST)
     }
 
-    /// Whether equal keys are equal names.
+    /// Whether equal keys mean equal names.
     fn is_whole_name(self) -> bool {
         self.0 < Self::DIGEST
     }
@@ -167,7 +167,7 @@ mod tests {
         let mut base = Interner::default();
         let (a, b) = (base.intern("sphere"), base.intern("box"));
         let mut own = base.clone();
-        // Shorter and longer than a key.
+        // Names shorter and longer than a key.
         let names = (0..500).map(|number| format!("{}{number}", ["n", "a_longer_name_"][number % 2]));
         let names: Vec<String> = names.collect();
         let symbols: Vec<Symbol> = names.iter().map(|name| own.intern(name)).collect();

@@ -3,13 +3,13 @@
 use super::source::Span;
 use super::symbol::Symbol;
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Number,
     /// A name or a reserved word: see [`RESERVED`].
     Name,
-    /// A text in quotes; the symbol is what stands between them.
+    /// A text in quotes; the symbol is the text between them.
     Text,
     OpenParen,
     CloseParen,
@@ -37,9 +37,9 @@ pub(super) enum Kind {
     And,
     Or,
     Not,
-    /// Characters that mean nothing and were reported.
+    /// Characters without a meaning, which were reported.
     Unknown,
-    /// Behind the last token.
+    /// The end, behind the last token.
     End,
 }
 
@@ -47,9 +47,9 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Token {
     pub kind: Kind,
-    /// Whether a line ends between the token before and this one.
+    /// Whether a line ends between the previous token and this one.
     pub newline: bool,
-    /// Of names and texts. Of numbers the bits of the value: see [`Token::value`].
+    /// The symbol of a name or text; for a number the bits of its value: see [`Token::value`].
     pub symbol: Symbol,
     pub span: Span,
 }
@@ -57,7 +57,7 @@ pub(super) struct Token {
 /// Words that cannot be names, in the order of their symbols.
 pub(super) const RESERVED: &[&str] = &["let", "fn", "for", "in", "if", "then", "else", "true", "false"];
 
-/// The symbols of [`RESERVED`], which every interner begins with.
+/// The symbols of [`RESERVED`], with which every interner begins.
 pub(super) mod word {
     use super::Symbol;
     pub(crate) const LET: Symbol = Symbol(0);
@@ -76,7 +76,7 @@ impl Token {
         self.kind == Kind::Name && self.symbol.index() < RESERVED.len()
     }
 
-    /// The value of a number; infinite where it is too large.
+    /// The value of a number; infinite if it is too large.
     pub(super) fn value(self) -> f32 {
         f32::from_bits(self.symbol.0)
     }

@@ -1,4 +1,4 @@
-//! What expressions are made into: up to four scalar nodes of the graph.
+//! The result of lowering an expression: up to four scalar nodes of the graph.
 
 use super::ast::Type;
 use super::symbol::Symbol;
@@ -8,7 +8,7 @@ use crate::graph::NodeId;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Vector {
     len: u8,
-    /// Those from `len` on repeat the first.
+    /// The parts from `len` on repeat the first.
     parts: [NodeId; 4],
 }
 
@@ -21,7 +21,7 @@ impl Vector {
         Self::from_slice(&parts)
     }
 
-    /// None for anything but one to four parts.
+    /// `None` for anything but one to four parts.
     pub(super) fn from_slice(parts: &[NodeId]) -> Option<Self> {
         let first = *parts.first()?;
         let mut all = [first; 4];
@@ -41,7 +41,7 @@ impl Vector {
         self.parts[0]
     }
 
-    /// The part at `index`; a scalar is every part of itself.
+    /// The part at `index`; every part of a scalar is the scalar itself.
     pub(super) fn part(self, index: usize) -> NodeId {
         match self.len {
             1 => self.parts[0],
@@ -60,7 +60,7 @@ impl Vector {
         Self { len: self.len, parts }
     }
 
-    /// With a scalar repeated up to `len` parts; none where the sizes do not fit.
+    /// The vector, with a scalar repeated up to `len` parts; `None` if the sizes do not fit.
     pub(super) fn widened(self, len: usize) -> Option<Self> {
         match self.len() {
             own if own == len => Some(self),
@@ -73,7 +73,8 @@ impl Vector {
 /// The value of an expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Value {
-    /// Of an expression with a mistake that was reported, or of a function's unknown argument: fits everywhere.
+    /// The value of an expression whose mistake was reported, or of a function's unknown argument: it fits
+    /// everywhere.
     Unknown,
     Vector(Vector),
     /// 0 or 1.
@@ -86,7 +87,7 @@ impl Value {
         Self::Vector(Vector::scalar(part))
     }
 
-    /// None for the unknown.
+    /// The type; `None` for an unknown value.
     pub(super) fn type_of(self) -> Option<Type> {
         match self {
             Self::Unknown => None,
@@ -101,7 +102,7 @@ impl Value {
         }
     }
 
-    /// For messages.
+    /// The description in messages.
     pub(super) fn described(self) -> &'static str {
         self.type_of().map_or("a mistake", Type::described)
     }

@@ -3,10 +3,10 @@
 //! | word | holds |
 //! |---|---|
 //! | 0, 2 | a clause, as in [`crate::tape`] |
-//! | 1, 3 | its immediate, which stands for the operand that is none of the registers |
+//! | 1, 3 | its immediate, in place of the operand that is not a register |
 //!
-//! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare operators
-//! ([`is_rare`]) stand in the second place, after a first clause that does nothing where there is none.
+//! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
+//! operators ([`is_rare`]) come second in a texel; if no other clause precedes one, the first clause does nothing.
 
 use super::program::{Arg, Form, INPUTS, Program, refill};
 use crate::tape::interpreter::is_rare;
@@ -21,12 +21,13 @@ pub(super) type Texel = [u32; 4];
 /// Writes programs.
 #[derive(Debug, Default)]
 pub(super) struct Encoder {
-    /// By value: the last step that reads it, `u32::MAX` for what is read at the end, 0 for what nothing reads.
+    /// By value: the last step that reads it; `u32::MAX` for values that are read at the end, 0 for values never
+    /// read.
     last_use: Vec<u32>,
     /// By value: its register.
     register: Vec<u8>,
     texels: Vec<Texel>,
-    /// Most registers of a program so far.
+    /// Most registers that a program has needed so far.
     pub(super) registers: usize,
     /// Clauses of the last program.
     pub(super) clauses: usize,
@@ -73,7 +74,7 @@ impl Encoder {
                 Form::NumberRight => (opcode::REGISTER_IMMEDIATE, a, 0),
                 Form::NumberLeft => (opcode::IMMEDIATE_REGISTER, 0, b),
             };
-            // In place of the second operand of an operator that has one stands the first, which is not read.
+            // A one-operand operator repeats its operand as the second one, which is not read.
             let clause = u32::from_le_bytes([step.op.number() + form, output, a, b]);
             self.write(clause, step.number, is_rare(step.op), &mut half);
         }
@@ -99,7 +100,7 @@ impl Encoder {
         Ok(&self.texels)
     }
 
-    /// What was encoded last.
+    /// The texels that were encoded last.
     pub(super) fn texels(&self) -> &[Texel] {
         &self.texels
     }
@@ -147,7 +148,7 @@ impl Encoder {
     }
 }
 
-/// Registers that nothing is in, as bits. Hardly a program needs more than the first 64.
+/// Free registers, as bits. Hardly any program needs more than the first 64.
 #[derive(Debug)]
 struct FreeRegisters {
     first: u64,
@@ -161,7 +162,7 @@ impl Default for FreeRegisters {
 }
 
 impl FreeRegisters {
-    /// The lowest.
+    /// The lowest free register.
     #[inline(always)]
     fn take(&mut self) -> Result<u8, TooManyRegisters> {
         if self.first != 0 {

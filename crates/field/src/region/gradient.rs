@@ -1,7 +1,7 @@
-//! How steep the distance may be in a cell, in two words: for formulas that are no distance functions.
+//! Bounds of the gradient in a cell, in two words: for formulas whose value is not a distance.
 //!
-//! Bounds of the gradient, lower and upper along each axis, are whole shares (-128..=127, over 128) of one scale, rounded
-//! outwards. The scale is the upper half of a float's bits: a whole share of it is exact in 32 bits, here and in the
+//! The lower and upper bound along each axis are whole shares (-128..=127, over 128) of one scale, rounded outwards.
+//! The scale is the upper half of a float's bits, so that a whole share of it is exact in 32 bits, here and in the
 //! shaders.
 //!
 //! | word | bits 0..8 | 8..16 | 16..24 | 24..32 |
@@ -12,14 +12,14 @@
 use super::program::{Arg, BOUND, Program};
 use crate::graph::{FrameInputs, GradientInterval, Interval, Pieces};
 
-/// Smallest scale that is not 0: far above what GPUs flush, far below what a ray notices.
+/// Smallest scale that is not 0: far above the numbers that GPUs flush to 0, far below anything a ray notices.
 const SCALE_MIN: f32 = 1e-30;
-/// The largest float whose lower half is 0: what is steeper counts as unbounded.
+/// The largest finite float whose lower half is 0: anything steeper counts as unbounded.
 const SCALE_MAX: f32 = f32::from_bits(0x7F7F_0000);
-/// Steps of a share.
+/// Steps of the scale.
 const SHARES: f32 = 128.0;
 
-/// The words of bounds of a gradient.
+/// The words for bounds of a gradient.
 pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
     let most = gradient.iter().map(|side| side.lo.abs().max(side.hi.abs())).fold(0.0, f32::max);
     let known = gradient.iter().all(|side| !side.is_any()) && most < 0.99 * SCALE_MAX;
@@ -29,7 +29,7 @@ pub fn pack(gradient: [Interval; 3]) -> [u32; 2] {
     if most == 0.0 {
         return words([0; 3], [0; 3], 0.0);
     }
-    // One step more than the largest: the upper bounds reach 127 steps only.
+    // One step more than the largest bound needs: upper bounds reach 127 steps only.
     let scale = rounded_up((most * (SHARES / 127.0)).max(SCALE_MIN));
     let share = |value: f32, round: fn(f32) -> f32| round(value / scale * SHARES).clamp(-128.0, 127.0) as i32;
     let lower = gradient.map(|side| {
@@ -60,7 +60,7 @@ fn words(lower: [i32; 3], upper: [i32; 3], scale: f32) -> [u32; 2] {
     ]
 }
 
-/// The bounds that words hold; never narrower than what was packed, but at most ±3.4e38.
+/// The bounds that words hold; never narrower than those that were packed, but at most ±3.4e38.
 pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
     let scale = f32::from_bits(w & 0xFFFF_0000);
     let share = |word: u32, shift: u32| value(i32::from((word >> shift) as u8 as i8), scale);
@@ -69,13 +69,13 @@ pub fn unpack([z, w]: [u32; 2]) -> [Interval; 3] {
 }
 
 /// The largest rate at which a value with such a gradient can fall along a direction: -inf(gradient · direction).
-/// Negative where it surely rises.
+/// Negative where the value certainly rises.
 pub fn slope_towards(gradient: [Interval; 3], direction: [f32; 3]) -> f32 {
     let falls = |side: Interval, along: f32| (-side.lo * along).max(-side.hi * along);
     (0..3).map(|axis| falls(gradient[axis], direction[axis])).sum()
 }
 
-/// Bounds gradients of programs.
+/// Computes bounds of the gradients of programs.
 #[derive(Debug, Default)]
 pub(super) struct Gradients {
     values: Vec<GradientInterval>,
@@ -83,7 +83,8 @@ pub(super) struct Gradients {
 }
 
 impl Gradients {
-    /// The words of the gradient of a program's bound all over a box, which is cut where parts of it jump.
+    /// The words for the gradient of a program's bound over a whole box, which is cut where parts of the program
+    /// jump.
     pub(super) fn words(&mut self, program: &Program, sides: [Interval; 3], frame: &FrameInputs) -> [u32; 2] {
         self.jumps.clear();
         let whole = run(&mut self.values, Some(&mut self.jumps), program, sides, frame);
@@ -102,7 +103,7 @@ fn run(
 ) -> GradientInterval {
     values.clear();
     values.extend((0..3).map(|axis| GradientInterval::coordinate(axis, sides[axis])));
-    // How far a ray may step does not depend on the penumbra.
+    // A ray's step does not depend on the penumbra.
     values.push(GradientInterval::flat(Interval::point(0.0)));
     let of = |values: &[GradientInterval], arg: Arg| match arg {
         Arg::Number(number) => GradientInterval::flat(Interval::point(number)),
@@ -145,7 +146,7 @@ mod tests {
         Interval::new(a.min(b), a.max(b))
     }
 
-    /// What bounds beyond all numbers are taken for.
+    /// Replaces bounds that are not finite.
     fn finite(side: Interval) -> Interval {
         if side.is_any() {
             return Interval { lo: -1e38, hi: 1e38 };

@@ -8,7 +8,7 @@ use crate::graph::{BoundsKernel, FrameInputs, Interval};
 /// Cells that are bounded at once: the children of a cell.
 pub(super) const CELLS: usize = 64;
 
-/// An interval for each cell. As two arrays, so that a processor works on several cells at once.
+/// An interval for each cell, stored as two arrays so that the CPU can work on several cells at once.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Lanes {
@@ -22,14 +22,14 @@ impl Lanes {
         Self { lo: [interval.lo; CELLS], hi: [interval.hi; CELLS] }
     }
 
-    /// That of one cell.
+    /// The interval of one cell.
     #[inline(always)]
     pub(super) fn at(&self, cell: usize) -> Interval {
         Interval { lo: self.lo[cell], hi: self.hi[cell] }
     }
 }
 
-/// Bits of the cells for which something holds, as a processor computes them eight at once.
+/// A mask of the cells for which a condition holds, computed so that the CPU can handle eight at once.
 #[inline(always)]
 pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
     let mut flags = [0u8; CELLS];
@@ -38,7 +38,7 @@ pub(super) fn mask(holds: impl Fn(usize) -> bool) -> u64 {
     }
     let mut bits = 0;
     for (byte, eight) in flags.as_chunks::<8>().0.iter().enumerate() {
-        // Eight bytes of 0 or 1 become eight bits: bit 8i is brought to bit 56 + i.
+        // Eight bytes of 0 or 1 become eight bits: bit 8i is moved to bit 56 + i.
         let gathered = u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56;
         bits |= gathered << (8 * byte);
     }
@@ -83,7 +83,7 @@ impl<A: Operand, B: Operand> BoundsKernel for Kernel<'_, A, B> {
     }
 }
 
-/// Bounds of all values of a program in 64 cells: `rows` begins with those of the inputs.
+/// Bounds all values of a program in 64 cells; `rows` begins with the bounds of the inputs.
 pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInputs) {
     if rows.len() < program.values() {
         rows.resize(program.values(), Lanes::splat(Interval::point(0.0)));
@@ -91,7 +91,7 @@ pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInput
     bound_rows(program, rows, frame);
 }
 
-/// Compiled for wider processors, too; the values are the same.
+/// Also compiled for CPUs with wider vectors; the values are the same.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     for (index, step) in program.steps.iter().enumerate() {

@@ -1,9 +1,9 @@
-//! Regions: a tree over space, built for each frame, that says in every cell how far the surfaces are at least and which
-//! part of the distance's tape is left there.
+//! Regions: a tree over space, built for each frame. Each cell gives a lower bound of the distance to the surfaces
+//! and the part of the distance's tape that is still needed there.
 //!
 //! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020) shortens tapes by interval
 //! arithmetic for tiles of the screen. Here the cells divide the world, so that shadow, occlusion and reflection rays
-//! use them, too. A shortened tape gives in its cell bit for bit what the whole one gives.
+//! can use them, too. Within its cell a shortened tape gives bit for bit what the whole one gives.
 //!
 //! ```text
 //! World → RegionPlan; with a frame's inputs: numbers folded in → 64 cells at once: bounds → decisions → groups of
@@ -11,7 +11,7 @@
 //! ```
 //!
 //! # Texels
-//! [`Regions::texels`] is what the shaders read, RGBA32UI:
+//! The shaders read [`Regions::texels`], RGBA32UI:
 //!
 //! | texel | holds |
 //! |---|---|
@@ -19,24 +19,26 @@
 //! | 64 of a brick | the children of a divided cell, `x + 4 * (y + 4 * z)` |
 //! | a tape | in the texel before it the first texel of the tape of the object; then the clauses (`encode`) |
 //!
-//! A cell is `[bound, tape | object << 24, slopes, slopes]`: a lower bound of the distance everywhere in the cell, as a float's
-//! bits, at most 0 where a surface may be; the first texel of its tape; the number of the nearest object, or
-//! [`OBJECT_UNKNOWN`]; bounds of the gradient ([`gradient`]) if the distance is none ([`World::steep`]) and a surface may
-//! be in the cell, else 0. A bound of [`DIVIDED`] says that the second word is the first texel of the cell's brick.
+//! A cell is `[bound, tape | object << 24, slopes, slopes]`. The bound is a lower bound of the distance everywhere in
+//! the cell, as a float's bits; it is at most 0 where a surface may be. Then come the first texel of the cell's tape
+//! and the number of the nearest object, or [`OBJECT_UNKNOWN`]. The slopes are bounds of the gradient ([`gradient`])
+//! if the value is not a distance ([`World::steep`]) and a surface may be in the cell, else 0. If the bound is
+//! [`DIVIDED`], the second word is the first texel of the cell's brick.
 //!
-//! **Regions shorten tapes for cells of the world** (this module; Keeter 2020 does it for tiles of the screen, which
-//! shadow, occlusion and reflection rays cannot use). A frame's numbers are folded into the distance's program;
-//! intervals of its values are computed for 64 cells at once; a mask of 64 bits says for each value in which cells it
-//! is needed, a number, or one of its operands. Nested minima count as one of many operands: one is left out where it
-//! lies above the upper end of all. Cells with the same masks share a program, which is written once; programs with
-//! equal steps share a tape. 16 cells to each side are looked at in any case, those with a surface and more than 16
-//! clauses have 64 children of their own. Away from surfaces only penumbras and occlusion ask, and eight neighbours
-//! share what they decide. Blocks of the root are built side by side: `region` makes the parts, `gpu::scene_resources`
-//! gives them threads.
+//! **Regions shorten tapes for cells of the world** (Keeter 2020 does it for tiles of the screen, which shadow,
+//! occlusion and reflection rays cannot use). A frame's numbers are folded into the distance's program, and intervals
+//! of its values are computed for 64 cells at once. For each value, masks of 64 bits say in which cells it is needed,
+//! a number, or one of its operands. Nested minima count as one minimum of many operands; an operand is left out
+//! where it lies above the upper end of them all. Cells with the same masks share a program, which is written once;
+//! programs with equal steps share a tape. The root has 16 cells along each axis; a cell with a surface and more than
+//! 16 clauses has 64 children of its own. Away from surfaces only penumbras and occlusion read tapes, so eight
+//! neighbours share their decisions. Blocks of the root are built side by side: `region` makes the parts,
+//! `gpu::scene_resources` runs the threads.
 //!
-//! **What may be rounded otherwise.** In its cell a shortened tape is equal bit for bit on the processor; tests compare
-//! random expressions. Shaders round otherwise: bounds are less by 1e-5 of the scene's size, cells overlap by 4e-6 of
-//! it, and rays look for their cell a hundred-thousandth of a root cell further on, so that none stays at a face.
+//! **Rounding.** On the CPU a shortened tape equals the whole one bit for bit in its cell; tests compare random
+//! expressions. Shaders round differently. Bounds are therefore reduced by 1e-5 of the scene's size, cells overlap by
+//! 4e-6 of it, and rays look for their cell a hundred-thousandth of a root cell further on, so that none gets stuck
+//! at a face.
 
 mod encode;
 pub mod gradient;
@@ -58,18 +60,18 @@ use crate::world::World;
 use encode::{Encoder, REGISTERS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
 
-/// Cells of the root to each side.
+/// Cells of the root along each axis.
 pub const ROOT_SIDE: usize = crate::rays::ROOT_SIDE as usize;
-/// Cells of a brick to each side.
+/// Cells of a brick along each axis.
 pub const BRICK_SIDE: usize = 4;
-/// Texels beside those of the clauses of both whole tapes, which share most of their steps.
+/// Texels besides those of the clauses of both whole tapes, which share most of their steps.
 const WHOLE_BESIDE: usize = 8;
-/// The bound of a cell that is divided.
+/// The bound that marks a divided cell.
 pub const DIVIDED: u32 = u32::MAX;
 /// The object of a cell in which more than one may be the nearest.
 pub const OBJECT_UNKNOWN: u32 = 255;
 
-/// What an interpreter of regions' tapes needs.
+/// The requirements of regions' tapes on an interpreter.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct RegionVariant {
     /// The operators that occur.
@@ -80,21 +82,21 @@ pub struct RegionVariant {
     pub steep: bool,
 }
 
-/// What a tree depends on: where all of it is equal, so are the trees.
+/// The inputs that determine a tree: if they are equal, the trees are equal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionKey {
     numbers: Vec<u32>,
     tables: Vec<TableData>,
 }
 
-/// What stays the same of a world's regions from frame to frame.
+/// The part of a world's regions that stays the same from frame to frame.
 #[derive(Debug, Clone)]
 pub struct RegionPlan {
-    /// What the distance and the object need, operands first.
+    /// The nodes that the distance and the object need, operands first.
     nodes: Vec<(usize, Node)>,
     /// Places of the roots among all nodes.
     roots: [usize; 3],
-    /// Nodes of the world's graph.
+    /// Number of nodes of the world's graph.
     graph_nodes: usize,
     inputs: Vec<Input>,
     tables: BTreeSet<Op>,
@@ -123,7 +125,7 @@ impl RegionPlan {
         has_rest: bool,
         steep: bool,
     ) -> Self {
-        // Lengths of steep distances have slopes of their own, which are found by their parts.
+        // The parts of a length in a steep distance must stay apart: their slopes have a rule of their own.
         let fused = if steep { None } else { graph.fused(&mut roots).ok() };
         let graph = fused.as_ref().unwrap_or(graph);
         // A world's graph has been checked.
@@ -142,7 +144,8 @@ impl RegionPlan {
             runs: true,
             whole_texels: 0,
         };
-        // With nothing known of a frame nothing is folded: that program has all operators and registers of any frame's.
+        // Without a known frame nothing is folded: that program has all operators and registers that any frame's may
+        // have.
         let program = plan.folded(None, &FrameInputs::default());
         let mut encoder = Encoder::default();
         let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
@@ -157,22 +160,22 @@ impl RegionPlan {
         plan
     }
 
-    /// What an interpreter needs for all trees of this plan.
+    /// The requirements of all trees of this plan on an interpreter.
     pub fn variant(&self) -> &RegionVariant {
         &self.variant
     }
 
-    /// Whether there are registers enough for the whole tape. If not, there are no tapes and no cells.
+    /// Whether there are enough registers for the whole tape. If not, there are no tapes and no cells.
     pub fn runs(&self) -> bool {
         self.runs
     }
 
-    /// Texels that the whole tape and the object's take at most: a driver that has fewer cannot have regions.
+    /// The most texels that the whole tape and the object's take: a driver with fewer cannot have regions.
     pub fn whole_texels(&self) -> usize {
         self.whole_texels
     }
 
-    /// What the tree of a frame depends on.
+    /// The inputs that determine the tree of a frame.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
         let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
         let mut tables = Vec::new();
@@ -193,8 +196,8 @@ impl RegionPlan {
         self.build_in_parts(inputs, options, 1, |parts| parts.iter_mut().for_each(Part::build))
     }
 
-    /// The tree of a frame in so many parts: `run` calls [`Part::build`] of each, on threads of its own if it likes. It is
-    /// the same tree, but that equal tapes of different parts are not shared.
+    /// The tree of a frame, built in `parts` parts: `run` must call [`Part::build`] of each, on several threads if it
+    /// likes. The tree is the same, except that equal tapes of different parts are not shared.
     pub fn build_in_parts(
         &self,
         inputs: &FrameInputs,
@@ -208,7 +211,8 @@ impl RegionPlan {
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
-    /// The program with the numbers of a frame folded in. Where no frame is known, its numbers and tables are values.
+    /// The program with the numbers of a frame folded in. Without a known frame its numbers and tables are unknown
+    /// values.
     fn folded(&self, known: Option<&FrameInputs>, frame: &FrameInputs) -> Program {
         let unknown = Arg::Value(program::PENUMBRA);
         let reads_frame = |op: Op| known.is_none() && op.properties().has(Properties::READS_FRAME);
@@ -219,7 +223,7 @@ impl RegionPlan {
                 Node::Constant(number) => Arg::Number(number),
                 Node::Input(input) => match input.of_point() {
                     Some(place) if place < program::INPUTS => Arg::Value(place as u32),
-                    // A distance knows no normal.
+                    // A distance does not depend on a normal.
                     Some(_) => Arg::Number(0.0),
                     None => known.map_or(unknown, |frame| Arg::Number(frame.value(input))),
                 },
@@ -227,7 +231,7 @@ impl RegionPlan {
                 Node::Binary(op, ..) if reads_frame(op) => program.push(op, unknown, unknown, frame),
                 Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
                 Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
-                // Shapes read no textures.
+                // Shapes do not read textures.
                 Node::Texture { .. } => Arg::Number(0.0),
             };
         }

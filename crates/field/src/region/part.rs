@@ -1,5 +1,5 @@
-//! A part of a tree: the blocks of the root that one thread works on, cells of 64 at once, down to the bricks, and what is
-//! written for each.
+//! A part of a tree: the blocks of the root that one thread works on, 64 cells at a time, down to the bricks, and the
+//! texels that are written for each.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -15,58 +15,58 @@ use crate::graph::Interval;
 
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 16;
-/// Of a scene without bounds that needs gradients, cells are divided whose side is more than this share of the way from
-/// the middle.
+/// In a scene that has no bounds and needs gradients, a cell is divided if its side is more than this share of its
+/// distance from the middle.
 const FINE_SHARE: f32 = 0.3;
 /// Farther from surfaces than this no ray asks for the object.
 const OBJECT_REACH: f32 = 0.25;
 
-/// The bits of a cell's second word that are an address.
+/// The bits of a cell's second word that hold an address.
 const ADDRESS: u32 = (1 << 24) - 1;
 
 /// The cells of a block.
 type Cells = [Texel; CELLS];
 
-/// What a level of the tree works with.
+/// The working memory for one level of the tree.
 #[derive(Debug, Default)]
 struct Level {
     rows: Vec<Lanes>,
     decisions: ChoiceTrace,
     groups: Vec<u64>,
-    /// Cells that share their decisions.
+    /// Groups of cells that share their decisions.
     together: Vec<u64>,
     short: Program,
-    /// Of `short`.
+    /// The structure of `short`.
     structure: Structure,
 }
 
-/// Blocks of a tree's root, every so-many-th of them. Parts know nothing of each other, so that each may have a thread.
+/// The blocks of a tree's root that belong to one of several parts. Parts are independent: each may have a thread.
 #[derive(Debug)]
 pub struct Part<'a> {
     trunk: &'a Trunk<'a>,
     number: usize,
     parts: usize,
-    /// Texels there is room for.
+    /// Number of texels there is room for.
     room: usize,
     /// Bricks and tapes. Their addresses are counted from the end of the trunk's texels.
     texels: Vec<Texel>,
-    /// Where in them bricks begin, and where the texels before tapes stand.
+    /// Positions in `texels` at which bricks begin, and those of the texels before tapes.
     bricks: Vec<usize>,
     heads: Vec<usize>,
-    /// Blocks of the root by their numbers.
+    /// Blocks of the root, by number.
     blocks: Vec<(usize, Cells)>,
     encoder: Encoder,
     scratch: Scratch,
     /// Second words of cells by the hash of their programs.
     known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
     levels: [Level; 3],
-    /// Of scenes whose distance is none.
+    /// For scenes whose value is not a distance.
     gradients: Option<Gradients>,
     stats: RegionStats,
 }
 
 impl<'a> Part<'a> {
-    /// The part with a number of so many.
+    /// Part `number` of `parts`.
     pub(super) fn new(trunk: &'a Trunk<'a>, number: usize, parts: usize) -> Self {
         Self {
             trunk,
@@ -91,13 +91,13 @@ impl<'a> Part<'a> {
         self.build_while(&|| true);
     }
 
-    /// The same as long as somebody wants it: what is asked between blocks, some milliseconds apart. Of no use if it was given
-    /// up.
+    /// The same, as long as `is_wanted` says so; it is asked between blocks, some milliseconds apart. A part that was
+    /// given up is of no use.
     pub fn build_while(&mut self, is_wanted: &dyn Fn() -> bool) {
         let Some(mut level) = self.levels.first_mut().map(std::mem::take) else { return };
         let trunk = self.trunk;
         for &group in &trunk.groups {
-            // Neighbours, which take about as long as each other, go to different parts.
+            // Neighbouring blocks, which take about equally long, go to different parts.
             let own = |cell: &usize| place_in(*cell).iter().sum::<usize>() % self.parts == self.number;
             let own: Vec<usize> = cells_of(group).filter(own).collect();
             if own.is_empty() {
@@ -123,7 +123,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Takes what was built: the blocks of the root and the texels, for a tree in which `before` texels of other parts
+    /// Takes the result: the blocks of the root and the texels, for a tree in which `before` texels of other parts
     /// come first.
     pub(super) fn finish(mut self, before: usize) -> (Vec<(usize, Cells)>, Vec<Texel>, RegionStats) {
         let (start, shift) = (self.trunk.texels.len() as u32, before as u32);
@@ -159,10 +159,10 @@ impl<'a> Part<'a> {
             Arg::Value(value) => level.rows[value as usize],
             Arg::Number(number) => Lanes::splat(Interval::point(number)),
         };
-        // What may be a NaN may be a surface; what is solid all through is none.
+        // A value that may be a NaN may be a surface. A cell that is solid throughout has no surface.
         let outside = mask(|cell| bounds.lo[cell] > trunk.margin);
         let surface = !outside & !mask(|cell| -bounds.hi[cell] > trunk.margin);
-        // Few rays ask for a distance far from the surfaces: there the whole tape will do.
+        // Few rays ask for a distance far from the surfaces, so the whole tape is good enough there.
         let (near, own) = match depth {
             1 => (!mask(|cell| bounds.lo[cell] > OBJECT_REACH), !mask(|cell| bounds.lo[cell] > AROUND)),
             _ => (u64::MAX, u64::MAX),
@@ -170,7 +170,7 @@ impl<'a> Part<'a> {
         for cell in cells_of(!own) {
             cells[cell] = self.cell(bounds.lo[cell], trunk.whole_tape | OBJECT_UNKNOWN << 24, [0; 2]);
         }
-        // Away from surfaces only penumbras and occlusion ask: neighbours share a tape there.
+        // Away from surfaces only penumbras and occlusion read tapes, so neighbours share one there.
         let away = own & !surface;
         let neighbours = if depth == 1 { &EIGHTHS[..] } else { &[u64::MAX] };
         let shares = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
@@ -221,7 +221,7 @@ impl<'a> Part<'a> {
         cells
     }
 
-    /// The cells of a block that are worth dividing, whose program this is.
+    /// The cells of a block that are worth dividing, given their program.
     fn divisible(&self, program: &Program, block: &Block) -> u64 {
         match &self.gradients {
             None if program.steps.len() > UNDIVIDED_MAX => u64::MAX,
@@ -230,15 +230,15 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// Where the next texels come to stand, if there is room for so many.
+    /// The address of the next texels, if there is room for this many.
     fn address(&self, texels: usize) -> Option<u32> {
         let at = self.trunk.texels.len() + self.texels.len();
         let fits = self.texels.len() + texels <= self.room && at + texels < ADDRESS as usize / self.parts;
         fits.then_some(at as u32)
     }
 
-    /// Whether a cell of a block looks large from the middle of a tree without bounds. Gradients take too long to have
-    /// them for small cells everywhere.
+    /// Whether a cell of a block looks large from the middle of a tree without bounds. Gradients take too long to
+    /// compute for small cells everywhere.
     fn is_close(&self, block: &Block, cell: usize) -> bool {
         let place = place_in(cell);
         let away = (0..3).map(|axis| {
@@ -250,8 +250,8 @@ impl<'a> Part<'a> {
         !self.trunk.unbounded || side > FINE_SHARE * away.fold(0.0, f32::hypot)
     }
 
-    /// The words of the gradient for a group of the level's cells, 0 where no surface may be or nobody asks. In bricks
-    /// eight neighbours share one: finding it costs as much as thousands of clauses.
+    /// The words of the gradient for a group of the level's cells; 0 where no surface may be or no ray asks. In
+    /// bricks eight neighbours share one because finding it costs as much as thousands of clauses.
     fn slopes(&mut self, level: &Level, depth: usize, cells: u64) -> [[u32; 2]; CELLS] {
         let mut words = [[0; 2]; CELLS];
         let Some(gradients) = &mut self.gradients else { return words };
@@ -275,13 +275,13 @@ impl<'a> Part<'a> {
     /// A cell that is not divided.
     fn cell(&mut self, lowest: f32, second: u32, [z, w]: [u32; 2]) -> Texel {
         let bound = lowest - self.trunk.margin;
-        // No number is no bound.
+        // A NaN is not a bound.
         let bound = if bound > 0.0 { bound.min(1e9) } else { 0.0 };
         self.stats.cells += 1;
         [bound.to_bits(), second, z, w]
     }
 
-    /// A tape and the object's number as the second word of so many cells. Equal programs share one.
+    /// A tape and the object's number, as the second word of `cells` cells. Equal programs share a tape.
     fn tape(&mut self, program: &Program, cells: usize) -> u32 {
         let hash = program.hash();
         if let Some(second) = self.known.get(&hash) {
@@ -295,7 +295,7 @@ impl<'a> Part<'a> {
         second
     }
 
-    /// None if there is no room.
+    /// The tape of a program that has none yet; `None` if there is no room.
     fn new_tape(&mut self, program: &Program) -> Option<u32> {
         let (object, object_tape) = match program.roots[OBJECT] {
             Arg::Number(number) if (0.0..OBJECT_UNKNOWN as f32).contains(&number) => {
@@ -310,7 +310,7 @@ impl<'a> Part<'a> {
         Some(tape | object << 24)
     }
 
-    /// The address of a tape of its own, which stands after the texel that names the tape of its object.
+    /// The address of a new tape, which stands behind the texel that names the tape of its object.
     fn stored(&mut self, program: &Program, roots: [usize; 2], object_tape: Option<u32>) -> Option<u32> {
         let before = usize::from(object_tape.is_some());
         let count = self.encoder.encode(program, roots).ok()?.len();
@@ -342,13 +342,13 @@ impl Hasher for Hashed {
     }
 }
 
-/// The cells of the same 2x2x2 as one of 64.
+/// The cells in the same group of 2x2x2 as one of the 64.
 const fn eighth_of(cell: usize) -> u64 {
     let first = cell & 0b10_10_10;
     0b11_0011 << first | 0b11_0011 << (first + 16)
 }
 
-/// The eight 2x2x2 of 64 cells.
+/// The eight groups of 2x2x2 cells.
 const EIGHTHS: [u64; 8] = {
     let mut eighths = [0; 8];
     let mut number = 0;

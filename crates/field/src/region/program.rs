@@ -1,16 +1,16 @@
-//! A list of steps: what a tape is before it has registers. Pruning makes shorter ones of it.
+//! A list of steps: a tape before registers are allocated. Pruning turns it into shorter ones.
 
 use crate::graph::{FrameInputs, Op, Properties};
 
-/// Values that are there before the first step: x, y, z and the penumbra.
+/// Values that exist before the first step: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
-/// The number of the last of them.
+/// The index of the penumbra, the last of them.
 pub(super) const PENUMBRA: u32 = 3;
 
-/// What a step reads.
+/// An argument of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Arg {
-    /// The value with this number: an input of the point below [`INPUTS`], else a step.
+    /// The value with this index: an input of the point below [`INPUTS`], else the result of a step.
     Value(u32),
     /// A number that is the same wherever the program runs.
     Number(f32),
@@ -28,8 +28,8 @@ pub(super) enum Form {
     NumberLeft,
 }
 
-/// An operator on one or two arguments of which one is a value at least. Flat, so that loops over steps rarely branch: in
-/// the place of what is no value or not there stands the other value.
+/// An operator on one or two arguments, at least one of which is a value. The fields are flat so that loops over
+/// steps rarely branch: where an argument is a number or missing, the other value is repeated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Step {
     pub(super) op: Op,
@@ -40,7 +40,7 @@ pub(super) struct Step {
 }
 
 impl Step {
-    /// None if both arguments are numbers.
+    /// The step; `None` if both arguments are numbers.
     fn new(op: Op, a: Arg, b: Arg) -> Option<Self> {
         Some(match (a, b) {
             (Arg::Value(a), _) if op.arity() == 1 => Self { op, form: Form::Values, a, b: a, number: 0.0 },
@@ -57,19 +57,19 @@ impl Step {
         if self.form == Form::NumberLeft { Arg::Number(self.number) } else { Arg::Value(self.a) }
     }
 
-    /// The second argument; that of an operator that has one is the same as the first.
+    /// The second argument; for a one-operand operator it is the same as the first.
     #[inline(always)]
     pub(super) fn second(&self) -> Arg {
         if self.form == Form::NumberRight { Arg::Number(self.number) } else { Arg::Value(self.b) }
     }
 }
 
-/// What a program gives.
+/// The positions of a program's results among its roots.
 pub(super) const BOUND: usize = 0;
 pub(super) const ESTIMATE: usize = 1;
 pub(super) const OBJECT: usize = 2;
 
-/// Steps, each reading only what stands before it, and what they give: bound, estimate and object.
+/// Steps, each of which reads only what precedes it, and their results: bound, estimate and object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
     pub(super) steps: Vec<Step>,
@@ -83,13 +83,14 @@ impl Default for Program {
 }
 
 impl Program {
-    /// Appends a step and says where its value is found. What is exact in floating point is done at once.
+    /// Appends a step and says where its value is found. Simplifications that are exact in floating point are done at
+    /// once.
     #[inline]
     pub(super) fn push(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         use Arg::Number;
         let b = if op.arity() == 1 { Number(0.0) } else { b };
         match (op, a, b) {
-            // Of one operand.
+            // One-operand operators.
             (_, Arg::Value(_), _) if op.arity() == 1 => {}
             (_, Number(a), Number(b)) => {
                 let value = op.value(a, b, frame);
@@ -110,7 +111,7 @@ impl Program {
             (Op::Mask, Number(condition), b) => return if condition == 0.0 { Number(0.0) } else { b },
             _ => {}
         }
-        // The forms of a clause take a number on either side; one on the right is common.
+        // A clause can take a number on either side; on the right is the usual form.
         let (a, b) = match (a, b) {
             (Number(_), Arg::Value(_)) if op.properties().has(Properties::COMMUTATIVE) => (b, a),
             both => both,
@@ -128,10 +129,10 @@ impl Program {
         Arg::Value((INPUTS + self.steps.len() - 1) as u32)
     }
 
-    /// A number that programs share with no others, but for one in 2^64.
+    /// A number that identifies the program; two programs share it only with a chance of one in 2^64.
     pub(super) fn hash(&self) -> u64 {
         const FACTORS: [u64; 3] = [0x9E37_79B9_7F4A_7C15, 0xBF58_476D_1CE4_E5B9, 0x94D0_49BB_1331_11EB];
-        // Both words are mixed beside the chain, which has one product for a step.
+        // Both words are mixed outside of the chain, so that the chain has one product per step.
         let mix = |hash: u64, first: u64, second: u64| {
             let words = first.wrapping_mul(FACTORS[0]) ^ second.wrapping_mul(FACTORS[1]).rotate_left(32);
             (hash ^ words).wrapping_mul(FACTORS[2]).rotate_left(23)
@@ -149,32 +150,32 @@ impl Program {
         hash ^ hash >> 29
     }
 
-    /// The step that gives a value; none for an input.
+    /// The step that gives a value; `None` for an input.
     fn step(&self, value: u32) -> Option<Step> {
         self.steps.get((value as usize).checked_sub(INPUTS)?).copied()
     }
 
-    /// Values there are: the inputs and those of the steps.
+    /// Number of values: the inputs and the results of the steps.
     pub(super) fn values(&self) -> usize {
         INPUTS + self.steps.len()
     }
 }
 
-/// For each step of a program what pruning asks again and again.
+/// Facts about each step of a program that pruning needs repeatedly.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Structure {
-    /// For minima and maxima: the value whose bounds decide which operands count. A minimum that only another minimum
-    /// reads has that one's, so that nested minima are pruned as one of many operands.
+    /// For minima and maxima: the value whose bounds decide which operands count. A minimum that is read only by
+    /// another minimum uses that one's value, so that nested minima are pruned as one minimum of many operands.
     pub(super) outermost: Vec<u32>,
-    /// Whether the step may be a constant somewhere, or one of its arguments.
+    /// Whether the step may become a constant, or one of its arguments, somewhere.
     pub(super) may_settle: Vec<bool>,
-    /// By value: how many steps read it, and the last that does.
+    /// By value: how many steps read it, and the last one that does.
     uses: Vec<u8>,
     reader: Vec<u32>,
 }
 
 impl Structure {
-    /// Looks at a program.
+    /// Collects these facts about a program.
     pub(super) fn look_at(&mut self, program: &Program) {
         let count = program.values();
         refill(&mut self.uses, count, 0u8);
@@ -184,7 +185,7 @@ impl Structure {
             let at = INPUTS + index;
             let (a, b) = (step.a as usize, step.b as usize);
             self.may_settle[at] = settles(step.op) | self.may_settle[a] | self.may_settle[b];
-            // Where both are the same value, minima and maxima have no second reader.
+            // A minimum or maximum of a value with itself must not count as a second reader.
             self.uses[a] = self.uses[a].saturating_add(1);
             self.uses[b] = self.uses[b].saturating_add(u8::from(a != b));
             self.reader[a] = at as u32;
@@ -210,13 +211,13 @@ impl Structure {
     }
 }
 
-/// Makes a list of so many equal elements, in the memory it has.
+/// Turns a list into `count` equal elements, reusing its memory.
 pub(super) fn refill<T: Clone>(list: &mut Vec<T>, count: usize, element: T) {
     list.clear();
     list.resize(count, element);
 }
 
-/// Whether an operator can be one number all over a cell without its operands being so.
+/// Whether an operator can be one number all over a cell although its operands are not.
 fn settles(op: Op) -> bool {
     use Op::{Ceil, Floor, Fract, Mask, Max, Min, Mod, OutsideAdd, Round, Sign, Trunc};
     let steps = matches!(op, Floor | Ceil | Round | Trunc | Sign | Fract | Mod);

@@ -1,9 +1,9 @@
-//! What a program becomes in each of 64 cells: decided minima, constants, dead steps.
+//! Shortens a program for each of 64 cells: minima are decided, constants are folded, dead steps are dropped.
 //!
-//! Everything is kept as masks of 64 bits, a bit for a cell: which cells need a value, in which it is a number, in which
-//! it is one of its operands. Cells with the same decisions share a program, which is written once for all of them.
-//! Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section 3, shortens one
-//! tape for one cell at a time.
+//! Decisions are kept as masks of 64 bits, one bit per cell: which cells need a value, in which it is a number, and
+//! in which it is one of its operands. Cells with the same decisions share a program, which is written once for all
+//! of them. Keeter, "Massively parallel rendering of complex closed-form implicit surfaces" (2020), section 3,
+//! shortens one tape for one cell at a time.
 
 use multiversion::multiversion;
 
@@ -11,34 +11,34 @@ use super::lanes::{Lanes, mask};
 use super::program::{Arg, BOUND, ESTIMATE, Form, INPUTS, OBJECT, Program, Step, Structure, refill};
 use crate::graph::{FrameInputs, Op};
 
-/// What was decided of a value: masks of cells.
+/// The decisions about a value, as masks of cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Decided {
     /// Cells that need the value.
     live: u64,
-    /// Those in which it is the same number everywhere.
+    /// Cells in which it is the same number everywhere.
     number: u64,
-    /// Those in which it is operand a.
+    /// Cells in which it is operand a.
     left: u64,
-    /// Those in which it is operand b.
+    /// Cells in which it is operand b.
     right: u64,
 }
 
-/// ChoiceTrace about each value of a program.
+/// The decisions about each value of a program.
 #[derive(Debug, Default)]
 pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
     /// The steps that some cell needs, last first.
     needed: Vec<u32>,
-    /// Those of them of which something was decided in some cell.
+    /// Those needed steps about which something was decided in some cell.
     settled: Vec<u32>,
 }
 
-/// Where the values of a program went, while a shorter one is written.
+/// For each value of a program, its counterpart in the shorter program that is being written.
 #[derive(Debug, Default)]
 pub(super) struct Scratch(Vec<Arg>);
 
-/// Cells in which all of an argument lies above these ends.
+/// Cells in which an argument lies entirely above these ends.
 #[inline(always)]
 fn above(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     match arg {
@@ -50,7 +50,7 @@ fn above(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     }
 }
 
-/// Cells in which all of an argument lies below these ends.
+/// Cells in which an argument lies entirely below these ends.
 #[inline(always)]
 fn below(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     match arg {
@@ -62,7 +62,7 @@ fn below(rows: &[Lanes], arg: Arg, ends: &[f32; 64]) -> u64 {
     }
 }
 
-/// Cells in which nothing of `a` lies above anything of `b`.
+/// Cells in which no value of `a` lies above any value of `b`.
 #[inline(always)]
 fn not_above(rows: &[Lanes], a: Arg, b: Arg) -> u64 {
     match (a, b) {
@@ -95,12 +95,12 @@ fn is_number(rows: &[Lanes], structure: &Structure, arg: Arg, number: f32) -> u6
 }
 
 impl ChoiceTrace {
-    /// Decides for the cells of `need` what the distance needs there, and for those of `need_object` what the object
-    /// does. `rows` are the bounds of the program's values. The cells of each mask in `together` share their decisions:
+    /// Decides what the distance needs in the cells of `need`, and what the object needs in those of `need_object`.
+    /// `rows` are the bounds of the program's values. The cells of each mask in `together` share their decisions:
     /// what does not hold in all of them is not decided in any.
     ///
-    /// An operand of a minimum is left out where it lies above the upper end of the whole nest of minima: that is
-    /// never the least, so the value stays the same bit for bit.
+    /// An operand of a minimum is left out where it lies above the upper end of the whole nest of minima. Such an
+    /// operand is never the least, so the value stays the same bit for bit.
     pub(super) fn decide(
         &mut self,
         program: &Program,
@@ -113,7 +113,7 @@ impl ChoiceTrace {
         decide(self, program, structure, rows, roots, together);
     }
 
-    /// The cells, put together where the decisions are the same.
+    /// The cells, grouped by equal decisions.
     pub(super) fn groups(&self, rows: &[Lanes], cells: &[u64], groups: &mut Vec<u64>) {
         groups.clear();
         groups.extend(cells.iter().copied().filter(|cells| *cells != 0));
@@ -132,7 +132,7 @@ impl ChoiceTrace {
         }
     }
 
-    /// The program of the cells of a group, with what the object needs or without.
+    /// The program of a group's cells, with or without the steps that the object needs.
     pub(super) fn shortened(
         &self,
         program: &Program,
@@ -165,7 +165,7 @@ impl ChoiceTrace {
             let step = &program.steps[*index as usize];
             places[at] = if (number | left | right) & bit == 0 {
                 match (places[step.a as usize], places[step.b as usize]) {
-                    // Most steps stay what they are. Of a negation another may be left.
+                    // Most steps stay as they are. A negation may turn into another step.
                     (Arg::Value(a), Arg::Value(b)) if step.op != Op::Sub || step.form != Form::NumberLeft => {
                         short.push_step(Step { a, b, ..*step })
                     }
@@ -189,7 +189,7 @@ impl ChoiceTrace {
     }
 }
 
-/// See [`ChoiceTrace::decide`]; compiled for wider processors, too.
+/// See [`ChoiceTrace::decide`]; also compiled for CPUs with wider vectors.
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn decide(
     decisions: &mut ChoiceTrace,
@@ -257,7 +257,7 @@ fn decide(
                 right = is_number(rows, structure, a, 1.0) & !left;
             }
             Op::Div => left = is_number(rows, structure, b, 1.0),
-            // In the first period nothing is taken away.
+            // In the first period nothing is subtracted.
             Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
             Op::Mod => {
                 if let Arg::Number(period) = b {
@@ -279,7 +279,7 @@ fn decide(
             decisions.settled.push(index as u32);
             values[at] = Decided { number, left, right, ..values[at] };
         }
-        // The place of a number is taken by the other operand.
+        // If one argument is a number, the other operand stands in its place.
         let (by_a, by_b) = match step.form {
             Form::Values => (live & !right, live & !left),
             Form::NumberRight => (live & !right, 0),
@@ -290,7 +290,7 @@ fn decide(
     }
 }
 
-/// Whether all of some cells have the same number, or none has one.
+/// Whether all of the given cells have the same number, or none of them has one.
 fn is_same(number: u64, cells: u64, values: &[f32; 64]) -> bool {
     let some = number & cells;
     if some != cells {
@@ -300,7 +300,7 @@ fn is_same(number: u64, cells: u64, values: &[f32; 64]) -> bool {
     mask(|cell| values[cell] == first) & cells == cells
 }
 
-/// Cuts every group into what is inside of a mask and what is not.
+/// Splits every group into its cells inside and outside of a mask.
 fn split(groups: &mut Vec<u64>, mask: u64) {
     for index in 0..groups.len() {
         let group = groups[index];
@@ -312,7 +312,7 @@ fn split(groups: &mut Vec<u64>, mask: u64) {
     }
 }
 
-/// Cuts the groups inside of a mask by the value there.
+/// Splits the groups inside of a mask by their values.
 fn split_by_value(groups: &mut Vec<u64>, inside: u64, values: &[f32; 64]) {
     let first = values[(inside.trailing_zeros() as usize).min(63)];
     if mask(|cell| values[cell] == first) & inside == inside {
@@ -324,7 +324,7 @@ fn split_by_value(groups: &mut Vec<u64>, inside: u64, values: &[f32; 64]) {
         if group & inside != 0 {
             let first = values[(group.trailing_zeros() as usize).min(63)];
             let same = mask(|cell| values[cell] == first) & group;
-            // What differs goes to the end and is looked at again.
+            // The cells with other values are appended and looked at again.
             if same != group {
                 groups[index] = same;
                 groups.push(group & !same);

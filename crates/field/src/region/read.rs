@@ -1,4 +1,4 @@
-//! What the shaders do with a tree, on the processor: for tests and for tracing without a GPU.
+//! Reads a tree on the CPU as the shaders do: for tests, and for tracing without a GPU.
 
 use super::tree::Regions;
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE, gradient};
@@ -12,9 +12,9 @@ pub struct Cell {
     pub bound: f32,
     /// First texel of its tape.
     pub tape: u32,
-    /// Number of the nearest object; none if more than one may be.
+    /// Number of the nearest object; `None` if several may be nearest.
     pub object: Option<u32>,
-    /// Bounds of the gradient, for a distance that is none, where a surface may be.
+    /// Bounds of the gradient where a surface may be, if the value is not a distance.
     pub slopes: [Interval; 3],
     /// Lower corner.
     pub low: [f32; 3],
@@ -23,7 +23,7 @@ pub struct Cell {
 }
 
 impl Regions {
-    /// The cell of a point; none outside of the tree.
+    /// The cell of a point; `None` outside of the tree.
     pub fn cell_at(&self, point: [f32; 3]) -> Option<Cell> {
         let (mut low, mut side) = (self.low, self.size.map(|size| size / ROOT_SIDE as f32));
         let (mut first, mut cells) = (0, ROOT_SIDE);
@@ -34,7 +34,7 @@ impl Regions {
                 if !(first > 0 || (0.0..cells as f32).contains(&place)) {
                     return None;
                 }
-                // Within a cell that was found, roundings do not lead out.
+                // Rounding must not lead out of the cell that was found.
                 let place = place.clamp(0.0, (cells - 1) as f32);
                 low[axis] += place * side[axis];
                 texel = texel * cells + place as usize;
@@ -57,7 +57,7 @@ impl Regions {
         }
     }
 
-    /// Runs a tape at a point with a penumbra: bound and estimate, or twice the object.
+    /// Runs a tape at a point with a penumbra: gives bound and estimate, or the object twice.
     pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let mut registers = [0.0f32; 256];
         let inputs = [point[0], point[1], point[2], penumbra];

@@ -24,7 +24,7 @@ fn inputs_of(world: &World, time: f32, loud: f32) -> FrameInputs {
     inputs
 }
 
-/// Points spread over the tree's box and a little around it, the same for the same number.
+/// Points spread over the tree's box and a little around it; the same number always gives the same point.
 fn point(regions: &Regions, number: u32) -> [f32; 3] {
     let places = [0.754_877_67, 0.569_840_3, 0.438_579_22_f64];
     std::array::from_fn(|axis| {
@@ -33,8 +33,8 @@ fn point(regions: &Regions, number: u32) -> [f32; 3] {
     })
 }
 
-/// Compares cells' tapes, bounds and objects with the world's own tapes at many points. Returns the mean length of the
-/// tapes that were run.
+/// Compares cells' tapes, bounds and objects with the world's own tapes at many points. Returns the mean length of
+/// the tapes that were run.
 fn assert_regions_are_right(world: &World, inputs: &FrameInputs, points: u32) -> f64 {
     let plan = RegionPlan::new(world);
     let options = RegionOptions { texels_max: 1 << 22, ..Default::default() };
@@ -145,7 +145,7 @@ fn a_tree_in_parts_is_the_same_tree() {
 
 #[test]
 fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
-    // More than are hoisted, so that the choice stands in the program.
+    // More expressions than can be hoisted, so that the choice stays in the program.
     let text = "let ball = union(for i in 0..100: sphere(p - vec3(sin(t+i), sin(2*t+i), sin(3*t+i)), 0.1))\n\
                 min(ball, if sin(3.1*t+1000) > -0.99 then 0.5*(2.5 - exp(0.3*x)) else 9)";
     let world = world_of(text);
@@ -242,7 +242,7 @@ proptest! {
             if let Some(cell) = tree.cell_at(at) {
                 let holds = cell.bound <= 0.0 || cell.bound <= wanted[0];
                 prop_assert!(holds, "{at:?}: {cell:?}, but {}", wanted[0]);
-                // The object is asked for near surfaces; it depends on no penumbra.
+                // The object is needed near surfaces only; it does not depend on the penumbra.
                 if wanted[0] < 0.2 && penumbra == 0.0 {
                     prop_assert_eq!(tree.object(at, &frame), wanted[2] as u32);
                 }
@@ -251,7 +251,7 @@ proptest! {
     }
 }
 
-/// Of a distance that is none each cell with a surface tells how steep it may be.
+/// If the value is not a distance, each cell with a surface says how steep it may be.
 #[test]
 fn cells_hold_the_slopes_in_them() {
     for (text, widest) in [
@@ -272,14 +272,14 @@ fn cells_hold_the_slopes_in_them() {
             let at = point(&regions, number);
             let Some(cell) = regions.cell_at(at).filter(|cell| cell.bound <= 0.0) else { continue };
             let found = gradients.at(&Point::at(at[0], at[1], at[2]))[0];
-            // Solid all through: no surface, no slope.
+            // Solid throughout: no surface, no slope.
             if cell.slopes == [crate::graph::Interval::point(0.0); 3] && found.value < 0.0 {
                 continue;
             }
             seen += 1;
             for (bounds, slope) in cell.slopes.iter().zip(found.gradient) {
                 assert!(bounds.contains(slope), "{text} at {at:?}: {slope} is not in {bounds:?}");
-                // Without bounds of the scene, cells far from the middle are coarse.
+                // In a scene without bounds, cells far from the middle are coarse.
                 if at.iter().all(|place| place.abs() < 8.0) {
                     slack += bounds.hi - bounds.lo;
                     close += 1;

@@ -1,7 +1,8 @@
-//! The tree: what its parts (`part.rs`) start from, and how they are put together.
+//! The tree: the common start of its parts (`part.rs`), and how the parts are put together.
 //!
-//! **Bounds of a frame.** Up to three passes over 64 cells make the world's box smaller before the tree is built: at
-//! one moment surfaces reach less far than over all sounds and times. Rays, shadows and occlusion keep to that box.
+//! **Bounds of a frame.** At one moment surfaces reach less far than over all sounds and times. Up to three passes
+//! over 64 cells therefore shrink the world's box before the tree is built. Rays, shadows and occlusion keep to the
+//! smaller box.
 
 use super::encode::{Encoder, Texel};
 use super::lanes::{CELLS, Lanes, bound};
@@ -14,11 +15,11 @@ use crate::graph::{FrameInputs, Interval};
 /// How a tree is built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegionOptions {
-    /// Whether there are cells at all, or one tape, the whole one, for everywhere.
+    /// Whether there are cells at all; if not, one tape, the whole one, serves everywhere.
     pub cells: bool,
     /// Most texels: what the driver reports for a texture buffer.
     pub texels_max: usize,
-    /// Middle of the tree of a scene without bounds.
+    /// Centre of the tree if the scene has no bounds.
     pub center: [f32; 3],
 }
 
@@ -28,12 +29,12 @@ impl Default for RegionOptions {
     }
 }
 
-/// What a tree consists of.
+/// Sizes of a tree.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct RegionStats {
-    /// Cells, those that are divided not counted.
+    /// Number of cells, not counting divided ones.
     pub cells: usize,
-    /// Cells of 64 that were bounded at once.
+    /// Passes, each of which bounds 64 cells at once.
     pub passes: usize,
     /// Distinct tapes.
     pub tapes: usize,
@@ -41,39 +42,39 @@ pub struct RegionStats {
     pub whole_clauses: usize,
     /// Clauses of all distinct tapes.
     pub clauses: usize,
-    /// Bytes for the shaders.
+    /// Bytes that the shaders read.
     pub bytes: usize,
-    /// Cells that have the whole tape because there was no room for their own.
+    /// Cells that have the whole tape because there was no room for a tape of their own.
     pub overflowed: usize,
 }
 
 /// The tree of a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Regions {
-    /// What the shaders read.
+    /// The texels that the shaders read.
     pub texels: Vec<[u32; 4]>,
     /// Lower corner of the tree's box.
     pub low: [f32; 3],
-    /// Extent of the box; 0 where there are no cells.
+    /// Extent of the box; 0 if there are no cells.
     pub size: [f32; 3],
-    /// Lower and upper corner of what holds all surfaces of the frame, planes apart, where that is known.
+    /// Lower and upper corner of a box that holds all surfaces of the frame except planes, if such a box is known.
     pub bounds: Option<([f32; 3], [f32; 3])>,
     /// First texel of the whole tape.
     pub whole_tape: u32,
-    /// What it consists of.
+    /// The sizes of the tree.
     pub stats: RegionStats,
 }
 
-/// How often the bounds of a frame are made smaller at most: a pass each.
+/// Most passes that shrink the bounds of a frame.
 const TIGHTENINGS_MAX: usize = 3;
 /// Half the side of the tree of a scene without bounds.
 const UNBOUNDED_REACH: f32 = 32.0;
-/// So far from surfaces penumbras and occlusion still ask for distances: a little more than the highest probe.
+/// Up to this distance from surfaces penumbras and occlusion ask for distances: slightly more than the highest probe.
 pub(super) const AROUND: f32 = 1.2;
-/// Bounds are less by this share of the box's distance from the origin and its size. Processors of graphics round
-/// otherwise: two dozen roundings of numbers of that size come to 3e-6 of it.
+/// Bounds are reduced by this share of the box's distance from the origin and its size, because GPUs round
+/// differently: two dozen roundings of numbers of that size amount to 3e-6 of it.
 const ROUNDING: f32 = 1e-5;
-/// Cells overlap by this share: rays look for their cell a hundred-thousandth of a root cell further on.
+/// Cells overlap by this share because rays look for their cell a hundred-thousandth of a root cell further on.
 const OVERLAP: f32 = 4e-6;
 /// Largest penumbra: distance from a light over its sharpness.
 const PENUMBRA_MAX: f32 = 1e9;
@@ -82,23 +83,23 @@ const PENUMBRA_MAX: f32 = 1e9;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     pub(super) low: [f32; 3],
-    /// Of one of its 4x4x4 cells.
+    /// Extent of one of its 4x4x4 cells.
     pub(super) cell: [f32; 3],
 }
 
-/// What all parts of a tree start from: the whole tapes and the decisions about the 64 blocks of the root.
+/// The common start of all parts of a tree: the whole tapes and the decisions about the 64 blocks of the root.
 #[derive(Debug)]
 pub(super) struct Trunk<'a> {
     pub(super) frame: &'a FrameInputs,
     pub(super) options: &'a RegionOptions,
     pub(super) program: Program,
-    /// Its cells are the blocks.
+    /// The block whose cells are the blocks of the root.
     pub(super) block: Block,
     pub(super) rows: Vec<Lanes>,
     pub(super) decisions: ChoiceTrace,
-    /// Blocks with equal decisions.
+    /// Groups of blocks with equal decisions.
     pub(super) groups: Vec<u64>,
-    /// The root, which is empty as yet, and the whole tapes.
+    /// The root, which is still empty, and the whole tapes.
     pub(super) texels: Vec<Texel>,
     pub(super) steep: bool,
     /// Whether the tree lies around the eye.
@@ -110,16 +111,16 @@ pub(super) struct Trunk<'a> {
     stats: RegionStats,
 }
 
-/// What rays find in a world.
+/// What rays can hit in a world.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traced {
     /// Whether there is anything but planes.
     pub(super) has_rest: bool,
-    /// Whether it is a distance field no more: rays then need to know how steep it is where they are.
+    /// Whether the value is not a distance: rays then need to know how steep it is where they are.
     pub(super) steep: bool,
 }
 
-/// Builds the tree of a program into which the frame's numbers were folded, in so many parts, which `run` is to build.
+/// Builds the tree of a program with the frame's numbers folded in. `run` has to build the given number of parts.
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
@@ -131,7 +132,7 @@ pub(super) fn build(
     let bounds = bounds.map(|bounds| if has_rest { tightened(&program, bounds, frame) } else { bounds });
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
-    // Where the distance is none, rays cannot do without cells.
+    // Where the value is not a distance, rays cannot do without cells.
     let cells = (options.cells || steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut trunk = Trunk {
         frame,
@@ -186,7 +187,7 @@ pub(super) fn build(
 }
 
 impl RegionStats {
-    /// Adds those of a part.
+    /// Adds the sizes of a part.
     fn add(&mut self, part: &Self) {
         self.cells += part.cells;
         self.passes += part.passes;
@@ -197,10 +198,10 @@ impl RegionStats {
 }
 
 impl Trunk<'_> {
-    /// The whole tape and the whole object's.
+    /// Writes the whole tape and that of the object.
     fn write_whole(&mut self) {
         let mut encoder = Encoder::default();
-        // A program with too many values at once has no tape here; the plan has told.
+        // A program that needs too many values at once has no tape here; the plan has reported it.
         if let Ok(texels) = encoder.encode(&self.program, [OBJECT, OBJECT]) {
             self.whole_object = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
@@ -213,7 +214,7 @@ impl Trunk<'_> {
         }
     }
 
-    /// Decides for the 64 blocks of the root.
+    /// Makes the decisions about the 64 blocks of the root.
     fn divide(&mut self) {
         let mut structure = Structure::default();
         structure.look_at(&self.program);
@@ -224,7 +225,7 @@ impl Trunk<'_> {
     }
 }
 
-/// Bounds of all surfaces of a frame within those of all frames.
+/// Bounds of all surfaces of a frame, within those over all frames.
 fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInputs) -> ([f32; 3], [f32; 3]) {
     let (mut low, mut high) = bounds;
     let mut rows = Vec::new();
@@ -234,7 +235,7 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
         let farthest = low.iter().chain(&high).fold(0.0f32, |most, side| most.max(side.abs()));
         bound_cells(program, block, farthest * OVERLAP, &mut rows, frame);
         let held = |cell: usize| match program.roots[BOUND] {
-            // What may be a NaN may be a surface.
+            // A value that may be a NaN may be a surface.
             Arg::Value(value) => !surely_above(rows[value as usize].lo[cell], farthest * ROUNDING),
             Arg::Number(number) => !surely_above(number, 0.0),
         };
@@ -253,7 +254,7 @@ fn tightened(program: &Program, bounds: ([f32; 3], [f32; 3]), frame: &FrameInput
     (low, high)
 }
 
-/// False for what may be a NaN, too.
+/// Also false for a value that may be a NaN.
 fn surely_above(value: f32, limit: f32) -> bool {
     value > limit
 }
@@ -266,13 +267,13 @@ fn extent(bounds: Option<([f32; 3], [f32; 3])>, center: [f32; 3]) -> ([f32; 3], 
     ));
     let sides: [f32; 3] = std::array::from_fn(|axis| high[axis] - low[axis] + 2.0 * AROUND);
     let longest = sides.into_iter().fold(0.0, f32::max);
-    // A cube: cells that are as long in all directions bound best.
+    // A cube, because cells with equal sides give the best bounds.
     let size = [longest; 3];
     let low = std::array::from_fn(|axis| 0.5 * (low[axis] + high[axis]) - 0.5 * size[axis]);
     (low, size)
 }
 
-/// Bounds of all values of a program in the cells of a block, each larger by `overlap` on all sides.
+/// Bounds of all values of a program in the cells of a block, each cell enlarged by `overlap` on all sides.
 pub(super) fn bound_cells(
     program: &Program,
     block: Block,
@@ -294,7 +295,7 @@ pub(super) fn bound_cells(
     bound(program, rows, frame);
 }
 
-/// The place of one of 64 cells in their block.
+/// The position of one of 64 cells in its block.
 pub(super) const fn place_in(cell: usize) -> [usize; 3] {
     [cell % BRICK_SIDE, cell / BRICK_SIDE % BRICK_SIDE, cell / (BRICK_SIDE * BRICK_SIDE)]
 }
@@ -309,7 +310,7 @@ pub(super) fn cells_of(mut mask: u64) -> impl Iterator<Item = usize> {
 }
 
 impl Block {
-    /// The block that one of the cells is.
+    /// The block that one of the cells forms.
     pub(super) fn child(&self, place: [usize; 3]) -> Self {
         Self {
             low: std::array::from_fn(|axis| self.low[axis] + place[axis] as f32 * self.cell[axis]),

@@ -1,4 +1,4 @@
-//! From the graph to clauses: which value lies in which register at which time.
+//! From the graph to clauses: which register holds which value at which time.
 
 use super::clause::{Clause, Instruction, Operand};
 use super::{TableEntry, Tape, TapeError, TapeOptions};
@@ -70,7 +70,7 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
             Node::Constant(_) | Node::Input(_) => {}
             Node::Unary(_, a) => entry.a = std::mem::replace(&mut upcoming[a.index()], position_word),
             Node::Binary(_, a, b) | Node::Texture { u: a, v: b, .. } => {
-                // Both are read before the next use, also where they are one.
+                // Both operands are read before the next use, also if they are the same node.
                 (entry.a, entry.b) = (upcoming[a.index()], upcoming[b.index()]);
                 upcoming[a.index()] = position_word;
                 upcoming[b.index()] = position_word;
@@ -83,7 +83,7 @@ fn next_uses(graph: &Graph, order: &[NodeId], roots: &[NodeId]) -> Vec<NextUses>
 /// Where a node's value can be found.
 #[derive(Debug, Clone, Copy)]
 struct Place {
-    /// Register, or for values of the table the entry.
+    /// The register; for values of the table the entry.
     register_or_entry: u32,
     memory: u32,
 }
@@ -104,9 +104,9 @@ struct Allocator<'a> {
     held: [Option<NodeId>; 256],
     /// By register: where its value is used next.
     next_use: [u32; 256],
-    /// Bits of registers.
+    /// Free registers, as bits.
     free: [u64; 4],
-    /// Bits of registers that must not be spilled now.
+    /// Registers that must not be spilled now, as bits.
     pinned: [u64; 4],
     free_memory: Vec<u16>,
     /// First entry of the table's current page.
@@ -127,8 +127,7 @@ impl Allocator<'_> {
         }
     }
 
-    /// The entry of the current page that holds the value; must be asked for right before the clause that
-    /// uses it.
+    /// The entry of the current page that holds the value; must be requested right before the clause that uses it.
     fn entry(&mut self, id: NodeId) -> u8 {
         let known = self.places[id.index()].register_or_entry;
         if known != NONE && known as usize >= self.page_start {
@@ -136,7 +135,7 @@ impl Allocator<'_> {
         }
         if self.tape.table.len() == self.page_start + PAGE {
             self.page_start += PAGE;
-            // At most two entries per clause and the limit on clauses keep the page's number far below 2^16.
+            // A clause adds at most two entries, so the limit on clauses keeps the page's number far below 2^16.
             self.emit(Instruction::Page((self.page_start / PAGE) as u16));
         }
         let entry = match self.graph.node(id) {
@@ -168,7 +167,7 @@ impl Allocator<'_> {
         self.pinned[usize::from(register >> 6)] |= 1 << (register & 63);
     }
 
-    /// The lowest free register, made free if there is none.
+    /// The lowest free register; if there is none, one is freed.
     fn take_any(&mut self) -> Result<u8, TapeError> {
         let lowest = (0..4)
             .find(|&part| self.free[part] != 0)
@@ -186,7 +185,7 @@ impl Allocator<'_> {
         self.tape.registers = self.tape.registers.max(usize::from(register) + 1);
     }
 
-    /// Frees the register whose value is used farthest ahead.
+    /// Frees the register whose value has its next use farthest ahead.
     #[cold]
     fn spill(&mut self) -> Result<u8, TapeError> {
         let mut farthest: Option<(u32, u8)> = None;
@@ -196,7 +195,7 @@ impl Allocator<'_> {
                 farthest = Some((self.next_use[register], register as u8));
             }
         }
-        // Two operands, or all outputs but the one that is fetched, are pinned at most.
+        // At most two operands are pinned, or all outputs but the one that is being fetched.
         let Some((_, register)) = farthest else {
             return Err(TapeError::RegisterCount { count: self.options.registers });
         };
@@ -226,7 +225,7 @@ impl Allocator<'_> {
         Ok((self.tape.memory - 1) as u16)
     }
 
-    /// The register of a value, fetched into one if it is in none; pinned.
+    /// The register of a value, which is loaded into one if necessary; pinned.
     fn fetch(&mut self, id: NodeId) -> Result<u8, TapeError> {
         if self.in_table(id) { self.fetch_entry(id) } else { self.fetch_value(id) }
     }
@@ -239,7 +238,7 @@ impl Allocator<'_> {
         Ok(output)
     }
 
-    /// [`Allocator::fetch`] of what is not in the table.
+    /// [`Allocator::fetch`] for a value that is not in the table.
     #[inline]
     fn fetch_value(&mut self, id: NodeId) -> Result<u8, TapeError> {
         let place = self.places[id.index()];
@@ -266,7 +265,8 @@ impl Allocator<'_> {
         self.places[id.index()].register_or_entry = u32::from(register);
     }
 
-    /// After its last use a value's register is free; a register that only carried an entry of the table always is.
+    /// Frees the register of a value after its last use; a register that only carried an entry of the table is always
+    /// freed.
     fn used(&mut self, register: u8, next_use: u32) {
         self.next_use[usize::from(register)] = next_use;
         if next_use == NONE || self.held[usize::from(register)].is_none() {
@@ -274,7 +274,7 @@ impl Allocator<'_> {
         }
     }
 
-    /// A register for a result: that of operand b or a if it is free now.
+    /// A register for a result: that of operand b or a if it has become free.
     fn result(&mut self, a: Option<u8>, b: Option<u8>) -> Result<u8, TapeError> {
         self.pinned = [0; 4];
         for register in [b, a].into_iter().flatten() {
@@ -333,7 +333,7 @@ impl Allocator<'_> {
             }
             (false, true) => (Some(self.fetch_value(a)?), None),
             (true, false) => (None, Some(self.fetch_value(b)?)),
-            // The only form of a clause that takes two values of the table has the first one in a register.
+            // No clause takes two values of the table, so the first one is loaded into a register.
             (true, true) => (Some(self.fetch_entry(a)?), None),
         };
         if let Some(register) = left {
@@ -349,7 +349,7 @@ impl Allocator<'_> {
         Ok(output)
     }
 
-    /// Every root into a register.
+    /// Brings every root into a register.
     fn finish(&mut self, roots: &[NodeId]) -> Result<(), TapeError> {
         self.pinned = [0; 4];
         for (place, &root) in roots.iter().enumerate() {
@@ -364,5 +364,5 @@ impl Allocator<'_> {
     }
 }
 
-/// What [`Clause`] promises.
+/// The size that [`Clause`] promises.
 const _: () = assert!(std::mem::size_of::<Clause>() == 4);

@@ -2,11 +2,11 @@
 
 use crate::graph::{FIRST_BINARY, Input, Op};
 
-/// Opcodes that are no operators.
+/// Opcodes that are not operators.
 pub mod opcode {
     /// The tape ends here.
     pub const END: u8 = 0;
-    /// Immediates index the page of the table with the number in the last two bytes from here on.
+    /// From here on immediates index the page whose number is in the last two bytes.
     pub const PAGE: u8 = 1;
     /// Copies an entry of the table's page into a register.
     pub const LOAD: u8 = 2;
@@ -14,7 +14,7 @@ pub mod opcode {
     pub const STORE: u8 = 3;
     /// Copies memory into a register.
     pub const RELOAD: u8 = 4;
-    /// Names the texture and the channel that the next TEXTURE clause reads.
+    /// Selects the texture and the channel that the next TEXTURE clause reads.
     pub const SELECT_TEXTURE: u8 = 5;
     /// Reads a texture.
     pub const TEXTURE: u8 = 6;
@@ -30,7 +30,7 @@ pub mod opcode {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(C)]
 pub struct Clause {
-    /// What to do.
+    /// The operation.
     pub opcode: u8,
     /// The register that is written.
     pub output: u8,
@@ -49,12 +49,12 @@ pub enum Operand {
     Immediate(u8),
 }
 
-/// A clause, read.
+/// A decoded clause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Instruction {
     /// The tape ends here.
     End,
-    /// Immediates index this page of the table from here on.
+    /// From here on immediates index this page of the table.
     Page(u16),
     /// register := table
     Load {
@@ -77,7 +77,7 @@ pub enum Instruction {
         /// Memory read.
         memory: u16,
     },
-    /// Chooses what the TEXTURE that follows at once reads.
+    /// Selects what the TEXTURE clause right behind it reads.
     SelectTexture {
         /// Number of the texture in the scene.
         texture: u16,
@@ -135,7 +135,7 @@ impl Clause {
         Self { opcode, output, input_a, input_b }
     }
 
-    /// What the clause means; none for an opcode that does not exist.
+    /// The meaning of the clause; `None` for an opcode that does not exist.
     #[inline]
     pub const fn decode(self) -> Option<Instruction> {
         let Self { opcode, output, input_a, input_b } = self;
@@ -172,7 +172,7 @@ impl Clause {
 }
 
 impl Instruction {
-    /// The four bytes. Two immediates at once have no form: the second is taken for a register.
+    /// The four bytes. There is no form with two immediates: the second is taken for a register.
     #[inline]
     pub const fn encode(self) -> Clause {
         const fn wide(opcode: u8, output: u8, wide: u16) -> Clause {

@@ -1,4 +1,4 @@
-//! Tapes on the CPU: one machine, run over numbers, batches of numbers, intervals or dual numbers.
+//! Tapes on the CPU: one machine that runs over numbers, batches of numbers, intervals or dual numbers.
 
 use super::Tape;
 use super::clause::{Instruction, Operand};
@@ -7,10 +7,10 @@ use crate::graph::{Choice, FrameInputs, Interval, Kernel, Op, Point};
 /// Points that a batch evaluates at once.
 const LANES: usize = 64;
 
-/// What a tape is run over.
+/// The kind of values over which a tape is run.
 pub(super) trait Domain {
     type Value: Copy;
-    /// What the table holds.
+    /// The type of the table's entries.
     type Entry: Copy;
     fn constant(&self, entry: Self::Entry) -> Self::Value;
     fn input(&self, place: usize) -> Self::Value;
@@ -127,7 +127,7 @@ impl Domain for Numbers<'_> {
     }
 }
 
-/// Evaluates a tape at one point after the other, within one frame.
+/// Evaluates a tape at one point after another, within one frame.
 #[derive(Debug, Clone)]
 pub struct PointEvaluator<'a> {
     tape: &'a Tape,
@@ -154,12 +154,12 @@ impl<'a> PointEvaluator<'a> {
     }
 }
 
-/// Many points, a slice per coordinate; the shortest slice decides how many.
+/// Many points, with a slice per coordinate; the shortest slice decides how many there are.
 #[derive(Debug, Clone, Copy)]
 pub struct Points<'a> {
     /// x, y and z of the positions.
     pub position: [&'a [f32]; 3],
-    /// x, y and z of the normals; none where they are 0.
+    /// x, y and z of the normals; `None` if they are 0.
     pub normal: Option<[&'a [f32]; 3]>,
 }
 
@@ -170,12 +170,12 @@ impl Points<'_> {
         slices.map(|slice| slice.len()).min().unwrap_or(0)
     }
 
-    /// Whether there are none.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// One coordinate of the points from `start` on, 0 beyond the end.
+    /// One coordinate of the points from `start` on; 0 beyond the end.
     fn lanes(&self, place: usize, start: usize) -> [f32; LANES] {
         let slice = match place {
             0..=2 => self.position[place],
@@ -313,15 +313,15 @@ pub struct IntervalEvaluator<'a> {
 }
 
 impl<'a> IntervalEvaluator<'a> {
-    /// An evaluator of the tape with a frame's inputs, or those of every frame ([`FrameInputs::any`]).
+    /// An evaluator of the tape with the inputs of one frame, or with those of every frame ([`FrameInputs::any`]).
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let machine = Machine::with_table(tape, tape.table_bounds(frame), Interval::point(0.0));
         let outputs = vec![Interval::point(0.0); tape.outputs.len()];
         Self { tape, frame, machine, outputs, choices: Vec::new() }
     }
 
-    /// Bounds of the outputs over a box of positions and of normals: every value that [`PointEvaluator`]
-    /// computes in it is inside.
+    /// Bounds of the outputs over a box of positions and of normals: they hold every value that [`PointEvaluator`]
+    /// computes in it.
     pub fn over(&mut self, position: [Interval; 3], normal: [Interval; 3]) -> &[Interval] {
         let ([x, y, z], [nx, ny, nz]) = (position, normal);
         self.choices.clear();
@@ -334,7 +334,7 @@ impl<'a> IntervalEvaluator<'a> {
         &self.outputs
     }
 
-    /// Of the last box: which operand decided, for each MIN, MAX and MASK in the order of the tape.
+    /// For the last box: which operand decided, for each MIN, MAX and MASK in the order of the tape.
     pub fn choices(&self) -> &[Choice] {
         &self.choices
     }
@@ -381,7 +381,7 @@ impl Domain for Duals<'_> {
     }
 }
 
-/// The chain rule; what does not change passes no slope on, however steep.
+/// The chain rule; a constant operand contributes nothing, however steep the function is.
 #[inline(always)]
 fn along(slope: f32, change: f32) -> f32 {
     if change == 0.0 || slope == 0.0 { 0.0 } else { slope * change }

@@ -1,6 +1,6 @@
-//! GLSL from the graph, by the table of operators.
+//! GLSL generated from the graph and the table of operators.
 //!
-//! The text relies on what the shader around it declares: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]), the
+//! The text relies on declarations in the shader around it: `cell_hash` ([`crate::graph::CELL_HASH_GLSL`]), the
 //! frame's inputs ([`input_name`]), and, where they are used, `float table_band(float)`, `float
 //! table_spectrum(float)`, `float table_waveform(float)`, `float table_history(float, float)` and `vec4
 //! read_texture(int, float, float)`.
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 
-/// A literal that is the same f32 when it is read back. Negative ones stand in parentheses.
+/// A literal that is read back as the same f32. Negative ones are put in parentheses.
 pub fn literal(value: f32) -> String {
     if value.is_finite() {
         if value.is_sign_negative() { format!("({value:?})") } else { format!("{value:?}") }
@@ -19,13 +19,11 @@ pub fn literal(value: f32) -> String {
     }
 }
 
-/// The name of an input in the generated code: `p` and `n` are the function's arguments, the rest are
-/// uniforms.
+/// The name of an input in the generated code: `p` and `n` are the function's arguments, all others are uniforms.
 ///
-/// What is computed once a frame is in `frame_hoisted`, vec4 too. `camera_position` is a vec4 with the eye in xyz.
-///
-/// `frame_time` is a float, `frame_heard` the numbers of the sound and `frame_params` the parameters, four to a vec4, and
-/// `frame_bands` 32 vec4 with a band in x.
+/// `frame_time` is a float. `frame_heard` holds the numbers of the sound, `frame_params` the parameters and
+/// `frame_hoisted` the values that are computed once per frame, four to a vec4. `frame_bands` is 32 vec4 with a band
+/// in x. `camera_position` is a vec4 with the eye in xyz.
 pub fn input_name(input: Input) -> String {
     let packed =
         |name: &str, index: usize| format!("{name}[{}].{}", index / 4, ["x", "y", "z", "w"][index % 4]);
@@ -47,7 +45,7 @@ pub fn input_name(input: Input) -> String {
     }
 }
 
-/// Writes an operator's template with its operands put in.
+/// Writes an operator's template with its operands filled in.
 pub(super) fn fill(text: &mut String, template: &str, a: &str, b: &str) {
     let mut rest = template;
     while let Some(at) = rest.find('$') {
@@ -58,30 +56,31 @@ pub(super) fn fill(text: &mut String, template: &str, a: &str, b: &str) {
     text.push_str(rest);
 }
 
-/// How textures are read by a generated function.
+/// How a generated function reads textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
-    /// There are none, or at their finest level: `vec4 read_texture(int, float, float)`.
+    /// It reads none, or reads them at their finest level: `vec4 read_texture(int, float, float)`.
     None,
-    /// With the footprint of a pixel: the function has two more arguments, `vec3 dx, vec3 dy`, by which the position
-    /// differs one pixel to the right and one up, and calls `vec4 sample_texture(int, vec2 uv, vec2 dx, vec2 dy)`.
+    /// With the footprint of a pixel. The function has two more arguments, `vec3 dx, vec3 dy`: the changes of the
+    /// position one pixel to the right and one pixel up. It calls `vec4 sample_texture(int, vec2 uv, vec2 dx, vec2
+    /// dy)`.
     AlongPosition,
-    /// The same for the normal (in the sky: the direction).
+    /// The same with the changes of the normal (in the sky: of the direction).
     AlongNormal,
 }
 
-/// One over a constant, where both are normal. Drivers may divide that way by themselves: OpenGL allows 2.5 ulp.
+/// One over a constant, if both are normal numbers. Drivers may divide that way anyway: OpenGL allows 2.5 ulp.
 fn reciprocal(graph: &Graph, divisor: NodeId) -> Option<f32> {
     let reciprocal = graph.as_constant(divisor).filter(|value| value.is_normal())?.recip();
     reciprocal.is_normal().then_some(reciprocal)
 }
 
-/// A function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p,
-/// vec3 n, out float r0, out float r1, ..)`. One temporary per node, in the order of evaluation. With
-/// [`Sampling::AlongPosition`] and its like, functions `name_uv0` .. for texture coordinates stand before it.
+/// A function that computes the roots: `float name(vec3 p, vec3 n)` for one root, else `void name(vec3 p, vec3 n, out
+/// float r0, out float r1, ..)`. It has one temporary per node, in the order of evaluation. With
+/// [`Sampling::AlongPosition`] and its like, functions `name_uv0` .. for texture coordinates precede it.
 ///
 /// # Errors
-/// What [`Graph::check`] says.
+/// Those of [`Graph::check`].
 pub fn function(
     graph: &Graph,
     roots: &[NodeId],
@@ -90,7 +89,7 @@ pub fn function(
 ) -> Result<String, GraphError> {
     let order = graph.order(roots)?.nodes;
     let mut text = String::with_capacity(order.len() * 32 + 256);
-    // What a pixel's neighbours see of p and n.
+    // The p and n of a pixel's neighbours.
     let neighbours = match sampling {
         Sampling::None => None,
         Sampling::AlongPosition => Some(["p + dx, n", "p + dy, n"]),
@@ -135,7 +134,7 @@ pub fn function(
         _ => format!("v{}", id.index()),
     };
     let mut sampled: Vec<(u16, NodeId, NodeId)> = Vec::new();
-    // Sums of squares so far: their roots need no guard.
+    // The sums of squares found so far: their roots need no guard.
     let mut squares: HashSet<NodeId> = HashSet::new();
     for id in order {
         let is_sum = match graph.node(id) {
@@ -158,7 +157,7 @@ pub fn function(
                 (if never_zero { op.glsl_by_constant() } else { op.glsl() }, operand(a), operand(b))
             }
             Node::Texture { texture, channel, u, v } => {
-                // The four channels of a place are read at once.
+                // All four channels at one place are read at once.
                 let known = sampled.iter().position(|&known| known == (texture, u, v));
                 let place = known.unwrap_or_else(|| {
                     let place = sampled.len();

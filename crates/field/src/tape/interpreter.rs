@@ -1,21 +1,20 @@
-//! What the interpreter of `shaders/interpreter.glsl` needs: tapes as texels, and the text of a variant.
+//! The input of the interpreter in `shaders/interpreter.glsl`: tapes as texels, and the text of a variant.
 //!
-//! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate: the number of the
-//! operand that is an entry of the table in the tape, as float bits. So there are no pages and no table in the shader,
-//! and LOAD means register := immediate. A TEXTURE has the number of its texture times four and its channel for an immediate
-//! and reads what was sampled before. Inputs of the point that would be read into the registers where the interpreter has
-//! them at the start are left out. A first clause that is 0 does nothing. The last texel's second clause is END, with
-//! the registers of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) stand in the second place, and
-//! the shader computes them between runs of texels.
+//! **Texels.** [`Tape::append_texels`] writes two clauses into a texel, each followed by its immediate: the number,
+//! as float bits, of the operand that is an entry of the tape's table. The shader therefore needs no pages and no
+//! table, and LOAD means register := immediate. The immediate of a TEXTURE is four times the number of its texture
+//! plus its channel; the clause reads what was sampled before. Inputs of the point are left out if the interpreter
+//! starts with them in the right registers. A first clause that is 0 does nothing. The last texel's second clause is
+//! END, with the registers of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) come second in
+//! a texel, and the shader computes them between runs of texels.
 //!
-//! **Variants.** The text holds the operators that stand in a [`Variant`] and no others. `EVERY_CASE` is for
-//! renderers that never skip a branch (llvmpipe): all cases are computed and the result is selected. Without it
-//! there is a switch.
+//! **Variants.** The text holds only the operators of a [`Variant`]. `EVERY_CASE` is for renderers that never skip a
+//! branch (llvmpipe): all cases are computed and the result is selected. Without it there is a switch.
 //!
 //! **One number for a point.** The interpreter runs a tape for one point. Only the coordinates of textures, a few
-//! clauses, are run for the pixels to the right and above, too, before the material's own tape. A frame's numbers stand
-//! in the clauses as immediates: programs are written anew for each frame, which takes microseconds, and the shader has
-//! no table.
+//! clauses, are also run for the pixels to the right and above, before the material's own tape. The frame's numbers
+//! stand in the clauses as immediates, so that the shader needs no table; programs are therefore written anew for
+//! each frame, which takes microseconds.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -34,7 +33,7 @@ pub const fn is_rare(op: Op) -> bool {
 }
 
 impl Tape {
-    /// Appends the tape with the numbers of its table ([`Tape::table_values`]) as texels of the interpreter.
+    /// Appends the tape and the numbers of its table ([`Tape::table_values`]) as texels for the interpreter.
     pub fn append_texels(&self, table: &[f32], texels: &mut Vec<[u32; 4]>) {
         let (mut page, mut texture) = (0, 0);
         let mut first: Option<[u32; 2]> = None;
@@ -71,7 +70,7 @@ impl Tape {
         self.clauses().len() + 1
     }
 
-    /// The clauses, without inputs that stand in their registers at the start.
+    /// The clauses, without inputs that are in their registers at the start.
     fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
         self.clauses()
             .iter()
@@ -91,14 +90,14 @@ fn is_second(instruction: Instruction) -> bool {
     }
 }
 
-/// What an interpreter can run, and how.
+/// The abilities of an interpreter, and how it runs tapes.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Variant {
-    /// Operators that stand in the text.
+    /// Operators that the text contains.
     pub operators: BTreeSet<Op>,
     /// Registers: a power of two, 8 to 256.
     pub registers: usize,
-    /// Values of memory: 0 or a power of two.
+    /// Memory in values: 0 or a power of two.
     pub memory: usize,
     /// Textures that a program samples.
     pub samples: usize,
@@ -111,7 +110,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The variant that runs all of these tapes, its numbers rounded up so that few variants serve many scenes.
+    /// The variant that runs all of these tapes. Its numbers are rounded up so that few variants serve many scenes.
     pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
         let mut variant = Self {
             operators: BTreeSet::new(),
@@ -141,7 +140,7 @@ impl Variant {
         variant
     }
 
-    /// Whether what `other` was made for can be run by this one.
+    /// Whether this variant runs everything that `other` runs.
     pub fn covers(&self, other: &Self) -> bool {
         self.operators.is_superset(&other.operators)
             && self.registers >= other.registers
@@ -152,8 +151,8 @@ impl Variant {
             && self.every_case == other.every_case
     }
 
-    /// The text of `operators.glsl`: the defines and the operators of the variant, and those of the regions' tapes. It
-    /// relies on what [`super::glsl`] lists, as far as its operators use it.
+    /// The text of `operators.glsl`: the defines, the operators of the variant, and those of the regions' tapes. It
+    /// relies on the declarations that [`super::glsl`] lists, as far as its operators use them.
     pub fn text(&self, region_operators: &BTreeSet<Op>, region_registers: usize) -> String {
         let mut text = String::with_capacity(8192);
         self.write(region_operators, region_registers, &mut text);
@@ -179,7 +178,7 @@ impl Variant {
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");
         }
-        // A texel may hold a single clause.
+        // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
         for (whose, operators) in [("region", region_operators), ("tape", &self.operators)] {
             let (rare, common): (Vec<Op>, Vec<Op>) = operators.iter().partition(|op| is_rare(**op));

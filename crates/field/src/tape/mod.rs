@@ -1,10 +1,10 @@
 //! The tape: an expression as a list of four-byte clauses (Abt 2022, section 4.3; Keeter 2020, section 3).
 //!
-//! A clause is an opcode, an output and two inputs, each a byte. Registers hold values; the table
-//! holds the constants and the inputs that are the same all over a frame, which clauses take as immediates.
+//! A clause is an opcode, an output and two inputs, each a byte. Registers hold values; the table holds the constants
+//! and the inputs that are the same all over a frame, which clauses take as immediates.
 //!
-//! **Words.** A clause is one `u32`, so that one fetch of an RGBA32UI texel brings four clauses. How they are put into
-//! texels, with END behind the last, is told in [`interpreter`].
+//! **Words.** A clause is one `u32`, so that an RGBA32UI texel holds two clauses and their immediates.
+//! [`interpreter`] describes how clauses are arranged in texels, with END behind the last.
 //!
 //! | opcode | clause | bits 8..16 | bits 16..24 | bits 24..32 |
 //! |---|---|---|---|---|
@@ -21,17 +21,14 @@
 //! | 128..192 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
 //! | 192..256 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
 //!
-//! [`interpreter`] says how the shader's interpreter wants them arranged.
-//!
-//! So an interpreter reads the form of the operands from the top two bits, fetches them, and switches over
-//! 16..64 or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its
-//! output.
+//! An interpreter finds the form of the operands in the top two bits, fetches the operands, and switches over 16..64
+//! or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its output.
 //!
 //! **Registers.** The inputs of the point are read first, in the order X, Y, Z, NX, NY, NZ; the rest follows the
-//! graph's order of evaluation. A register is free after the last use of its value; the output takes the register of
-//! operand b if it became free, else that of operand a, else the lowest free one. Where all are taken, the
-//! value whose next use lies farthest ahead is spilled (Belady 1966) and read again when it is needed; inputs
-//! of the point are read anew.
+//! graph's order of evaluation. A register is free after the last use of its value. An output takes the register of
+//! operand b if that has become free, else that of operand a, else the lowest free one. If none is free, the value
+//! whose next use lies farthest ahead is spilled (Belady 1966) and read again when it is needed; inputs of the point
+//! are not stored but read anew.
 
 mod allocate;
 mod clause;
@@ -50,7 +47,7 @@ use std::collections::BTreeSet;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Interval, NodeId, Op};
 use crate::limits::{LIMITS, Limits};
 
-/// Why no tape was built.
+/// Why a tape could not be built.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TapeError {
     /// The graph cannot be used.
@@ -62,12 +59,12 @@ pub enum TapeError {
         /// [`Limits::tape_clauses_max`].
         max: usize,
     },
-    /// More outputs than the limit or than there are registers.
+    /// More outputs than the limit, or than there are registers.
     #[error(
         "a tape with {count} outputs was asked for, but at most {max} can be kept at once; ask for fewer"
     )]
     TooManyOutputs {
-        /// Outputs asked for.
+        /// Outputs requested.
         count: usize,
         /// Most outputs possible.
         max: usize,
@@ -75,7 +72,7 @@ pub enum TapeError {
     /// A number of registers that no tape can have.
     #[error("a tape cannot work with {count} registers; give it 2 to 256")]
     RegisterCount {
-        /// Registers asked for.
+        /// Registers requested.
         count: usize,
     },
     /// More values must be kept in memory than the limit.
@@ -83,7 +80,7 @@ pub enum TapeError {
         "the tape must spill more than {max} values to memory; give it more registers or make the scene smaller"
     )]
     TooMuchMemory {
-        /// The memory there is, in values.
+        /// The available memory, in values.
         max: usize,
     },
 }
@@ -91,7 +88,7 @@ pub enum TapeError {
 /// How a tape is built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TapeOptions {
-    /// Registers there are, 2 to 256.
+    /// Number of registers, 2 to 256.
     pub registers: usize,
     /// The ceilings.
     pub limits: Limits,
@@ -103,7 +100,7 @@ impl Default for TapeOptions {
     }
 }
 
-/// An entry of the table that immediates index.
+/// An entry of the table, which immediates index.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TableEntry {
     /// A constant.
@@ -136,17 +133,17 @@ impl Tape {
         &self.clauses
     }
 
-    /// The clauses, read.
+    /// The clauses, decoded.
     pub fn instructions(&self) -> impl Iterator<Item = Instruction> + '_ {
         self.clauses.iter().filter_map(|clause| clause.decode())
     }
 
-    /// What immediates index: pages of 256 entries, the last one not filled up.
+    /// The table that immediates index: pages of 256 entries, the last of which may be shorter.
     pub fn table(&self) -> &[TableEntry] {
         &self.table
     }
 
-    /// The table's numbers in a frame, written over `values`.
+    /// The table's numbers in a frame; they replace `values`.
     pub fn table_values(&self, frame: &FrameInputs, values: &mut Vec<f32>) {
         values.clear();
         values.extend(self.table.iter().map(|entry| match *entry {
@@ -155,7 +152,7 @@ impl Tape {
         }));
     }
 
-    /// Bounds of the table's numbers: points, unless the inputs are those of every frame.
+    /// Bounds of the table's numbers: single values, unless the inputs are those of every frame.
     fn table_bounds(&self, frame: &FrameInputs) -> Vec<Interval> {
         let bounds = self.table.iter().map(|entry| match *entry {
             TableEntry::Constant(value) => Interval::point(value),
@@ -174,12 +171,12 @@ impl Tape {
         self.registers
     }
 
-    /// Number of values of memory used; 0 if nothing was spilled.
+    /// Number of memory slots used; 0 if nothing was spilled.
     pub fn memory(&self) -> usize {
         self.memory
     }
 
-    /// The operators that occur, which is what an interpreter's switch needs.
+    /// The operators that occur; an interpreter's switch needs these.
     pub fn operators(&self) -> BTreeSet<Op> {
         self.instructions()
             .filter_map(|instruction| match instruction {

@@ -1,4 +1,4 @@
-//! The tape as text, in the form of the thesis' Table 1.
+//! The tape as text, in the form of Table 1 (Abt 2022, section 4.3).
 
 use std::fmt;
 

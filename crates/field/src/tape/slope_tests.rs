@@ -1,4 +1,4 @@
-//! Bounds of gradients hold the gradients, and what a value changes from point to point.
+//! Bounds of gradients hold the gradients, and bound how a value changes from point to point.
 
 use proptest::prelude::*;
 
@@ -48,7 +48,7 @@ fn continuous_steps(size: usize) -> impl Strategy<Value = Vec<Step>> {
     proptest::collection::vec(step, 1..size)
 }
 
-/// A box as its lower corner and size, and places in it.
+/// A box as its lower corner and size, and points in it.
 type Places = ([(f32, f32); 3], Vec<[f32; 3]>);
 
 fn places() -> impl Strategy<Value = Places> {
@@ -59,7 +59,7 @@ fn places() -> impl Strategy<Value = Places> {
 }
 
 impl GradientInterval {
-    /// Bounds of the change along a way.
+    /// Bounds of the change along a displacement.
     fn change(&self, way: [f64; 3]) -> (f64, f64) {
         let mut change = (0.0, 0.0);
         for (slope, way) in self.gradient.iter().zip(way) {
@@ -83,7 +83,7 @@ fn tape_of(steps: &[Step]) -> Tape {
     Tape::build(&graph, &[root], &TapeOptions { registers: 8, ..TapeOptions::default() }).unwrap()
 }
 
-/// The value of a tape, all of it computed with 64 bits.
+/// The value of a tape, computed in 64 bits throughout.
 fn precise(tape: &Tape, frame: &FrameInputs, at: [f64; 3]) -> f64 {
     let mut table = Vec::new();
     tape.table_values(frame, &mut table);
@@ -173,10 +173,10 @@ proptest! {
             let (from, to) = (at(two[0]), at(two[1]));
             let (before, after) = (precise(&tape, &frame, from), precise(&tape, &frame, to));
             let (least, most) = bounds.change([0, 1, 2].map(|axis| to[axis] - from[axis]));
-            // Of the table alone 32 bits are known.
+            // The table is known with 32 bits only.
             let slack = 1e-5 * (1.0 + before.abs() + after.abs());
             let change = after - before;
-            // Bounds are those of 32 bits: of what they cannot hold nothing is known.
+            // Bounds are 32-bit numbers: nothing is known of values beyond their range.
             let is_held = [before, after, change].iter().all(|value| (*value as f32).is_finite());
             prop_assert!(
                 !is_held || least.is_nan() || most.is_nan() || (least - slack <= change && change <= most + slack),
@@ -201,7 +201,7 @@ fn assert_within(tape: &Tape, sides: [(f32, f32); 3], low: [f32; 3], high: [f32;
     }
 }
 
-/// No square root of a sum of squares is vertical anywhere: not a ball's at its centre, nor a box's at its corner.
+/// No square root of a sum of squares is vertical anywhere: neither a ball's at its centre nor a box's at its corner.
 #[test]
 fn lengths_have_bounds_through_their_centre() {
     let ball = shape(|g, p| g.length(&p));
@@ -223,7 +223,7 @@ fn lengths_have_bounds_through_their_centre() {
         g.unary(Op::Sqrt, sum)
     });
     assert_within(&rounded, [(-2.0, 4.0); 3], [-one; 3], [one; 3]);
-    // Half of one axis' length, by a factor below the root.
+    // Half of the length along one axis, through a factor below the root.
     let squeezed = shape(|g, p| {
         let (factor, square) = (g.constant(0.25), g.unary(Op::Square, p[0]));
         let product = g.mul(factor, square);
@@ -232,7 +232,7 @@ fn lengths_have_bounds_through_their_centre() {
     assert_within(&squeezed, [(-1.0, 2.0); 3], [-0.501, 0.0, 0.0], [0.501, 0.0, 0.0]);
 }
 
-/// Of a minimum that is decided the gradient is that of the operand; else of either, not of both at once.
+/// The gradient of a decided minimum is that of its operand; otherwise that of either operand, not of both at once.
 #[test]
 fn a_minimum_has_the_slopes_of_one_operand() {
     let two = shape(|g, [x, y, _]| {

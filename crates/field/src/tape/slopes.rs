@@ -58,7 +58,7 @@ pub struct GradientIntervals<'a> {
 }
 
 impl<'a> GradientIntervals<'a> {
-    /// An evaluator of the tape with a frame's inputs, or those of every frame ([`FrameInputs::any`]).
+    /// An evaluator of the tape with the inputs of one frame, or with those of every frame ([`FrameInputs::any`]).
     pub fn new(tape: &'a Tape, frame: &'a FrameInputs) -> Self {
         let nothing = GradientInterval::flat(Interval::point(0.0));
         let machine = Machine::with_table(tape, tape.table_bounds(frame), nothing);
@@ -78,7 +78,7 @@ impl<'a> GradientIntervals<'a> {
             machine.run(tape, &mut Slopes { position, normal, frame, jumps: None });
             for (bounds, &register) in outputs.iter_mut().zip(&tape.outputs) {
                 let piece = machine.registers[usize::from(register)];
-                // The value is that of the whole box: the jumps themselves are in no piece.
+                // The value is that of the whole box because no piece contains the jumps themselves.
                 let value = bounds.value;
                 *bounds = if number == 0 { piece } else { bounds.hull(&piece) };
                 bounds.value = value;

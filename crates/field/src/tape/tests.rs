@@ -1,4 +1,4 @@
-//! The tape's promises: Table 1, the words, values bit for bit, bounds, gradients, limits.
+//! What tapes promise: Table 1, the words, values bit for bit, bounds, gradients, limits.
 
 use proptest::prelude::*;
 
@@ -26,7 +26,7 @@ fn tape_of(graph: &Graph, roots: &[NodeId], registers: usize) -> Tape {
     Tape::build(graph, roots, &TapeOptions { registers, ..TapeOptions::default() }).unwrap()
 }
 
-/// The Abt 2022, section 4.3, Table 1.
+/// Table 1 (Abt 2022, section 4.3).
 const TABLE_1: [[&str; 4]; 9] = [
     ["X", "-", "-", "register 0"],
     ["Y", "-", "-", "register 1"],
@@ -83,7 +83,8 @@ fn words_are_those_of_the_module_s_table() {
         0x01_00_01_45, // MAX = 69
     ];
     assert_eq!(words, expected);
-    // As texels: no inputs that are in their registers already, immediates beside their clauses, and END with the output.
+    // As texels: inputs that start in their registers are left out, immediates follow their clauses, END names the
+    // output.
     let mut texels = Vec::new();
     tape.append_texels(&[1.0, 0.5], &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
@@ -146,7 +147,7 @@ fn every_tape_ends_with_end_in_second_place_and_rare_operators_stand_there() {
         tape.append_texels(&[], &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
-        // X is in its register already; every other clause is there.
+        // X starts in its register; every other clause is there.
         assert_eq!(others.len(), length - 1);
         assert!(others.iter().all(|texel| texel[0] == 0 && texel[2] & 255 == u32::from(Op::Sin.number())));
         node = graph.unary(Op::Sin, node);
@@ -233,7 +234,7 @@ fn choices_are_recorded_in_the_order_of_the_tape() {
     let zero = [Interval::point(0.0); 3];
     let i = Interval::new;
     evaluator.over([i(0.0, 1.0), i(2.0, 3.0), i(5.0, 6.0)], zero);
-    // The operands of MAX stand in the order of their age: z, then the minimum.
+    // The operands of MAX stand in the order of their age: first z, then the minimum.
     assert_eq!(evaluator.choices(), [Choice::Left, Choice::Left]);
     let bounds = evaluator.over([i(0.0, 3.0), i(2.0, 4.0), i(2.5, 6.0)], zero)[0];
     assert_eq!((evaluator.choices(), bounds), (&[Choice::Both, Choice::Both][..], i(2.5, 6.0)));
@@ -241,7 +242,7 @@ fn choices_are_recorded_in_the_order_of_the_tape() {
     assert_eq!(evaluator.choices(), [Choice::Right, Choice::Right]);
 }
 
-/// A sphere's gradient is its direction; a gyroid's is known; both also through spilled registers.
+/// A sphere's gradient is its direction; a gyroid's is known. Both also with spilled registers.
 #[test]
 fn gradients_are_known_ones() {
     let mut g = Graph::new();
@@ -331,7 +332,7 @@ fn deep_expressions_need_no_stack_and_few_registers() {
     assert!(glsl::function(&graph, &[left], "deep", glsl::Sampling::None).unwrap().lines().count() > 200_000);
 }
 
-/// A balanced tree over 2^10 leaves of x, y and z takes a register per level, and spills below that.
+/// A balanced tree over 2^10 leaves of x, y and z takes one register per level, and spills if there are fewer.
 #[test]
 fn spilling_uses_memory_only_where_registers_run_out() {
     let mut graph = Graph::new();

@@ -1,9 +1,9 @@
 //! Where a scene's surfaces lie, found from the formula by interval arithmetic (Moore 1966).
 //!
-//! **Bounds of surfaces.** Interval arithmetic cuts a cube of 1024 to each side into eight again and again, and slices
-//! off it, over all sounds, times and parameters, and leaves out what cannot hold a surface: once for each scene, with
-//! some 10 ms to spend. Rays that miss the box cost nothing. What goes on for ever has no bounds and is traced 1000
-//! far.
+//! **Bounds of surfaces.** A cube that reaches about 1024 from the origin is cut into eight again and again, and
+//! slices are taken off it. Interval arithmetic over all sounds, times and parameters finds the parts that cannot
+//! hold a surface, and these are left out. This is done once for each scene and may take about 10 ms. Rays that miss
+//! the box cost nothing. A scene that extends without end has no bounds and is traced up to a distance of 1000.
 
 use crate::graph::{FrameInputs, Interval};
 use crate::tape::{IntervalEvaluator, Tape};
@@ -18,34 +18,34 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The cube of all that is no farther than `reach` away from a place along any axis.
+    /// The cube that reaches `reach` from a place along each axis.
     pub fn around(place: [f32; 3], reach: f32) -> Self {
         Self { low: place.map(|v| v - reach), high: place.map(|v| v + reach) }
     }
 }
 
-/// Surfaces are looked for in a cube that reaches about so far from the origin; what goes on beyond has no bounds.
+/// Surfaces are searched for in a cube that reaches about this far from the origin; a scene that extends further has
+/// no bounds.
 const REACH: f32 = 1024.0;
-/// Farther away than this nothing is looked for.
+/// Nothing is searched for farther away than this.
 const FARTHEST: f32 = 1e7;
-/// The cube's centre lies a little beside the origin, so that what stands there is not cut by the first faces.
+/// The cube's centre lies a little beside the origin, so that the first cuts do not pass through what stands there.
 const ASIDE: f32 = 0.017 * REACH;
-/// Clauses that may be evaluated for it: about 10 ms.
+/// Clauses that may be evaluated for the search: about 10 ms.
 const CLAUSES_MAX: usize = 1 << 20;
 /// A face is found well enough when its cells are no larger than this share of the box.
 const PRECISION: f32 = 1.0 / 200.0;
-/// The box is so much larger on each side, as a share of its size, than what was found: shaders round otherwise than
-/// the processor does.
+/// The box is enlarged by this share of its size on each side because shaders round differently from the CPU.
 const MARGIN: f32 = 1.0 / 1000.0;
 
 type Cell = Bounds;
 
-/// The box of the surfaces of a tape's first output in all frames of `any`; none if they are not bounded or no cell is
-/// free of them.
+/// The box that holds the surfaces of a tape's first output in all frames of `any`; `None` if the surfaces are not
+/// bounded or no cell is free of them.
 ///
-/// The cube is cut into eight again and again, first everywhere, then only where the box's faces lie. What cannot
-/// hold a surface is left out. A face stays where it is once a point just below it may lie on a surface: no cutting
-/// would take that point away.
+/// The cube is cut into eight again and again, at first everywhere, then only at the faces of the box. Parts that
+/// cannot hold a surface are left out. A face stays where it is once a point just inside it may lie on a surface: no
+/// further cutting would remove that point.
 pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     let mut evaluator = IntervalEvaluator::new(tape, any);
     let mut left = CLAUSES_MAX / tape.clauses().len().max(1);
@@ -96,7 +96,7 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     if unbounded {
         return None;
     }
-    // What lies outside of the cube altogether belongs to the scene, too.
+    // What lies outside of the cube belongs to the scene, too.
     let outside = (0..6).any(|face| {
         let mut slab = Cell { low: [-FARTHEST; 3], high: [FARTHEST; 3] };
         let axis = face % 3;
@@ -115,7 +115,7 @@ pub(super) fn find(tape: &Tape, any: &FrameInputs) -> Option<Bounds> {
     Some(Bounds { low: found.low.map(|v| v - margin), high: found.high.map(|v| v + margin) })
 }
 
-/// The eighths of a cell that may hold a surface. Once nothing is left to spend, the cell stays whole.
+/// The eighths of a cell that may hold a surface. Once the budget is spent, the cell stays whole.
 fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> Vec<Cell> {
     if *left < 8 {
         *left = 0;
@@ -135,8 +135,8 @@ fn divided(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize)
     parts
 }
 
-/// A cell without the largest slice at its face that is free of surfaces as a whole; none if even a slice of about
-/// `wanted` is not.
+/// The cell without the largest slice at its face that is entirely free of surfaces; `None` if not even a slice of
+/// about `wanted` is.
 fn shaved(
     cell: &Cell,
     axis: usize,
@@ -163,7 +163,7 @@ fn shaved(
     None
 }
 
-/// Whether a surface may lie in a cell, or something solid. It may once nothing is left to spend.
+/// Whether a surface or anything solid may lie in a cell. Once the budget is spent, the answer is yes.
 fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: &mut usize) -> bool {
     if *left == 0 {
         return true;
@@ -171,7 +171,7 @@ fn may_hold_a_surface(cell: &Cell, evaluator: &mut IntervalEvaluator<'_>, left: 
     *left -= 1;
     let position = [0, 1, 2].map(|axis| Interval::new(cell.low[axis], cell.high[axis]));
     let value = evaluator.over(position, [Interval::point(0.0); 3]).first().copied();
-    // What may be a NaN may be a surface, too.
+    // A value that may be a NaN may be a surface, too.
     !value.is_some_and(|value| value.lo > 0.0)
 }
 

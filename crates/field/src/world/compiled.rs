@@ -1,4 +1,4 @@
-//! A world as GLSL that the driver compiles: the functions that `shaders/README.md` asks of a scene.
+//! A world as GLSL that the driver compiles: the functions that `shaders/README.md` requires of a scene.
 
 use std::fmt::Write as _;
 
@@ -12,7 +12,7 @@ impl World {
     /// The scene's functions as GLSL, validated by naga.
     ///
     /// # Errors
-    /// A graph over its limit; text that naga refuses, which is a fault of the generator.
+    /// A graph over its limit; or text that naga rejects, which is a fault of the generator.
     pub fn compiled_glsl(&self) -> Result<String, WorldError> {
         let generated = self.generated_functions()?;
         validate(&generated).map_err(|reason| WorldError::Refused { scene: self.name.clone(), reason })?;
@@ -48,7 +48,7 @@ impl World {
         Ok(with_copies(functions, inputs))
     }
 
-    /// What the renderer's shaders call.
+    /// The functions that the renderer's shaders call.
     fn contract(&self) -> String {
         let mut text = String::from(
             "vec2 scene_distance(vec3 p, float penumbra) {\n    vec2 d;\n    \
@@ -93,7 +93,7 @@ impl World {
     }
 }
 
-/// The functions with copies of these inputs, made by `scene_load`, in place of the frame block's members: see
+/// The functions with the frame block's members replaced by copies of these inputs, which `scene_load` makes: see
 /// `shaders/frame_block.glsl`.
 fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> String {
     let (mut copies, mut load) = (String::new(), String::from("void scene_load() {\n"));

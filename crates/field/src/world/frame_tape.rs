@@ -1,4 +1,4 @@
-//! What the processor evaluates once a frame: the camera, the lights and the planes, which do not depend on the point.
+//! Values that the CPU computes once per frame because they do not depend on the point: camera, lights and planes.
 
 use crate::graph::{FrameInputs, NodeId, Point};
 use crate::lang::{Light, LightPlace, Scene, ToneMap};
@@ -31,55 +31,55 @@ pub enum LightKind {
 /// A light in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightValues {
-    /// What it is.
+    /// Its kind.
     pub kind: LightKind,
-    /// Where it is or, of a sun, the direction of its rays.
+    /// Its position; for a sun the direction of its rays.
     pub place: [f32; 3],
     /// Red, green and blue.
     pub color: [f32; 3],
-    /// Radius of the ball that shines, or the tangent of its half angle.
+    /// Radius of the shining ball; for a sun the tangent of its half angle.
     pub radius: f32,
-    /// Distance at which it has faded to nothing; 0 for none.
+    /// Distance at which it has faded to nothing; 0 for no limit.
     pub range: f32,
-    /// Share of it that shadows take away.
+    /// Share of its light that shadows remove.
     pub shadow: f32,
     /// Half the sides of a panel.
     pub sides: [[f32; 3]; 2],
 }
 
-/// How the picture is made of the scene's light in one frame.
+/// How the scene's light becomes the picture in one frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct PictureValues {
-    /// What light is multiplied by.
+    /// Factor by which light is multiplied.
     pub exposure: f32,
-    /// Share of light that is scattered.
+    /// Share of the light that is scattered.
     pub bloom: f32,
-    /// Share of light that the corners lose.
+    /// Share of the light that is lost in the corners.
     pub vignette: f32,
     /// Strength of the grain, in steps of 1/255.
     pub grain: f32,
     /// Radius of the lens.
     pub aperture: f32,
-    /// Distance that is sharp; none for that of the target.
+    /// Distance that is in focus; `None` for that of the target.
     pub focus: Option<f32>,
     /// How light becomes a colour of the screen.
     pub tone_map: ToneMap,
 }
 
-/// What the scene says of one frame. Numbers are as the scene gives them: not even finite.
+/// The scene's values in one frame. They are as the scene computes them and may not even be finite.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FrameValues {
     /// The eye.
     pub position: [f32; 3],
-    /// What it looks at.
+    /// The point it looks at.
     pub target: [f32; 3],
     /// Vertical field of view in degrees.
     pub fov: f32,
-    /// Turn around the line of sight in radians.
+    /// Roll around the line of sight in radians.
     pub roll: f32,
     /// Width at the target that stays in the picture.
     pub keep: f32,
-    /// How far away other things take ambient light.
+    /// Distance within which other things block ambient light.
     pub reach: f32,
     /// How the picture is made.
     pub picture: PictureValues,
@@ -117,7 +117,7 @@ impl FrameTape {
         })
     }
 
-    /// What they give in a frame.
+    /// The values in a frame.
     pub fn values(&self, inputs: &FrameInputs) -> FrameValues {
         let origin = Point::at(0.0, 0.0, 0.0);
         let values = |tape: &Tape| PointEvaluator::new(tape, inputs).at(&origin).to_vec();
@@ -155,7 +155,8 @@ impl FrameTape {
     }
 }
 
-/// What a light is, and what is computed of it: place, colour, radius, range, shadow and, of a panel, its half sides.
+/// The kind of a light, and its computed values: place, colour, radius, range, shadow and, for a panel, its half
+/// sides.
 fn of_light(light: &Light) -> (LightKind, Vec<NodeId>) {
     let (kind, place, sides) = match light.place {
         LightPlace::At(place) => (LightKind::Lamp, place, Vec::new()),

@@ -1,10 +1,9 @@
-//! What is the same all over a frame is computed once a frame, on the processor, and not again at every point.
+//! Expressions that are the same all over a frame are computed once per frame on the CPU, not at every point.
 //!
-//! An expression of the frame's inputs alone (a sine of the time, a curve of the volume) becomes an input of its own,
-//! [`Input::Hoisted`]: a uniform of the compiled shader, an entry of the interpreter's table.
-//!
-//! **Once a frame.** Expressions of time, sound and parameters alone are taken out of the shaders and computed on the
-//! processor, up to 256: inputs of the tape and uniforms of the GLSL. No point computes the sine of the time again.
+//! **Once a frame.** An expression of the frame's inputs alone (a sine of the time, a curve of the volume) is taken
+//! out of the shaders and becomes an input of its own, [`Input::Hoisted`]: a uniform of the compiled shader, an entry
+//! of the interpreter's table. Up to 256 expressions are taken out, so that no point computes the sine of the time
+//! again.
 
 use super::Roots;
 use crate::graph::{FrameInputs, Graph, GraphError, Input, Node, NodeId, Order, Point};
@@ -13,7 +12,7 @@ use crate::limits::LIMITS;
 /// The expressions that were taken out.
 #[derive(Debug, Clone, Default)]
 pub struct Hoisted {
-    /// They and what they need, and nothing else.
+    /// These expressions and the nodes they need, nothing else.
     graph: Graph,
     order: Order,
     /// The i-th is `Input::Hoisted(i)`.
@@ -32,30 +31,30 @@ impl Hoisted {
         Ok(Self { order: own.order(&roots)?, graph: own, roots })
     }
 
-    /// Computes the values of a frame. All are finite.
+    /// Computes the values for a frame. All are finite.
     pub fn values(&self, inputs: &FrameInputs) -> Vec<f32> {
-        // The same for uniforms and tables: an overflow is the largest number, what is no number is 0.
+        // Uniforms and tables must hold the same: an overflow becomes the largest number, a NaN becomes 0.
         let finite = |value: f32| if value.is_nan() { 0.0 } else { value.clamp(f32::MIN, f32::MAX) };
         let values = self.graph.evaluate_in(&self.order, &self.roots, &Point::default(), inputs);
         values.into_iter().map(finite).collect()
     }
 }
 
-/// Where the nodes of one graph are in another.
+/// The nodes of one graph and their counterparts in another.
 struct Moved(Vec<NodeId>);
 
 impl Moved {
-    /// Of a graph of which nothing was copied yet.
+    /// For a graph from which nothing has been copied yet.
     fn of(graph: &Graph) -> Self {
         Self(vec![NodeId::default(); graph.len()])
     }
 
-    /// The place of a node that was copied.
+    /// The counterpart of a node that was copied.
     fn at(&self, id: NodeId) -> NodeId {
         self.0[id.index()]
     }
 
-    /// Copies a node, whose operands were copied before, as it is.
+    /// Copies a node unchanged; its operands must have been copied before.
     fn copy(&mut self, from: &Graph, id: NodeId, to: &mut Graph) {
         self.0[id.index()] = match from.node(id) {
             Node::Constant(value) => to.constant(value),
@@ -67,10 +66,10 @@ impl Moved {
     }
 }
 
-/// Takes out of the roots what does not depend on the point. Nodes that are not hoisted stay as they are, bit for bit.
+/// Takes the parts that do not depend on the point out of the roots. All other nodes stay the same, bit for bit.
 ///
 /// # Errors
-/// What [`Graph::check`] says.
+/// Those of [`Graph::check`].
 pub(super) fn hoist(graph: &Graph, roots: &Roots) -> Result<(Graph, Roots, Hoisted), GraphError> {
     let all: Vec<NodeId> = roots.all().collect();
     let order = graph.order(&all)?.nodes;

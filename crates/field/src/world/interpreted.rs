@@ -9,11 +9,11 @@
 //! | | its tape |
 //! | | the tapes of the coordinates |
 //!
-//! The tapes are those of [`crate::tape::interpreter`], with a frame's numbers in them. Distances and objects come from
-//! regions.
+//! The tapes are those of [`crate::tape::interpreter`] with a frame's numbers filled in. Distances and objects are
+//! computed by the tapes of regions.
 //!
-//! **Textures** are sampled before a program's own tape runs, so that only their coordinates, a few clauses, are
-//! computed for the neighbouring pixels, too. A texture whose coordinates depend on another one comes after it.
+//! **Textures** are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
+//! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
 
 use super::{World, WorldError};
 use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId};
@@ -23,7 +23,7 @@ use crate::tape::{Tape, TapeError, TapeOptions};
 /// Programs before those of the materials: sky, ambient light and glow.
 const PROGRAMS_OF_LIGHT: usize = 3;
 
-/// What the interpreter shader runs on a surface.
+/// The programs that the interpreter shader runs at a surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TapeBuffers {
     /// Sky, ambient light, glow, and the materials.
@@ -34,26 +34,26 @@ pub struct TapeBuffers {
     pub variant: Variant,
     /// The same for a renderer that never skips a branch.
     pub software_variant: Variant,
-    /// What it costs.
+    /// Its cost in clauses.
     pub cost: Cost,
 }
 
-/// Expressions with the textures that they sample.
+/// Expressions together with the textures that they sample.
 #[derive(Debug, Clone, PartialEq)]
 struct Program {
     tape: Tape,
-    /// The number of the picture and the tape of its coordinates u and v.
+    /// The number of the texture, and the tape of its coordinates u and v.
     textures: Vec<(u16, Tape)>,
 }
 
-/// Clauses of the programs.
+/// Number of clauses of the programs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Cost {
-    /// Of the distance.
+    /// Those of the distance.
     pub distance: usize,
-    /// Of all materials.
+    /// Those of all materials.
     pub materials: usize,
-    /// Of everything.
+    /// Those of everything.
     pub total: usize,
 }
 
@@ -78,7 +78,7 @@ impl Program {
         self.tapes().map(|tape| tape.clauses().len()).sum()
     }
 
-    /// Appends the program of a frame.
+    /// Appends the program with a frame's numbers.
     fn append(&self, inputs: &FrameInputs, texels: &mut Vec<[u32; 4]>) {
         let mut outputs = [0; 12];
         for (byte, register) in outputs.iter_mut().zip(self.tape.outputs()) {
@@ -103,11 +103,11 @@ impl Program {
     }
 }
 
-/// A picture, and its coordinates.
+/// A texture and its coordinates.
 type Sampled = (u16, [NodeId; 2]);
 
-/// The expressions with their textures numbered in the order in which they can be sampled and without coordinates, and
-/// what those are.
+/// The expressions without texture coordinates, their textures numbered in an order in which they can be sampled; and
+/// those coordinates.
 fn without_coordinates(
     graph: &Graph,
     roots: &[NodeId],
@@ -140,7 +140,7 @@ fn without_coordinates(
 }
 
 impl TapeBuffers {
-    /// What the interpreter reads in a frame.
+    /// The texels that the interpreter reads in a frame.
     pub fn texels(&self, inputs: &FrameInputs) -> Vec<[u32; 4]> {
         let heads = 1 + self.of_objects.len().div_ceil(4);
         let mut texels = vec![[0; 4]; heads];
@@ -176,7 +176,7 @@ impl World {
     /// The programs of materials and light.
     ///
     /// # Errors
-    /// A tape that takes more than the limits.
+    /// A tape that exceeds the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
         let program = |roots: &[NodeId]| Program::build(&self.graph, roots).map_err(failed);
@@ -252,7 +252,7 @@ mod tests {
         let mut texels = Vec::new();
         program.append(&FrameInputs::default(), &mut texels);
         assert_eq!(texels[0][3], 2);
-        // The channels that the sum reads: of the first texture green, of the second blue.
+        // The channels that the sum reads: green of the first texture, blue of the second.
         let read: Vec<u32> = texels[3..texels[1][1] as usize]
             .iter()
             .filter(|texel| texel[2] & 255 == u32::from(crate::tape::opcode::TEXTURE))

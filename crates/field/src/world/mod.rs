@@ -1,11 +1,12 @@
-//! A world: a checked scene made ready to be drawn.
+//! A world: a checked scene, prepared for drawing.
 //!
 //! ```text
 //! Scene → planes, which are solved exactly, and the rest → bounds of the rest → programs: tapes and GLSL
 //! ```
 //!
-//! Everything here is computed once per scene, on any thread. What changes with each frame is in `frame`, what needs
-//! OpenGL in `gpu`. No scene is special: whatever the picture shows comes from the scene's text.
+//! Everything here is computed once per scene, on any thread. Values that change with each frame are in `frame`, and
+//! everything that needs OpenGL is in `gpu`. No scene is special: all that the picture shows comes from the scene's
+//! text.
 
 mod bounds;
 mod compiled;
@@ -36,21 +37,21 @@ use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
 
-/// Why a scene cannot be made ready.
+/// Why a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
 pub enum WorldError {
-    /// The text is no scene.
+    /// The text is not a scene.
     #[error("{report}")]
     Text {
-        /// What is wrong and where, as [`render_all`](crate::lang::render_all) prints it.
+        /// The mistakes and their places, as [`render_all`](crate::lang::render_all) prints them.
         report: String,
     },
-    /// The scene's expressions are too many.
+    /// The scene has too many expressions.
     #[error("{scene}: {source}")]
     Graph {
         /// The scene.
         scene: String,
-        /// What is too much.
+        /// The limit that is exceeded.
         source: GraphError,
     },
     /// A tape of the scene cannot be built.
@@ -58,7 +59,7 @@ pub enum WorldError {
     Tape {
         /// The scene.
         scene: String,
-        /// What is too much.
+        /// Why the tape cannot be built.
         source: TapeError,
     },
     /// The generated GLSL is not well formed.
@@ -69,18 +70,19 @@ pub enum WorldError {
     Refused {
         /// The scene.
         scene: String,
-        /// What naga says.
+        /// The message of naga.
         reason: String,
     },
 }
 
-/// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled shader.
+/// The expressions that the shader evaluates, each a program of the interpreter and a function of the compiled
+/// shader.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Roots {
-    /// Of the rest: how far a ray may step, and the distance to a surface that is there. The place of the normal's x
-    /// holds the distance from which on a surface casts no shadow here, else 0.
+    /// For the rest: how far a ray may step, and the distance to an actual surface. The normal's x is used to pass
+    /// the distance beyond which a surface casts no shadow here, else 0.
     pub distance: [NodeId; 2],
-    /// Of the rest: the number of the nearest object.
+    /// For the rest: the number of the nearest object.
     pub object: NodeId,
     /// See [`Material::numbers`](crate::lang::Material::numbers).
     pub materials: Vec<Vec<NodeId>>,
@@ -88,19 +90,19 @@ pub struct Roots {
     pub sky: [NodeId; 3],
     /// Light on a surface from everywhere.
     pub ambient: [NodeId; 3],
-    /// Emission near a point, and the distance to what has it; black where nothing shines.
+    /// Emission near a point, and the distance to its source; black where nothing shines.
     pub glow: [NodeId; 4],
 }
 
 impl Roots {
-    /// All of them.
+    /// All expressions.
     pub fn all(&self) -> impl Iterator<Item = NodeId> + '_ {
         let materials = self.materials.iter().flatten();
         let rest = [self.object].into_iter().chain(self.sky).chain(self.ambient).chain(self.glow);
         self.distance.into_iter().chain(rest).chain(materials.copied())
     }
 
-    /// Each of them replaced.
+    /// The same with each expression replaced.
     fn map(&self, new: impl Fn(NodeId) -> NodeId) -> Self {
         Self {
             distance: self.distance.map(&new),
@@ -120,35 +122,35 @@ impl Roots {
 /// A scene that can be drawn.
 #[derive(Debug, Clone)]
 pub struct World {
-    /// What messages and the title call it.
+    /// Its name in messages and in the title.
     pub name: String,
     /// The scene.
     pub scene: Scene,
-    /// The expressions of [`World::roots`], without what is the same all over a frame.
+    /// The expressions of [`World::roots`], without the parts that are the same all over a frame.
     pub graph: Graph,
-    /// What is computed once a frame in its place.
+    /// The parts that are computed once per frame instead.
     pub hoisted: Hoisted,
     /// Surfaces that are planes, each with its object.
     pub planes: Vec<Plane>,
     /// Whether there is anything but planes.
     pub has_rest: bool,
-    /// Where the surfaces of the rest lie at any sound and time, where that is known.
+    /// Bounds of the surfaces of the rest at any sound and time, if they are known.
     pub bounds: Option<Bounds>,
-    /// Whether the distance of the rest is none in practice: steeper than the way, or much flatter at surfaces. Rays then
-    /// need to know how steep it is where they are.
+    /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
+    /// surfaces. Rays then need to know how steep it is where they are.
     pub steep: bool,
-    /// What it needs of the shaders.
+    /// The parts of the shaders that it needs.
     pub traits: SceneFeatures,
-    /// What the shader evaluates.
+    /// The expressions that the shader evaluates.
     pub roots: Roots,
-    /// What the processor evaluates once a frame.
+    /// The values that the CPU computes once per frame.
     pub frame_tape: FrameTape,
     /// The pictures of [`Scene::textures`].
     pub pictures: Vec<Arc<RgbaImage>>,
 }
 
 impl World {
-    /// The world of a text that includes no other and shows no pictures.
+    /// The world of a text without includes and textures.
     ///
     /// # Errors
     /// Mistakes in the text, or a scene that takes more nodes or clauses than the limits.
@@ -160,7 +162,7 @@ impl World {
         Self::new(name, scene, Vec::new())
     }
 
-    /// Makes a scene ready. `pictures` are those of its textures, in their order.
+    /// Prepares a scene. `pictures` are the images of its textures, in their order.
     ///
     /// # Errors
     /// A scene that takes more nodes or clauses than the limits.
@@ -220,7 +222,7 @@ fn roots(scene: &mut Scene, rest: Option<&Rest>, glow: Option<[NodeId; 4]>) -> R
 pub(crate) mod testing {
     use super::World;
 
-    /// The thesis' speakers.
+    /// The speakers of the thesis.
     pub(crate) const SPEAKERS: &str = include_str!("../../../../tests/oracle/speakers.scene");
 
     pub(crate) fn world_of(text: &str) -> World {

@@ -1,22 +1,20 @@
-//! What objects that shine give to what is near them.
+//! The light that shining objects give to their surroundings.
 //!
-//! Whatever hides a part of the sky from a surface sends its own light from there instead. The shader asks here, once for
-//! a surface, at a point above it: what shines nearby, and how far away it is.
-//!
-//! **What hides the sky sends its own light.** Emission lights its surroundings as ambient occlusion darkens them: a
-//! probe above the surface asks one program for the emission and the distance of what shines nearby
-//! (`world::nearby_light`), mixed between objects so that it has no seams. It costs one program a surface, in scenes in
-//! which something shines. No other light finds its way from surface to surface but by mirrors.
+//! **What hides the sky sends its own light.** An object that hides a part of the sky from a surface sends its own
+//! light from there instead, so emission lights its surroundings just as ambient occlusion darkens them. Once per
+//! surface the shader probes a point above it and asks one program for the emission and the distance of what shines
+//! nearby, mixed between objects so that no seams are seen. Only scenes in which something shines pay for this
+//! program. No other light travels from surface to surface, except by mirrors.
 
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::Scene;
 
-/// Emission near a point in red, green and blue, and the distance to the nearest object that shines, as functions of the
-/// point. Between objects their emissions mix, the nearer the more, so that no seam is seen. Where an emission depends on
-/// the normal it is that of a surface that faces up. None where nothing shines.
+/// Emission near a point in red, green and blue, and the distance to the nearest object that shines, as functions of
+/// the point. Between objects their emissions mix, nearer ones counting more, so that no seam is seen. An emission
+/// that depends on the normal is that of a surface that faces up. `None` if nothing shines.
 ///
 /// # Errors
-/// What [`Graph::check`] says.
+/// Those of [`Graph::check`].
 pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, GraphError> {
     let zero = scene.graph.constant(0.0);
     let objects = scene.objects.iter();
@@ -58,7 +56,7 @@ pub(super) fn nearby_light(scene: &mut Scene) -> Result<Option<[NodeId; 4]>, Gra
     Ok(Some([r, g, b, nearest]))
 }
 
-/// The expressions with (0, 1, 0) for the normal.
+/// The expressions with (0, 1, 0) as the normal.
 fn without_normals(graph: &mut Graph, roots: &[NodeId]) -> Result<Vec<NodeId>, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     for id in graph.order(roots)?.nodes {

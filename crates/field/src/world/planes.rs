@@ -1,8 +1,8 @@
-//! Planes, which a ray meets exactly, and the rest of a scene, which is traced.
+//! Planes, which rays hit exactly, and the rest of a scene, which is traced.
 //!
-//! **Planes are solved exactly.** A part of an object's union that is `a*x + b*y + c*z + d`, with numbers that are the
-//! same all over a frame, is taken out of the scene, up to four of them. A floor is then one division for a ray, not
-//! steps without end along it, and what is left often has bounds.
+//! **Planes are solved exactly.** A part of an object's union is taken out of the scene if it is `a*x + b*y + c*z +
+//! d` with numbers that are the same all over a frame; up to four parts are. A floor then costs a ray one division
+//! instead of endless steps along it, and what is left of the scene often has bounds.
 
 use std::collections::HashSet;
 
@@ -12,8 +12,8 @@ use crate::lang::Scene;
 /// Most planes that are taken out of a scene; further ones are traced like anything else.
 pub const PLANES_MAX: usize = 4;
 
-/// A part of an object's shape that is a plane: its shape is `a*x + b*y + c*z + d` with numbers that are the same all
-/// over a frame.
+/// A part of an object's shape that is a plane: it is `a*x + b*y + c*z + d` with numbers that are the same all over a
+/// frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Plane {
     /// The part of the shape.
@@ -22,14 +22,14 @@ pub struct Plane {
     pub object: usize,
 }
 
-/// Everything that is no plane.
+/// Everything that is not a plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rest {
-    /// As far as a ray may step.
+    /// How far a ray may step.
     pub bound: NodeId,
-    /// Distance to a surface that is there, for penumbras and occlusion.
+    /// Distance to an actual surface, for penumbras and occlusion.
     pub estimate: NodeId,
-    /// Number of the object whose surface that is.
+    /// Number of the object with that surface.
     pub object: NodeId,
 }
 
@@ -38,16 +38,16 @@ pub struct Rest {
 enum Shape {
     /// Not at all.
     Constant,
-    /// As a plane's equation does.
+    /// As in the equation of a plane.
     Affine,
     /// In any other way.
     Other,
 }
 
-/// Takes the planes out of a scene's shapes. What an object with a `bound` holds stays together.
+/// Takes the planes out of a scene's shapes. The shape of an object with a `bound` is not taken apart.
 ///
 /// # Errors
-/// What [`Graph::check`] says.
+/// Those of [`Graph::check`].
 pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), GraphError> {
     let shapes: Vec<NodeId> = scene.objects.iter().map(|object| object.shape).collect();
     let kinds = kinds(&scene.graph, &shapes)?;
@@ -75,7 +75,7 @@ pub(super) fn split(scene: &mut Scene) -> Result<(Vec<Plane>, Option<Rest>), Gra
     Ok((planes, combine(graph, &rest)))
 }
 
-/// What is left of an object without its planes.
+/// The rest of an object without its planes.
 struct Part {
     object: usize,
     shape: NodeId,
@@ -84,9 +84,9 @@ struct Part {
 
 /// The union of the parts.
 ///
-/// Where a shape leaves something out, its value is that of the wrong surface beyond `bound`: a penumbra there would
-/// be torn. So its penumbra ends at the bound: the estimate grows so much that it casts no shadow from there on, and
-/// grows from nothing, so that no edge is seen.
+/// Where a shape leaves something out, its value beyond `bound` is the distance to the wrong surface, which would
+/// tear a penumbra. So the penumbra ends at the bound: from there on the estimate is so large that it casts no
+/// shadow, and it grows gradually, so that no edge is seen.
 fn combine(graph: &mut Graph, parts: &[Part]) -> Option<Rest> {
     let penumbra = graph.input(Input::NX);
     let one = graph.constant(1.0);
@@ -132,7 +132,7 @@ fn operands_of_minimum(graph: &Graph, root: NodeId) -> Vec<NodeId> {
     operands
 }
 
-/// How each node that the roots need depends on the point, by its index.
+/// How each node that the roots need depends on the point; indexed by node.
 fn kinds(graph: &Graph, roots: &[NodeId]) -> Result<Vec<Shape>, GraphError> {
     let mut kinds = vec![Shape::Other; graph.len()];
     for id in graph.order(roots)?.nodes {

@@ -1,11 +1,11 @@
-//! Whether a scene's formula is a distance function in practice, found by sampling its gradient.
+//! Whether the value of a scene's formula is a distance in practice, found by sampling its gradient.
 //!
-//! **Any formula is traced.** Whether a scene's distance is one is found by sampling its gradient when it is loaded.
-//! Where it is steeper than 1, or far flatter at its surfaces, steps of the value would miss surfaces or draw them fat.
-//! Each cell of the tree then tells bounds of the gradient (`graph::GradientInterval`: forward accumulation in
-//! intervals; lengths have a rule of their own, as a square root's slope is unbounded at 0), and a step that cannot
-//! pass a surface follows from them. Boxes are cut where parts of a formula jump, so that noise is as smooth as it
-//! looks.
+//! **Any formula is traced.** The gradient of a scene's formula is sampled when the scene is loaded. If the formula
+//! is steeper than 1, or far flatter at its surfaces, steps by its value would miss surfaces or draw them fat. Each
+//! cell of the tree then holds bounds of the gradient (`graph::GradientInterval`: forward accumulation in intervals,
+//! with a separate rule for lengths because a square root's slope is unbounded at 0). From them follows a step that
+//! cannot pass a surface. Boxes are cut where parts of a formula jump, so that noise is bounded as the smooth value
+//! that it is.
 
 use super::bounds::Bounds;
 use crate::graph::{FrameInputs, Point, TableData, cell_hash};
@@ -13,18 +13,18 @@ use crate::graph::{SoundInput, SoundInputs};
 use crate::lang::Param;
 use crate::tape::{Dual, GradientEvaluator, Tape};
 
-/// A distance never changes faster than the place; so much more is put down to rounding.
+/// A distance never changes faster than the position; this much more is attributed to rounding.
 const STEEPEST: f32 = 1.01;
-/// Share of the samples that may be steeper: seams of blends, where a ray is hardly ever.
+/// Share of the samples that may be steeper: these are seams of blends, where a ray hardly ever is.
 const STEEP_SHARE: f32 = 0.01;
-/// Where half of the surface is flatter than this, steps of the value are far too short, and what counts as a hit by its
-/// value is a fat block around the surface.
+/// If half of the surface is flatter than this, steps by the value are far too short, and the points that count as a
+/// hit form a fat block around the surface.
 const FLATTEST: f32 = 0.2;
-/// How far away from the camera's target a scene without bounds is looked at.
+/// Distance from the camera's target within which a scene without bounds is sampled.
 pub(super) const AROUND: f32 = 30.0;
-/// Frames that are looked at: silence at the start, then random ones.
+/// Frames that are sampled: silence at the start, then random ones.
 const FRAMES: usize = 4;
-/// Points that a frame begins with, at most.
+/// Most points with which a frame begins.
 const POINTS_MAX: usize = 1024;
 const POINTS_MIN: usize = 8;
 /// Steps from a point towards the surface.
@@ -32,17 +32,17 @@ const STEPS: usize = 4;
 /// Clauses that may be evaluated, with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
 
-/// Slopes that were met.
+/// Slopes that were sampled.
 #[derive(Debug, Clone, Default)]
 struct Slopes {
-    /// Outside of solids and on surfaces.
+    /// Slopes outside of solids and on surfaces.
     outside: Vec<f32>,
-    /// On surfaces.
+    /// Slopes on surfaces.
     surface: Vec<f32>,
 }
 
-/// Whether the value of the tape's first output is no distance function in practice: steeper than one somewhere, or much
-/// flatter at its surfaces. `frames` are frames and the box to look into in each.
+/// Whether the value of the tape's first output is not a distance: it is steeper than 1 in too many samples, or much
+/// flatter at its surfaces. `frames` are the frames to sample, each with its box.
 pub(super) fn is_steep(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> bool {
     let slopes = slopes(tape, frames);
     let steep = slopes.outside.iter().filter(|slope| **slope > STEEPEST).count();
@@ -89,7 +89,7 @@ fn slopes(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> S
     found
 }
 
-/// Frames to look at: silence at the start, then any time, sound and parameters.
+/// The frames to sample: silence at the start, then any time, sound and parameters.
 pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     (0..FRAMES).map(|number| {
         let random = |what: usize| cell_hash(number as f32, 7919.0 + what as f32);
@@ -114,10 +114,10 @@ pub(super) fn frames(params: &[Param]) -> impl Iterator<Item = FrameInputs> {
     })
 }
 
-/// A value of the sound at `share` of what music reaches.
+/// A value of the sound: `share` of the largest that music reaches.
 fn tried(input: SoundInput, share: f32) -> f32 {
     match input {
-        // Music is hardly louder: half a full-scale square wave.
+        // Music is hardly louder than this: half a full-scale square wave.
         SoundInput::VolumeLeft | SoundInput::VolumeRight | SoundInput::VolumeMid | SoundInput::VolumeSide => {
             0.5 * share
         }

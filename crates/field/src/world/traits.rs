@@ -1,12 +1,12 @@
-//! What a scene needs of the shaders beyond what every scene does: what it does not need is not compiled for it.
+//! The optional parts of the shaders that a scene needs.
 //!
-//! **What a scene does not have is not compiled for it** (`world::SceneFeatures`): panels, mirrors, rough ones, glow. A
-//! renderer that never skips a branch would compute them for nothing.
+//! **What a scene does not have is not compiled for it** (`world::SceneFeatures`): panels, mirrors, rough mirrors,
+//! glow, a lens. A renderer that never skips a branch would compute them for nothing.
 
 use crate::graph::NodeId;
 use crate::lang::{LightPlace, Scene};
 
-/// Parts of the shaders that some scenes go without.
+/// Parts of the shaders that only some scenes need.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct SceneFeatures {
     /// Lights that are rectangles.
@@ -22,7 +22,7 @@ pub struct SceneFeatures {
 }
 
 impl SceneFeatures {
-    /// Those of a scene.
+    /// The features of a scene.
     pub(super) fn of(scene: &Scene, glow: bool) -> Self {
         let panel = |place: &LightPlace| matches!(place, LightPlace::Panel { .. });
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
@@ -36,7 +36,7 @@ impl SceneFeatures {
         }
     }
 
-    /// Their defines.
+    /// The defines of these features.
     pub fn defines(self) -> impl Iterator<Item = &'static str> {
         let all = [
             (self.panels, "PANELS"),
@@ -48,7 +48,7 @@ impl SceneFeatures {
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }
 
-    /// Whether nothing is missing of `other`.
+    /// Whether these features include all of `other`.
     pub fn covers(self, other: Self) -> bool {
         other.defines().all(|define| self.defines().any(|own| own == define))
     }

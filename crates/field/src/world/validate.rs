@@ -1,4 +1,4 @@
-//! Generated GLSL before naga, so that no driver sees what is not well formed.
+//! Checks generated GLSL with naga, so that no driver sees text that is not well formed.
 
 use naga::front::glsl::{Frontend, Options};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -6,7 +6,7 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 use crate::graph::{BAND_COUNT, CELL_HASH_GLSL, SoundInput};
 use crate::limits::LIMITS;
 
-/// What the generated functions find in the shader around them, in the form that naga reads.
+/// The declarations that the generated functions find in the shader around them, in the form that naga reads.
 fn surroundings() -> String {
     format!(
         "#version 450\n\
@@ -26,7 +26,7 @@ fn surroundings() -> String {
 /// Parses and validates the functions.
 ///
 /// # Errors
-/// What naga says.
+/// The message of naga.
 pub(super) fn validate(functions: &str) -> Result<(), String> {
     let text = surroundings() + functions + "void main() {}\n";
     let module = Frontend::default()

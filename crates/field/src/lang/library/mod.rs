@@ -1,8 +1,8 @@
 //! The library: shapes, operators and GLSL's other functions, written in the language and parsed once.
 //!
-//! A function's documentation stands before it in lines that begin with `##`; the last of them ends with
-//! `[exact; source]`, `[bound; source]` or `[source]`. *Exact*: the result is the distance to the surface. *Bound*: it
-//! never exceeds that distance, so that a ray may step by it, but may be less.
+//! A function's documentation precedes it in lines that begin with `##`; the last of them ends with `[exact;
+//! source]`, `[bound; source]` or `[source]`. *Exact*: the result is the distance to the surface. *Bound*: the result
+//! never exceeds that distance, so that a ray may step by it, but it may be less.
 
 use std::sync::LazyLock;
 
@@ -27,7 +27,7 @@ pub(super) const TEXTS: &[(&str, &str)] = &[
     ("Cameras and ways", include_str!("camera.scene")),
 ];
 
-/// Whether a shape's function is the distance or only bounds it.
+/// Whether a shape's function is the distance or only a bound of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Accuracy {
     /// The distance.
@@ -36,7 +36,7 @@ pub enum Accuracy {
     Bound,
 }
 
-/// A function of the library, for people.
+/// A function of the library, for readers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
     /// Title of the group it belongs to.
@@ -45,23 +45,23 @@ pub struct Entry {
     pub name: &'static str,
     /// Name and parameters as in a declaration.
     pub signature: String,
-    /// What it gives.
+    /// What the function gives.
     pub doc: String,
-    /// For shapes and what keeps or loses their exactness.
+    /// The accuracy of shapes and of functions that keep or lose exactness.
     pub accuracy: Option<Accuracy>,
     /// Where the formula comes from; empty for built-in functions.
     pub source: String,
 }
 
-/// What every scene begins with.
+/// The definitions with which every scene begins.
 pub(super) struct Library {
     /// Reserved words, inputs, built-in functions and the library's names, in this order.
     pub names: Interner,
     pub ast: Ast,
     pub functions: Vec<Function>,
-    /// By symbol: 1 + the function's index, 0 for none.
+    /// By symbol: 1 + the function's index; 0 if there is none.
     pub by_symbol: Vec<u32>,
-    /// By symbol: 1 + the number of arguments at the end that a fold leaves alone, 0 for what is no fold.
+    /// By symbol: 1 + the number of arguments at the end that a fold leaves alone; 0 if the function is not a fold.
     pub folds: Vec<u8>,
 }
 
@@ -76,12 +76,12 @@ pub(super) const FIRST_INPUT: usize = RESERVED.len();
 pub(super) const FIRST_BUILTIN: usize = FIRST_INPUT + INPUTS.len();
 const BEHIND_BUILTINS: usize = FIRST_BUILTIN + BUILTINS.len();
 
-/// Row of [`INPUTS`] that a symbol names.
+/// The row of [`INPUTS`] that a symbol names.
 pub(super) fn input_index(symbol: Symbol) -> Option<usize> {
     (FIRST_INPUT..FIRST_BUILTIN).contains(&symbol.index()).then(|| symbol.index() - FIRST_INPUT)
 }
 
-/// Row of [`BUILTINS`] that a symbol names.
+/// The row of [`BUILTINS`] that a symbol names.
 pub(super) fn builtin_index(symbol: Symbol) -> Option<usize> {
     (FIRST_BUILTIN..BEHIND_BUILTINS).contains(&symbol.index()).then(|| symbol.index() - FIRST_BUILTIN)
 }
@@ -93,7 +93,7 @@ fn build() -> Library {
     for name in brought {
         names.intern(name);
     }
-    // Mistakes in these texts are found by a test.
+    // A test finds mistakes in these texts.
     let mut diagnostics = Diagnostics::new(LIMITS.scene_diagnostics_max);
     let (mut ast, mut functions) = (Ast::default(), Vec::new());
     for (_, text) in TEXTS {
@@ -117,7 +117,7 @@ fn build() -> Library {
     Library { names, ast, functions, by_symbol, folds }
 }
 
-/// Every input, with what it is.
+/// Every input, with its description.
 pub fn inputs() -> impl Iterator<Item = (&'static str, &'static str)> {
     INPUTS.iter().map(|row| (row.name, row.doc))
 }

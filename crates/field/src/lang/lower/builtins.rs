@@ -1,4 +1,4 @@
-//! Functions that the language brings.
+//! Built-in functions.
 
 use super::super::builtin::{Builtin, BuiltinRow, Three, uses};
 use super::super::diagnostic::Diagnostic;
@@ -103,7 +103,8 @@ impl Lowering<'_> {
         Vector::from_slice(parts.get(..len).unwrap_or(&parts)).map_or(Value::Unknown, Value::Vector)
     }
 
-    /// A vector from one number, from the first components of a longer one, or from parts that make up its size.
+    /// A vector from one number, from the first components of a longer vector, or from parts whose sizes add up to
+    /// its own.
     fn construct(&mut self, name: &str, len: u8, vectors: &[Option<Vector>; 4], span: Span) -> Value {
         let len = usize::from(len);
         let Some(first) = vectors[0] else { return Value::Unknown };
@@ -201,7 +202,7 @@ impl Lowering<'_> {
     }
 }
 
-/// Whether all are of one size, or scalars, which fit every size.
+/// Whether all have the same size or are scalars, which fit every size.
 fn sizes_fit(vectors: &[Vector]) -> bool {
     let most = vectors.iter().map(|vector| vector.len()).max().unwrap_or(1);
     vectors.iter().all(|vector| vector.len() == 1 || vector.len() == most)

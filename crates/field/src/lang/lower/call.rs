@@ -1,4 +1,4 @@
-//! Calls: of the scene's functions, of the library's, and with any number of arguments.
+//! Calls: of the scene's functions, of the library's functions, and with any number of arguments.
 
 use super::super::ast::{Expr, ExprId, Function, Type};
 use super::super::builtin::BUILTINS;
@@ -10,7 +10,7 @@ use super::super::symbol::Symbol;
 use super::super::value::Value;
 use super::Lowering;
 
-/// What a name calls.
+/// The function that a name calls.
 #[derive(Clone, Copy)]
 enum Callee {
     Scene(usize),
@@ -101,7 +101,7 @@ impl Lowering<'_> {
         self.depth -= 1;
     }
 
-    /// A whole number that is known before the scene runs.
+    /// A whole number that is known when the scene is compiled.
     fn loop_bound(&mut self, id: ExprId) -> Option<i64> {
         let span = self.ast.span(id);
         let value = match self.expr(id) {
@@ -124,7 +124,8 @@ impl Lowering<'_> {
         Some(value as i64)
     }
 
-    /// Combines the arguments from `mark` on from the left, two at a time; `tail` at the end belong to each step.
+    /// Combines the arguments from `mark` on from the left, two at a time; the last `tail` arguments are passed to
+    /// each step.
     fn fold(&mut self, callee: Callee, name: Symbol, mark: usize, tail: usize, span: Span) -> Value {
         let count = self.arguments.len() - mark;
         if self.arguments.iter().skip(mark).any(|value| *value == Value::Unknown) {
@@ -163,7 +164,8 @@ impl Lowering<'_> {
         result
     }
 
-    /// Calls with the arguments from `mark` on. `first` is where their expressions stand, for their places.
+    /// Calls with the arguments from `mark` on. `first` is the position of their expressions, from which their places
+    /// follow.
     fn apply(&mut self, callee: Callee, name: Symbol, mark: usize, first: u32, span: Span) -> Value {
         match callee {
             Callee::Builtin(index) => match BUILTINS.get(index) {
@@ -218,8 +220,8 @@ impl Lowering<'_> {
         value
     }
 
-    /// Whether number and types of the arguments are what the function takes; a number becomes the vector it
-    /// stands for. Complaints are about the argument where its place is known.
+    /// Whether number and types of the arguments are those that the function takes; a number becomes the vector it
+    /// stands for. Mistakes are reported at the argument where its place is known.
     fn arguments_fit(
         &mut self,
         function: &Function,
@@ -266,7 +268,7 @@ impl Lowering<'_> {
         fit
     }
 
-    /// The place of the argument at `index` of a call whose arguments stand from `first` on.
+    /// The place of the argument at `index` of a call whose arguments begin at `first`.
     pub(super) fn argument_span(&self, first: u32, index: usize, call: Span) -> Span {
         if first == u32::MAX {
             return call;
@@ -299,7 +301,7 @@ impl Lowering<'_> {
         self.report(Diagnostic::new(span, message).hint(hint));
     }
 
-    /// Name and parameters of a function, for people.
+    /// Name and parameters of a function, for readers.
     #[cold]
     fn signature(&self, callee: Callee, name: Symbol) -> String {
         let parameters = match callee {

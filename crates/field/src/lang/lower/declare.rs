@@ -1,4 +1,4 @@
-//! The scene as a whole: what its items declare, in which order they are lowered, and what it has by default.
+//! The scene as a whole: its items, the order in which they are lowered, and its defaults.
 
 use super::super::ast::{ExprId, Item, Name, Section};
 use super::super::builtin::uses;
@@ -26,9 +26,9 @@ pub(super) struct Parts {
     pub default_material: Option<usize>,
 }
 
-/// What a bare expression is called.
+/// The name given to a bare expression.
 const BARE_NAME: &str = "shape";
-/// How far ambient occlusion acts where a scene does not tell.
+/// Reach of ambient occlusion where a scene does not set it.
 const DEFAULT_REACH: f32 = 1.1;
 
 impl<'a> Lowering<'a> {
@@ -39,7 +39,7 @@ impl<'a> Lowering<'a> {
         sources: &Sources,
     ) -> Option<Scene> {
         self.declare(items);
-        // In their order, so that a long chain of them is no deep recursion.
+        // In textual order, so that a long chain of them needs no deep recursion.
         self.within(u8::MAX, "", |this| {
             for index in 0..this.lets.len() {
                 let span = this.lets[index].span;
@@ -49,7 +49,7 @@ impl<'a> Lowering<'a> {
             }
         });
         let mut parts = Parts::default();
-        // Materials come first: objects name them.
+        // Materials come first because objects name them.
         for of_materials in [true, false] {
             let wanted = |section: &Section| (*section == Section::Material) == of_materials;
             for item in items {
@@ -141,7 +141,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Lowers something with its set of inputs.
+    /// Lowers something with its own set of allowed inputs.
     pub(super) fn within<T>(
         &mut self,
         allowed: u8,
@@ -155,7 +155,7 @@ impl<'a> Lowering<'a> {
         result
     }
 
-    /// The number that `what` has to be; none where it is not, which is then reported.
+    /// The number that `what` must be; `None` if it is not one, which is then reported.
     pub(super) fn one_number(&mut self, value: Value, what: &str, span: Span) -> Option<NodeId> {
         match value {
             Value::Unknown => None,
@@ -201,7 +201,7 @@ impl<'a> Lowering<'a> {
                     self.functions.push(GlobalFunction { function, called: false, open: false });
                     self.globals[index].function = self.functions.len() as u32;
                 }
-                // Beyond the limits for all of them together, which are reported later, names need no comparing.
+                // Names need no comparing beyond the limit on all of them together, which is reported later.
                 Item::Section { section, name: Some(name), .. } if taken.len() < named_max => {
                     let first = taken.iter().find(|(of, one)| of == section && one.symbol == name.symbol);
                     if let Some((_, first)) = first {
@@ -225,7 +225,7 @@ impl<'a> Lowering<'a> {
         self.report(wrong.hint("give one of them another name"));
     }
 
-    /// Whether a value of the scene can have this name; complains if not.
+    /// Whether a value of the scene can have this name; reports it if not.
     fn may_declare(&mut self, name: Name) -> bool {
         if library::input_index(name.symbol).is_some() {
             let message = format!("`{}` is an input of every scene", self.name(name.symbol));
@@ -285,11 +285,11 @@ impl<'a> Lowering<'a> {
         let span = self.ast.span(value);
         let result = self.within(uses::NOTHING, "a parameter", |this| this.expr(value));
         let part = self.one_number(result, "a parameter", span)?;
-        // Where an input was used that was reported already.
+        // An input was used here that was already reported.
         self.graph.as_constant(part).filter(|number| number.is_finite())
     }
 
-    /// Lowers functions that nothing called with unknown arguments, to find their mistakes.
+    /// Lowers functions that were never called, with unknown arguments, to find their mistakes.
     fn check_the_unused(&mut self) {
         self.within(u8::MAX, "", |this| {
             for index in 0..this.functions.len() {
@@ -317,7 +317,7 @@ impl<'a> Lowering<'a> {
         parts.materials.len() - 1
     }
 
-    /// Sees the unit ball at the origin and the thesis' ball at (1, 1, 6).
+    /// Shows the unit ball at the origin and the ball of the thesis at (1, 1, 6).
     pub(super) fn default_camera(&mut self) -> Camera {
         Camera {
             position: self.vector([0.0, 2.0, -5.0]),
@@ -330,7 +330,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A slight glow around what is bright, grain that nobody sees.
+    /// A slight glow around bright places, and grain too weak to be seen.
     pub(super) fn default_picture(&mut self) -> Picture {
         Picture {
             exposure: self.constant(1.0),
@@ -341,7 +341,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Dusk, brightest at the horizon: no ray ends in a black void.
+    /// Dusk, brightest at the horizon, so that no ray ends in black.
     pub(super) fn default_sky(&mut self) -> Sky {
         let symbols = ["default_sky", "default_ambient"].map(|name| self.names.get(name));
         let [color, ambient] = symbols.map(|symbol| symbol.and_then(|symbol| self.library_color(symbol)));
@@ -353,7 +353,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// A function of the library that makes a colour of a direction.
+    /// A library function that gives a colour for a direction.
     fn library_color(&mut self, symbol: Symbol) -> Option<[NodeId; 3]> {
         let direction = self.names.get("direction")?;
         let value = self.within(uses::DIRECTION | uses::FRAME, "the sky", |this| {
@@ -370,7 +370,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// What a function of the library makes of numbers, if that is a number.
+    /// The result of a library function for numbers, if that is a number.
     pub(super) fn library_number(&mut self, name: &str, arguments: &[NodeId]) -> Option<NodeId> {
         let symbol = self.names.get(name)?;
         let mark = self.arguments.len();

@@ -55,7 +55,7 @@ impl Lowering<'_> {
 
     /// [`Lowering::expr`], one level deeper.
     fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
-        // Numbers and names go no deeper.
+        // Numbers and names do not go deeper.
         match self.ast.expr(id) {
             Expr::Number(value) => return Value::scalar(self.graph.constant(value)),
             Expr::Name(symbol) => {
@@ -147,7 +147,7 @@ impl Lowering<'_> {
                 None
             }
         };
-        // What is decided already leaves the other side out, so that a loop's rounds can differ.
+        // If the condition is a constant, the other side is left out, so that the rounds of a loop can differ.
         if let Some(value) = part.and_then(|part| self.graph.as_constant(part)) {
             return self.expr_below(if value != 0.0 { yes } else { no }, span);
         }
@@ -186,7 +186,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A vector, or a complaint that `what` works on numbers.
+    /// A vector; or a report that `what` works on numbers.
     pub(super) fn number(
         &mut self,
         value: Value,
@@ -210,7 +210,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// A function of two numbers on each pair of components; the sizes fit already.
+    /// A function of two numbers on each pair of components; their sizes are known to fit.
     pub(super) fn zip(
         &mut self,
         a: Vector,

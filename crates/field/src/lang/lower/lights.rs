@@ -1,4 +1,4 @@
-//! Lights: where they are, and what is told of them.
+//! Lights: their places and their fields.
 
 use super::super::diagnostic::Diagnostic;
 use super::super::scene::{Light, LightPlace};
@@ -6,7 +6,7 @@ use super::super::source::Span;
 use super::Lowering;
 use super::sections::Values;
 
-/// The places of a light's fields, as in `sections.rs`.
+/// The positions of a light's fields, as in `sections.rs`.
 const POSITION: usize = 0;
 const DIRECTION: usize = 1;
 const COLOR: usize = 2;

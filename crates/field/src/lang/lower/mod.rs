@@ -1,8 +1,8 @@
-//! The tree to a checked scene: names are looked up, sizes checked, functions put in where they are called, loops
-//! unrolled, and everything built into one graph.
+//! The tree to a checked scene: names are looked up, sizes are checked, functions are expanded where they are called,
+//! loops are unrolled, and everything is built into one graph.
 //!
-//! Recursion follows the nesting of the text and of calls and is bounded by `scene_depth_max`; chains of operators are
-//! loops. Every node that is visited counts against `scene_expansion_max`.
+//! Recursion follows the nesting of the text and of calls and is bounded by `scene_depth_max`; chains of operators
+//! are loops. Every visited node counts against `scene_expansion_max`.
 
 mod builtins;
 mod call;
@@ -24,7 +24,7 @@ use super::value::{Value, Vector};
 use crate::graph::{Graph, Input, NodeId};
 use crate::limits::Limits;
 
-/// Makes a scene of a tree; none where the scene has no shape or something was wrong with it.
+/// Makes a scene from a tree; `None` if the scene has no shape or has mistakes.
 pub(super) fn lower(
     loaded: Loaded,
     limits: &Limits,
@@ -33,7 +33,7 @@ pub(super) fn lower(
 ) -> Option<Scene> {
     let Loaded { ast, names, items, includes } = loaded;
     let mut graph = Graph::with_limits(limits);
-    // About one node for an expression where little is repeated.
+    // About one node per expression where little is repeated.
     graph.reserve(ast.len());
     let lowering = Lowering {
         graph,
@@ -65,7 +65,7 @@ pub(super) fn lower(
     lowering.scene(&items, includes, sources)
 }
 
-/// What a name means at the top of the scene: values, functions and materials each have names of their own.
+/// The meaning of a name at the top of the scene: values, functions and materials each have names of their own.
 #[derive(Debug, Clone, Copy, Default)]
 struct Global {
     value: GlobalValue,
@@ -73,7 +73,7 @@ struct Global {
     function: u32,
     /// 1 + index of the material; 0 for none.
     material: u32,
-    /// Something of this name was reported.
+    /// An item of this name was reported.
     broken: bool,
 }
 
@@ -131,18 +131,18 @@ struct Lowering<'a> {
     innermost: Vec<u32>,
     /// Where the bindings of the current function begin.
     frame: usize,
-    /// Scene functions and lets that are being put in: the name and where it stands.
+    /// Scene functions and lets that are being expanded: the name and its place.
     calls: Vec<(Symbol, Span)>,
-    /// Where the scene calls the library: mistakes in there are the caller's.
+    /// Where the scene calls the library: mistakes inside the library are reported at the call.
     library_call: Option<(Symbol, Span)>,
     depth: usize,
     steps: usize,
-    /// A limit was met: all else is unknown.
+    /// A limit was reached: everything else is unknown.
     stopped: bool,
-    /// Inputs that may be used here, see [`uses`], and what "here" is called.
+    /// Inputs that may be used here (see [`uses`]), and the name of this place.
     allowed: u8,
     place: &'static str,
-    /// Inputs that were used since this was cleared.
+    /// Inputs that were used since this was last cleared.
     used: u8,
     /// Operators on the way down to the first operand.
     spine: Vec<ExprId>,
@@ -150,7 +150,7 @@ struct Lowering<'a> {
     arguments: Vec<Value>,
 }
 
-/// Most calls that a diagnostic shows on the way to its place.
+/// Most calls that a diagnostic lists on the way to its place.
 const CALLS_SHOWN: usize = 3;
 
 impl<'a> Lowering<'a> {
@@ -158,7 +158,7 @@ impl<'a> Lowering<'a> {
         self.names.name(symbol)
     }
 
-    /// Reports a mistake; in the library it is put where the scene called it.
+    /// Reports a mistake; a mistake in the library is placed where the scene called it.
     #[cold]
     fn report(&mut self, mut diagnostic: Diagnostic) -> Value {
         if let Some((_, span)) = self.library_call {
@@ -173,7 +173,7 @@ impl<'a> Lowering<'a> {
         Value::Unknown
     }
 
-    /// Reports that a limit is met and ends the work.
+    /// Reports that a limit is reached and ends the work.
     #[cold]
     fn stop(&mut self, span: Span, message: String, hint: &str) -> Value {
         let value = self.report(Diagnostic::over_limit(span, message).hint(hint));
@@ -181,7 +181,7 @@ impl<'a> Lowering<'a> {
         value
     }
 
-    /// Counts a step; whether work goes on.
+    /// Counts a step and says whether work goes on.
     #[inline]
     fn step(&mut self, span: Span) -> bool {
         self.steps += 1;
@@ -269,7 +269,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Notes that an input is used, and reports it where it has no value.
+    /// Notes that an input is used; reports it if it has no value here.
     fn take_input(&mut self, kind: u8, symbol: Symbol, span: Span) {
         self.used |= kind;
         let missing = kind & !self.allowed;
@@ -337,7 +337,7 @@ impl<'a> Lowering<'a> {
         value
     }
 
-    /// Reports that a name is defined by itself, with the names on the way.
+    /// Reports that a name is defined by itself, with the names in between.
     #[cold]
     fn circle(&mut self, symbol: Symbol, span: Span) -> Value {
         let first = self.calls.iter().position(|call| call.0 == symbol).unwrap_or(0);
@@ -349,7 +349,7 @@ impl<'a> Lowering<'a> {
             format!("these use each other in a circle: {}", way.join(" → "))
         };
         let hint = "functions are put in where they are called, so none can call itself: repeat with `for`";
-        // The calls on the way say no more than the message.
+        // The calls on the way would only repeat the message.
         let calls = std::mem::take(&mut self.calls);
         let value = self.report(Diagnostic::unsupported(span, message).hint(hint));
         self.calls = calls;

@@ -1,7 +1,7 @@
 //! Objects, and those that melt into the one before them.
 //!
-//! **Melting is the language's.** An object that melts into another makes one object of both, with one shape and one
-//! material: the shader knows nothing of it.
+//! **Melting is the language's.** An object that melts into another becomes one object with it, with one shape and
+//! one material: the shader knows nothing of it.
 
 use super::super::diagnostic::Diagnostic;
 use super::super::material::Material;
@@ -13,7 +13,7 @@ use super::declare::Parts;
 use super::sections::Values;
 use crate::graph::NodeId;
 
-/// The places of an object's fields, as in `sections.rs`.
+/// The positions of an object's fields, as in `sections.rs`.
 const SHAPE: usize = 0;
 const MATERIAL: usize = 1;
 const BOUND: usize = 2;
@@ -54,8 +54,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// Two objects as one whose shapes flow together within `radius`, and whose materials mix there: at the seam, where
-    /// both shapes are equally near, by halves.
+    /// Combines two objects into one. Their shapes flow together within `radius`, and their materials mix there: in
+    /// equal shares at the seam, where both shapes are equally near.
     fn melted(&mut self, parts: &mut Parts, a: Object, b: Object, radius: NodeId) -> Option<Object> {
         let tiny = self.constant(1e-4);
         let radius = self.graph.max(radius, tiny);
@@ -86,7 +86,7 @@ impl Lowering<'_> {
         Some(Object { name: format!("{} and {}", a.name, b.name), span: a.span, shape, bound, material })
     }
 
-    /// A material between two: the first at share 0.
+    /// A mixture of two materials; at share 0 it is the first.
     fn mixed(&mut self, a: &Material, b: &Material, share: NodeId) -> Material {
         let both: Vec<_> = a.numbers().into_iter().zip(b.numbers()).collect();
         let mixed = both.into_iter().map(|(a, b)| self.graph.mix(a, b, share));

@@ -1,6 +1,6 @@
-//! Blocks with fields: objects, materials, lights, the camera and the sky.
+//! Blocks with fields: objects, materials, lights, the camera, the sky and the picture.
 //!
-//! What a block is made of stands in one table; `objects.rs` and `lights.rs` make the larger ones.
+//! One table lists the fields of each block; `objects.rs` and `lights.rs` build the larger ones.
 
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
 use super::super::builtin::uses::{DIRECTION, EYE, FRAME, NORMAL, POINT, TEXTURE};
@@ -15,7 +15,7 @@ use super::Lowering;
 use super::declare::Parts;
 use crate::graph::NodeId;
 
-/// What a field holds.
+/// The type of a field's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Holds {
     Number,
@@ -24,7 +24,7 @@ enum Holds {
     ToneMap,
 }
 
-/// A field: its name, what it holds, and the inputs that it may use.
+/// A field: its name, the type of its value, and the inputs that it may use.
 type Field = (&'static str, Holds, u8);
 
 const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
@@ -96,7 +96,7 @@ pub(super) fn word(section: Section) -> &'static str {
     }
 }
 
-/// What a section is called where an input has no value in it.
+/// The name of a section in messages about inputs that have no value in it.
 fn place(section: Section) -> &'static str {
     match section {
         Section::Object => "a shape",
@@ -116,12 +116,12 @@ pub(super) struct Values {
     pub(super) material: Option<usize>,
     /// The tone map that a picture names.
     tone_map: Option<ToneMap>,
-    /// Whether a field was wrong, so that what is made of them is of no use.
+    /// Whether a field was wrong, so that the values are of no use.
     pub(super) broken: bool,
 }
 
 impl Values {
-    /// The value of the field with that number in [`fields`], and where it is given.
+    /// The value of the field with that number in [`fields`], and the place where it is given.
     pub(super) fn given(&self, index: usize) -> Option<(Value, Span)> {
         self.given.get(index).copied().flatten()
     }

@@ -7,10 +7,10 @@ use super::super::token::{Kind, word};
 use super::Parser;
 use super::items::Habit;
 
-/// How tightly a sign in front binds: less than a power, more than a product, so that -x^2 is -(x^2).
+/// How tightly a sign in front binds: less than a power but more than a product, so that -x^2 is -(x^2).
 const PREFIX: u8 = 7;
 
-/// Operator between two expressions, how tightly it binds to the left and what its right side has to reach.
+/// The operator between two expressions, how tightly it binds to the left, and how tightly its right side must bind.
 fn infix(kind: Kind) -> Option<(BinaryOp, u8, u8)> {
     Some(match kind {
         Kind::Or => (BinaryOp::Or, 1, 2),
@@ -73,7 +73,7 @@ impl Parser<'_> {
         left
     }
 
-    /// What stands behind characters that mean nothing belongs to the same mistake.
+    /// Text behind characters without a meaning belongs to the same mistake.
     #[cold]
     fn behind_unknown(&mut self) -> ExprId {
         self.advance();
@@ -85,7 +85,7 @@ impl Parser<'_> {
         self.error_node()
     }
 
-    /// Whether a `-` on a new line stands at its operand, and so begins an expression.
+    /// Whether a `-` on a new line is attached to its operand, and so begins an expression.
     fn begins_negation(&self) -> bool {
         let token = self.token();
         token.kind == Kind::Minus
@@ -182,7 +182,7 @@ impl Parser<'_> {
         let wrong = self.expected("an expression");
         self.report(wrong);
         let node = self.error_node();
-        // What can only stand between expressions is taken, so that the next one is found.
+        // A token that can only stand between expressions is skipped, so that the next expression is found.
         if self.kind() == Kind::Unknown || infix(self.kind()).is_some() && self.kind() != Kind::Minus {
             self.advance();
         }
@@ -202,7 +202,8 @@ impl Parser<'_> {
         self.ast.push(Expr::Number(value), token.span)
     }
 
-    /// Runs `parse` between brackets, of which the opening one is taken already, with or without meaning line ends.
+    /// Runs `parse` between brackets, the opening one of which is already taken; `in_parens` makes line ends
+    /// meaningless.
     fn within<T>(&mut self, in_parens: bool, parse: impl FnOnce(&mut Self) -> T) -> T {
         let outside = std::mem::replace(&mut self.in_parens, in_parens);
         let result = parse(self);
@@ -220,13 +221,13 @@ impl Parser<'_> {
         if self.close_paren(open, "`)`") { inner } else { self.error_node() }
     }
 
-    /// Takes the `)` that belongs to `open`, or complains and looks for it.
+    /// Takes the `)` that belongs to `open`; or reports that it is missing and looks for it.
     fn close_paren(&mut self, open: Span, what: &str) -> bool {
         if self.eat(Kind::CloseParen) {
             return true;
         }
         let wrong = self.expected(what).note(open, "for this `(`");
-        // A text that is never closed has taken the bracket.
+        // An unclosed text has swallowed the bracket.
         let unknown =
             self.at > 0 && self.tokens.get(self.at - 1).is_some_and(|token| token.kind == Kind::Unknown);
         if !unknown {
@@ -259,7 +260,7 @@ impl Parser<'_> {
         self.ast.push(Expr::Call(name.symbol, first, count), span)
     }
 
-    /// Moves the list's entries from `mark` on into the tree.
+    /// Moves the entries of the list from `mark` on into the tree.
     fn take_list(&mut self, mark: usize) -> (u32, u32) {
         let first = self.ast.extra.len() as u32;
         let count = (self.lists.len() - mark) as u32;
@@ -274,7 +275,7 @@ impl Parser<'_> {
             let wrong = self.expected("`then` after the condition");
             self.report(wrong.hint("a choice is written `if a then b else c`"));
             if self.kind() == Kind::OpenBrace {
-                // As in GLSL: the braces are a block all the same.
+                // As in GLSL: the braces are a block nevertheless.
             } else if !self.token().is_word(word::ELSE) {
                 return self.ast.push(Expr::Error, start);
             }
@@ -339,7 +340,7 @@ impl Parser<'_> {
         self.ast.push(Expr::For(index), span)
     }
 
-    /// `{ let a = … let b = … result }`, from its brace on.
+    /// `{ let a = … let b = … result }`, beginning at the brace.
     pub(super) fn block(&mut self) -> ExprId {
         let open = self.advance().span;
         let mark = self.lists.len();

@@ -1,4 +1,4 @@
-//! Items: what stands at the top of a scene.
+//! Items: the top level of a scene.
 
 use super::super::ast::{Entry, Expr, ExprId, Function, Item, Name, Parameter, Section, Type};
 use super::super::diagnostic::Diagnostic;
@@ -6,7 +6,7 @@ use super::super::suggest;
 use super::super::token::{Kind, word};
 use super::Parser;
 
-/// Words that begin an item where a name, a text or a brace follows.
+/// Words that begin an item if a name, a text or a brace follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Keyword {
     Param,
@@ -25,7 +25,7 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("picture", Keyword::Section(Section::Picture)),
 ];
 
-/// Types of GLSL that people write out of habit.
+/// GLSL types that people write out of habit.
 const GLSL_TYPES: &[&str] = &[
     "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const", "var",
     "void",
@@ -42,14 +42,14 @@ pub(super) fn keyword(parser: &Parser<'_>) -> Option<Keyword> {
     KEYWORDS.iter().find(|(name, _)| *name == text).map(|(_, keyword)| *keyword)
 }
 
-/// What became of a GLSL habit.
+/// How a GLSL habit was handled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Habit {
-    /// There was none, or it was left out.
+    /// There was none, or it was skipped.
     None,
-    /// The rest is what stands behind a `let`.
+    /// The rest is read as if it followed a `let`.
     Let,
-    /// It was left out up to the line's end.
+    /// It was skipped up to the end of the line.
     Skipped,
 }
 
@@ -65,7 +65,7 @@ impl Parser<'_> {
                 items.push(item);
             } else {
                 self.skip_until(|parser| parser.token().newline && parser.token().is_word(word::LET));
-                // A bracket that closes nothing.
+                // A bracket without an opening one.
                 if matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {
                     let wrong =
                         Diagnostic::new(self.token().span, format!("{} closes nothing", self.found()));
@@ -127,7 +127,7 @@ impl Parser<'_> {
         Some(Item::Bare(value))
     }
 
-    /// A name that is not reserved, or a complaint that `what` should stand here.
+    /// A name that is not reserved; or a report that `what` is expected here.
     pub(super) fn name(&mut self, what: &str) -> Option<Name> {
         let token = self.token();
         if token.is_name() {
@@ -141,7 +141,7 @@ impl Parser<'_> {
         None
     }
 
-    /// `name = value`, behind `let`.
+    /// `name = value`, after `let`.
     pub(super) fn binding(&mut self) -> Option<(Name, ExprId)> {
         let Some(name) = self.name("a name behind `let`") else {
             self.skip_line();
@@ -156,7 +156,7 @@ impl Parser<'_> {
         Some((name, value))
     }
 
-    /// Behind a complete `name = value`: complains about what cannot follow it.
+    /// After a complete `name = value`: reports text that cannot follow it.
     fn end_of_entry(&mut self) {
         let kind = self.kind();
         let hint = match kind {
@@ -174,12 +174,12 @@ impl Parser<'_> {
         }
     }
 
-    /// To the next line, `;` or closing brace.
+    /// Skips to the next line, `;` or closing brace.
     fn skip_line(&mut self) {
         self.skip_until(|parser| parser.token().newline || parser.kind() == Kind::Semicolon);
     }
 
-    /// Recognizes what people who know GLSL write and explains it.
+    /// Recognizes what people who know GLSL write, and explains how to write it here.
     pub(super) fn glsl_habit(&mut self) -> Habit {
         let (token, next) = (self.token(), self.ahead(1));
         if !token.is_name() {
@@ -231,7 +231,7 @@ impl Parser<'_> {
         Some(Item::Param { name, value, range })
     }
 
-    /// The rest of an item whose name is known is skipped.
+    /// Skips the rest of an item whose name is known.
     fn broken(&mut self, name: Name) -> Option<Item> {
         self.skip_until(|parser| parser.token().newline && parser.kind() == Kind::Name);
         while matches!(self.kind(), Kind::CloseParen | Kind::CloseBrace) {

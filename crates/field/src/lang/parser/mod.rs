@@ -1,5 +1,5 @@
-//! Tokens to a tree. Parsing never fails: where something is wrong it says so once, takes [`Expr::Error`] for it, and
-//! goes on behind it.
+//! Tokens to a tree. Parsing never fails: a mistake is reported once, replaced by [`Expr::Error`], and parsing
+//! continues behind it.
 //!
 //! Grammar (`?` may be missing, `*` repeats; `;` may stand between any two items, fields and lets):
 //!
@@ -9,7 +9,7 @@
 //!         | "fn" name "(" names ")" (block | "=" expr)
 //!         | "let" name "=" expr
 //!         | ("object" | "material" | "light") name fields
-//!         | ("camera" | "sky") fields
+//!         | ("camera" | "sky" | "picture") fields
 //!         | "include" text
 //!         | expr
 //! fields  = "{" (name "=" expr | "let" name "=" expr)* "}"
@@ -20,9 +20,10 @@
 //!         | number | text | name | name "(" exprs ")" | "(" expr ")" | block
 //! ```
 //!
-//! A line's end separates only where the next line could go either way: `(…)` on a new line begins an expression
-//! instead of calling, and so does `-x` with nothing between, while `- x` goes on. Inside parentheses line ends mean
-//! nothing. The words `param object material light camera sky include` are reserved only where an item begins.
+//! A line's end separates only where the next line could be read either way. On a new line `(…)` begins an expression
+//! instead of a call, and so does `-x` without a space, whereas `- x` continues. Inside parentheses line ends mean
+//! nothing. The words `param object material light camera sky picture include` are reserved only where an item
+//! begins.
 
 mod expr;
 mod items;
@@ -35,7 +36,7 @@ use super::source::Span;
 use super::symbol::{Interner, Symbol};
 use super::token::{Kind, Token, word};
 
-/// Parses the tokens of one file, the last of which is of kind `End`. Expressions are added to `ast`.
+/// Parses the tokens of one file; the last token must be of kind `End`. Expressions are added to `ast`.
 pub(super) fn parse(
     tokens: &[Token],
     names: &Interner,
@@ -74,9 +75,9 @@ struct Parser<'a> {
     /// How many expressions are open.
     nesting: usize,
     nesting_max: usize,
-    /// Whether line ends mean nothing.
+    /// Whether line ends are meaningless.
     in_parens: bool,
-    /// The token that the last complaint was about: a second one about it would only repeat the first.
+    /// The token of the last report: a second report about it would only repeat the first.
     reported: Option<usize>,
     /// Children of the calls and blocks that are open.
     lists: Vec<u32>,
@@ -101,7 +102,7 @@ impl Parser<'_> {
         self.current.kind
     }
 
-    /// The current token, left behind. The last one, `End`, stays.
+    /// Takes the current token. The last one, `End`, is never passed.
     #[inline]
     fn advance(&mut self) -> Token {
         let token = self.current;
@@ -129,12 +130,12 @@ impl Parser<'_> {
         found
     }
 
-    /// From `start` to the end of the last token that was taken.
+    /// From `start` to the end of the last token taken.
     fn since(&self, start: Span) -> Span {
         Span::new(start.start, self.end_before.max(start.end))
     }
 
-    /// Reports `diagnostic`, unless something was said about the current token already, here or by the lexer.
+    /// Reports `diagnostic`, unless the current token was already reported, here or by the lexer.
     fn report(&mut self, diagnostic: Diagnostic) {
         if self.reported != Some(self.at) && self.kind() != Kind::Unknown {
             self.reported = Some(self.at);
@@ -142,7 +143,7 @@ impl Parser<'_> {
         }
     }
 
-    /// What the current token is, for people.
+    /// A description of the current token, for readers.
     fn found(&self) -> String {
         let token = self.token();
         match token.kind {
@@ -158,7 +159,7 @@ impl Parser<'_> {
         }
     }
 
-    /// A complaint that `what` should stand at the current token.
+    /// A report that `what` is expected at the current token.
     fn expected(&self, what: &str) -> Diagnostic {
         let diagnostic =
             Diagnostic::new(self.token().span, format!("expected {what}, found {}", self.found()));
@@ -168,7 +169,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Takes a token of `kind` or complains.
+    /// Takes a token of `kind`, or reports that it is missing.
     fn demand(&mut self, kind: Kind, after: &str) -> bool {
         let found = self.eat(kind);
         if !found {
@@ -178,8 +179,8 @@ impl Parser<'_> {
         found
     }
 
-    /// Skips to a token before which `stop` holds outside all brackets that open on the way; stops before a bracket
-    /// that closes more, before a let, a field or an item on a new line, and at the end.
+    /// Skips to a token where `stop` holds outside all brackets opened on the way. Stops before an unmatched closing
+    /// bracket, before a let, a field or an item on a new line, and at the end.
     fn skip_until(&mut self, stop: impl Fn(&Self) -> bool) {
         let mut open = 0_usize;
         loop {
@@ -197,7 +198,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether `name =` stands here.
+    /// Whether `name =` follows.
     fn begins_assignment(&self) -> bool {
         self.token().is_name() && self.ahead(1).kind == Kind::Assign
     }
@@ -217,7 +218,7 @@ impl Parser<'_> {
 /// Longest part of a name that a message repeats.
 const NAME_SHOWN: usize = 60;
 
-/// A sign as it is written; nothing for what has no fixed text.
+/// A sign as it is written; empty for kinds without a fixed text.
 fn sign(kind: Kind) -> &'static str {
     match kind {
         Kind::OpenParen => "(",

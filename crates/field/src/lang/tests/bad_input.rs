@@ -4,7 +4,7 @@ use super::super::{Compiled, Fault, compile, compile_with_limits, no_includes};
 use super::scene;
 use crate::limits::{LIMITS, Limits};
 
-/// Compiles on the test's own thread, whose stack is small (2 MiB; `RUST_MIN_STACK` makes it smaller still).
+/// Compiles on the test's own thread, which has a small stack (2 MiB; `RUST_MIN_STACK` makes it smaller still).
 fn on_a_small_stack(text: String) -> Compiled {
     compile("s", &text, &mut no_includes)
 }
@@ -39,7 +39,7 @@ fn chains_have_no_depth() {
         let compiled = on_a_small_stack(text);
         assert!(compiled.scene.is_some(), "{}", compiled.render(false));
     }
-    // Nesting up to the limit works on a small stack, also through calls.
+    // Nesting up to the limit works on a small stack, through calls as well.
     for (open, depth) in [("(x+", 120), ("min(x, ", 250)] {
         assert!(on_a_small_stack(open.repeat(depth) + "1" + &")".repeat(depth)).scene.is_some(), "{open}");
     }

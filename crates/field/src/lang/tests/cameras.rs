@@ -1,4 +1,4 @@
-//! The library's ways: they go where they say, smoothly, and weigh their points to 1.
+//! The library's paths lead where they should, smoothly, and the weights of their points sum to 1.
 
 use super::value;
 
@@ -57,7 +57,7 @@ fn ways_go_through_their_points() {
             let formula = format!("path_{count}({at}{})", points(count));
             assert_near(place(&formula), *point, &formula);
         }
-        // A path waits at its ends.
+        // A path stays at its ends.
         for (at, point) in [(-3.0, POINTS[0]), (7.5, POINTS[count - 1])] {
             assert_near(place(&format!("path_{count}({at}{})", points(count))), point, "beyond the end");
         }
@@ -91,6 +91,6 @@ fn shares_of_any_number_of_points_are_whole() {
             }
         }
     }
-    // Straight on between two.
+    // Straight between two points.
     assert_eq!(value("sum(for i in 0..2: (3 + 4 * i) * path_share(0.25, i, 2))", [0.0; 3]), 4.0);
 }

@@ -1,4 +1,5 @@
-//! Any change of a shipped scene gives a scene or messages, quickly. `PROPTEST_CASES` makes the run longer.
+//! Any change of a shipped scene gives a scene or messages, and does so quickly. `PROPTEST_CASES` makes the run
+//! longer.
 
 use proptest::prelude::*;
 
@@ -39,7 +40,7 @@ const PIECES: &[&str] = &[
     "speakers(p)",
 ];
 
-/// Deletes, doubles, moves or puts in something at some places.
+/// Deletes, doubles, moves or inserts text at some places.
 fn mutated(changes: &[(usize, usize, u8)]) -> String {
     let mut text: Vec<char> = SPEAKERS.chars().collect();
     for &(at, length, what) in changes {

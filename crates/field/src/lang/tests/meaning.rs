@@ -73,7 +73,7 @@ fn functions_lets_and_params_have_scopes() {
         let sphere = box(p, 10)                  # values and functions have names of their own
         sphere + size_of(1) + length(p.yz)";
     assert_eq!(value(text, [1.0, 3.0, 4.0]), 10.0 + 5.0 + 5.0);
-    // The library goes on using its own box.
+    // The library keeps using its own box.
     assert_eq!(value("fn box(p, s) = 77\nround_box(p, 1, 0)", [3.0, 0.0, 0.0]), 2.0);
     // A function does not see its caller's names.
     assert!(compile("s", "fn f() = a\n{ let a = 1  f() }", &mut super::no_includes).scene.is_none());
@@ -149,7 +149,8 @@ fn the_speakers_are_the_thesis_scene() {
     let text = include_str!("../../../../../tests/oracle/speakers.scene");
     let scene = scene(text);
     assert_eq!(scene.objects.len(), 3);
-    // A cabinet's side, its top, the floor, the middle of the bridge, between the cap and the dish's rim.
+    // The side and the top of a cabinet, the floor, the middle of the bridge, and between the cap and the rim of the
+    // dish.
     let loud = 1.0 - (-5.0_f32 * 0.375).exp();
     let radius = 0.2 + 0.22 * loud + 0.09 * loud * 4.0_f32.cos();
     for (at, expected) in [

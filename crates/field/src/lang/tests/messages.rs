@@ -1,7 +1,7 @@
 use super::super::{Fault, compile, no_includes};
 use super::broken;
 
-/// Texts, the first message about each, the text that it underlines, and what its hint contains.
+/// Texts, with the first message about each, the text that it underlines, and a part of its hint.
 const MISTAKES: &[(&str, &str, &str, &str)] = &[
     // Words and signs.
     ("1 @ 2", "the character `@` is not part of the language", "@", "leave it out"),

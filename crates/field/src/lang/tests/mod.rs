@@ -19,7 +19,7 @@ use super::{Compiled, Scene, compile, no_includes};
 use crate::graph::{FrameInputs, Point};
 use crate::graph::{SoundInput, SoundInputs};
 
-/// A scene that has to be without mistakes.
+/// A scene that must be free of mistakes.
 pub(super) fn scene(text: &str) -> Scene {
     let compiled = compile("test.scene", text, &mut no_includes);
     match compiled.scene {
@@ -34,7 +34,7 @@ pub(super) fn broken(text: &str) -> Compiled {
     compiled
 }
 
-/// A frame with sound that tests can tell apart: band i is i / 100.
+/// A frame whose sounds tests can tell apart: band i is i / 100.
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,

@@ -86,7 +86,7 @@ fn shapes_have_their_distances() {
     }
 }
 
-/// Points all over a cube, the same at every run.
+/// Points all over a cube, the same in every run.
 fn points(count: u32) -> impl Iterator<Item = [f32; 3]> {
     (0..count).map(|index| {
         let at = |step: f64| ((f64::from(index) * step).fract() * 4.0 - 2.0) as f32;
@@ -122,7 +122,7 @@ fn no_shape_overestimates_and_exact_ones_have_slope_one() {
             total += 1;
             exact += usize::from((slope - 1.0).abs() < 0.01);
         }
-        // Creases are cut through by some of the differences.
+        // Some of the differences are taken across creases.
         let share = exact as f32 / total as f32;
         match accuracy(call) {
             Some(Accuracy::Exact) => {
@@ -199,7 +199,7 @@ fn noise_is_smooth_and_keeps_its_bounds() {
 #[test]
 fn the_library_has_no_mistakes_and_documents_every_function() {
     let text: String = TEXTS.iter().map(|(_, text)| *text).collect();
-    // As a scene of its own, its functions are checked one by one.
+    // As a scene of its own, so that its functions are checked one by one.
     let compiled = compile("library", &format!("{text}\nlength(p)"), &mut no_includes);
     assert!(compiled.scene.is_some(), "{}", compiled.render(false));
     let library = library::library();
