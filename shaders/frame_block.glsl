@@ -18,7 +18,7 @@ layout(std140) uniform FrameBlock {
                                         // side, w range or 0; half the upper side, w share that shadows take away
     vec4 frame_heard[HEARD_QUADS];      // numbers of the sound, four to a vector, in the order of their table
                                         // (crates/field/src/graph/sound_input.rs; volumes: Abt 2022, section 5, eq. 1)
-    vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number instead of selecting from four
+    vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not one of four
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
     vec4 frame_hoisted[HOISTED_QUADS];  // values that the program computed once for the frame
 };

@@ -13,8 +13,8 @@ const HEIGHT_ZERO_DB: f32 = -84.0;
 /// The level drawn with height 1, in decibels: single lines of music lie 10 to 20 dB below the level of their band.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// Hann's noise bandwidth in bins: the factor from Parseval's scale to Hann's coherent gain, for the power at a
-/// tone's bin.
+/// The factor from Parseval's scale to Hann's coherent gain, for the power at a tone's bin: the noise bandwidth
+/// of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
 /// The frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios between.
