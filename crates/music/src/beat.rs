@@ -3,8 +3,8 @@
 //! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole moments (the bar
 //! pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to
 //! moment every state moves on by one; at the end of a beat it may change to a nearby period. States at the start of
-//! a beat expect an onset, all others expect none. The model is causal and hears only the flux. Because the states of a
-//! period move together, their ring is rotated instead of copied: a moment costs one multiplication for each state
+//! a beat expect an onset, all others expect none. The model is causal and hears only the flux. Because the states of
+//! a period move together, their ring is rotated instead of copied: a moment costs one multiplication for each state
 //! that starts a beat, and one sum over all states.
 //!
 //! **The beat is inferred, not picked.** A hidden Markov model over periods and phases, filtered forwards, expects
@@ -34,8 +34,8 @@ const NEIGHBOUR: f32 = 0.7;
 /// Largest change of period from one beat to the next, in moments.
 const REACH: usize = 8;
 
-/// Share of the belief that is redistributed at each moment, so that a new tempo can be found: over periods by what is
-/// likely before anything is heard, over the phases of a period evenly.
+/// Share of the belief that is redistributed at each moment, so that a new tempo can be found: over periods by what
+/// is likely before anything is heard, over the phases of a period evenly.
 const DOUBT: f32 = 2e-5;
 
 /// Belief within a tenth of a beat and a twelfth of the tempo around the likeliest state: at or above the first value
