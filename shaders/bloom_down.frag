@@ -1,5 +1,5 @@
-// The next smaller picture of a bloom: thirteen taps, which are five boxes of four that overlap (Jimenez 2014). FIRST:
-// the boxes are weighed, so that a pixel that is much brighter than those around it does not flicker as a glow.
+// The next smaller picture of a bloom: thirteen taps, which form five overlapping boxes of four (Jimenez 2014).
+// FIRST: the boxes are weighted, so that a pixel much brighter than its surroundings does not flicker as a glow.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"
@@ -12,7 +12,7 @@ vec3 tap(vec2 place, vec2 texel, float x, float y) {
     return texture(picture, place + texel * vec2(x, y)).rgb;
 }
 
-// The mean of four taps; alpha their weight.
+// The mean of four taps, weighted; alpha is the weight.
 vec4 weighed(vec3 sum, float share) {
     vec3 mean = 0.25 * sum;
 #ifdef FIRST

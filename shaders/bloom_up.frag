@@ -1,4 +1,5 @@
-// A smaller picture of a bloom, made twice as large by a tent of nine taps (Jimenez 2014). Blended into what is there.
+// A smaller picture of a bloom, enlarged twofold by a tent of nine taps (Jimenez 2014) and blended into what is
+// there.
 
 #include "post_block.glsl"
 

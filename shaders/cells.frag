@@ -1,13 +1,13 @@
-// The mean colour of each cell of the finished picture, in linear light: what the flash limiter looks at.
+// The mean colour of each cell of the finished picture, in linear light, for the flash limiter.
 
 #include "encode.glsl"
 
 uniform sampler2D picture;      // finished
-uniform sampler2D corrections;  // has as many texels as there are cells
+uniform sampler2D corrections;  // has one texel for each cell
 
 layout(location = 0) out vec4 mean;
 
-// A cell's colour is that of so many of its pixels to each side.
+// A cell's colour is the mean of a square of its pixels, this many to each side.
 const int SAMPLES = 8;
 
 void main() {

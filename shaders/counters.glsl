@@ -1,5 +1,5 @@
-// Distance evaluations by kind of ray, counted in the variant of `mariana bench` (COUNT_EVALUATIONS) and
-// compiled to nothing elsewhere.
+// Distance evaluations by kind of ray, counted in the variant of `mariana bench` (COUNT_EVALUATIONS) and compiled to
+// nothing elsewhere.
 
 #ifdef COUNT_EVALUATIONS
 float count_primary = 0.0;

@@ -1,4 +1,4 @@
-// What the program tells every pass; written by src/frame/block.rs, in this order.
+// The block that the program gives to every pass; written by src/frame/block.rs, in this order.
 
 layout(std140) uniform FrameBlock {
     vec4 viewport;          // width, height, 1 / width, 1 / height, in pixels
@@ -12,32 +12,34 @@ layout(std140) uniform FrameBlock {
     vec4 plane_objects;     // the object of each plane
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
-    vec4 frame_reach;       // x how far away other things take ambient light and give theirs; y quality
-    vec4 block_planes[PLANES_MAX];       // unit normal, and the origin's distance; normal 0 for none
+    vec4 frame_reach;       // x the distance within which things take ambient light and give theirs; y quality
+    vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
     vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
-                                        // side, w range or 0; half the upper side, w share that shadows take
+                                        // side, w range or 0; half the upper side, w share that shadows take away
     vec4 frame_heard[HEARD_QUADS];      // numbers of the sound, four to a vector, in the order of their table
                                         // (crates/field/src/graph/sound_input.rs; volumes: Abt 2022, section 5, eq. 1)
-    vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not four and a choice
+    vec4 frame_bands[BAND_COUNT];       // x a logarithmic band, 0..1: an index reads one number, not one of four
     vec4 frame_params[PARAM_QUADS];     // the scene's parameters, four to a vector
-    vec4 frame_hoisted[HOISTED_QUADS];  // what the program computed once for the frame
+    vec4 frame_hoisted[HOISTED_QUADS];  // values that the program computed once for the frame
 };
 
 layout(std140) uniform PassBlock {
     vec4 pass_sample;       // z 0 for each pixel's first sample, at its centre; 1 for a further one, xy from the centre, w
                             // its number from 0; 2 for those of the pixels in edge_pixels, side by side
-    vec4 pass_list;         // xy texels of a block: as many as a pixel has samples
+    vec4 pass_list;         // xy size of a block in texels: one texel for each sample of a pixel
     vec4 pass_places[8];    // xy and zw: places of samples from their pixel's centre
 };
 
 #define frame_time frame_clock.x
 
-// How much a picture may cost beside its number of pixels, 0..1: 1 for the best, as in stills, videos and measurements.
-// What is costly and little missed may be less by it, smoothly: the window changes it in small steps while it shows.
+// How much a picture may cost besides its number of pixels, 0..1: 1 for the best, as in stills, videos and
+// measurements. Whatever is costly and hardly missed may be reduced smoothly by it: the window changes it in small
+// steps.
 #define frame_quality frame_reach.y
 
-// What rays read again and again is copied once for each sample: llvmpipe fetches every number of a block for each pixel
-// by itself, thirty instructions where a copy takes none. `scene_load` does the same for a compiled scene's inputs.
+// What rays read again and again is copied once for each sample, because llvmpipe fetches every number of a block
+// separately for each pixel: thirty instructions where a copy takes none. `scene_load` does the same for a compiled
+// scene's inputs.
 #ifndef PLANES
 #define PLANES PLANES_MAX   // compiled scenes know how many they have
 #endif
@@ -55,7 +57,7 @@ void load_frame() {
     for (int i = 0; i < PLANES; i++) planes[i] = block_planes[i];
 }
 
-// The plane of that number. (An index that varies would keep the copies in memory.)
+// The plane of that number. (A variable index would keep the copies in memory.)
 vec4 plane_of(int number) {
     vec4 plane = planes[0];
     for (int i = 1; i < PLANES; i++) plane = number == i ? planes[i] : plane;

@@ -1,5 +1,5 @@
-// The scene by way of the interpreter: its programs are found by the directory at the tape's start
-// (crates/field/src/world/interpreted.rs), distances by the regions' tapes.
+// The scene, run by the interpreter. The directory at the tape's start lists its programs
+// (crates/field/src/world/interpreted.rs); distances come from the regions' tapes.
 
 #include "interpreter.glsl"
 
@@ -22,8 +22,9 @@ struct Place {
     vec3 n;
 };
 
-// Runs a program (crates/field/src/world/interpreted.rs): first its textures, whose coordinates are asked for the pixel to the right,
-// the one above, and here; then its tape. The results stay in their registers, which the header tells.
+// Runs a program (crates/field/src/world/interpreted.rs): first its textures, whose coordinates are computed for the
+// pixel to the right, the one above, and here; then its tape. The results stay in their registers, which the header
+// names.
 uvec4 run_program(int program, Place here, Place right, Place above) {
     uvec4 head = texelFetch(tape, program);
 #if SAMPLES > 0
@@ -35,7 +36,8 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
     for (int round = 0; round <= SAMPLES; round++) {
         vec2 uv;
         uvec4 texture_head;
-        // One call in a loop, as each is compiled anew: three runs for a texture, one for the program's own tape.
+        // One call in a loop, because each call is compiled separately: three runs for a texture, one for the
+        // program's own tape.
         for (;;) {
             bool is_own = sample_number >= samples;
             texture_head = texelFetch(tape, program + 1 + sample_number);
@@ -68,8 +70,8 @@ vec2 scene_distance(Cell cell, vec3 p, float penumbra) {
     return run_region(cell.tape, p, penumbra);
 }
 
-// The normal, the object and the occluders' distances of a point: one call in a loop, as each is compiled anew. Each
-// round looks for the next probe that needs an evaluation.
+// The normal, the object and the occluders' distances of a point: one call in a loop, because each call is compiled
+// separately. Each round looks for the next probe that needs an evaluation.
 const int OBJECT_PROBE = 4;
 const int FIRST_OCCLUSION_PROBE = 5;
 const int PROBES_END = 9;
@@ -107,7 +109,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
             }
         }
         if (probe >= end) break;
-        // The object's tape stands before the distance's.
+        // The object's tape is stored before the distance's tape.
         if (probe == OBJECT_PROBE) tape = int(texelFetch(regions, tape - 1).x);
         vec2 d = run_region(tape, at, 0.0);
         if (probe < OBJECT_PROBE) {
@@ -123,7 +125,7 @@ void probe_surface(vec3 p, bool is_plane, float cone, inout Surface s, out vec4 
     }
 }
 
-// Programs of light: the ambient one, the glow, if any object shines, and the material.
+// Programs of light: the ambient light, the glow if any object shines, and the material.
 #ifdef GLOW
 const int LIGHT_STEP = 1;
 #else
@@ -155,7 +157,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         Place over = above;
 #ifdef GLOW
         if (i == 1) {
-            // Of a picture its colours round about.
+            // For a picture, the mean of its surrounding colours.
             vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
             program = program_at(GLOW_PROGRAM);
             asked = Place(p + width.x * s.normal, vec3(0.0));

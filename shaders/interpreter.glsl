@@ -1,11 +1,12 @@
-// The tape's interpreter: runs tapes that lie in texture buffers. Clauses, registers and operators: `crates/field/src/tape/`; texels, the
-// variant's defines and its operators: `crates/field/src/tape/interpreter.rs`, which writes operators.glsl.
+// The tape's interpreter: runs tapes that lie in texture buffers. Clauses, registers and operators are described in
+// `crates/field/src/tape/`; texels, the variant's defines and its operators in
+// `crates/field/src/tape/interpreter.rs`, which writes operators.glsl.
 //
-// A texel holds two clauses, each followed by its immediate. The last texel's second clause is END, with the registers of two
-// results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; a region's tape finds in the place of
-// the normal's x the distance from which on a surface casts no shadow. Rare operators
-// stand only in the second place, and are computed between runs of texels: what never skips a branch would compute them
-// with every clause.
+// A texel holds two clauses, each followed by its immediate. The second clause of the last texel is END, with the
+// registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
+// region's tape, the place of the normal's x holds the distance beyond which a surface casts no shadow. Rare
+// operators stand only in the second place and are computed between runs of texels: a renderer that never skips a
+// branch would otherwise compute them with every clause.
 
 #include "operators.glsl"
 
@@ -21,13 +22,13 @@ float count_surface_clauses = 0.0;  // those of materials and light
 #define COUNT_TEXEL(kind)
 #endif
 
-// --- What a word says ---
+// --- Decoding a word ---
 
 #define BYTE(word, place) ((word >> (8 * place)) & 255u)
 #define HAS(word, place, bit) ((word & (1u << (8 * place + bit))) != 0u)
 
 bool a_is_immediate(uint word) {
-    // LOAD is 2.
+    // LOAD has the number 2.
     return (word & 192u) == 192u || (word & 255u) == 2u;
 }
 
@@ -35,7 +36,7 @@ bool b_is_immediate(uint word) {
     return (word & 192u) == 128u;
 }
 
-// The operator's number without the form of its operands; below 16 what is no operator.
+// The operator's number without the form of its operands; numbers below 16 are not operators.
 int operator_number(uint word) {
     uint opcode = word & 255u;
     return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
@@ -43,7 +44,7 @@ int operator_number(uint word) {
 
 // --- Registers ---
 
-// Up to 8 are variables of which one is selected by the bits of its number; more are an array.
+// Up to 8 registers are variables, selected by the bits of the register's number; more are an array.
 #define PICK4(file, first, word, place) (HAS(word, place, 1) ? (HAS(word, place, 0) ? file[first + 3] : file[first + 2]) : (HAS(word, place, 0) ? file[first + 1] : file[first]))
 #define PICK8(file, word, place) (HAS(word, place, 2) ? PICK4(file, 4, word, place) : PICK4(file, 0, word, place))
 #define PUT(file, i, at, value) file[i] = at == uint(i) ? value : file[i]
@@ -68,7 +69,7 @@ int operator_number(uint word) {
 #define WRITE(at, value) tape_file[at & uint(REGISTERS - 1)] = value
 #endif
 
-// The register that a clause writes. END gives the register of its byte 2 to itself.
+// The register that a clause writes. END assigns the register in its byte 2 to itself.
 uint written_register(uint word, const bool last) {
     return last && (word & 255u) == 0u ? BYTE(word, 2) : BYTE(word, 1);
 }
@@ -77,7 +78,7 @@ uint written_register(uint word, const bool last) {
 
 float region_file[REGION_REGISTERS];
 
-// Runs a clause but for rare operators, which run_region computes from its operands a and b.
+// Runs a clause, except for rare operators, which run_region computes from their operands a and b.
 void region_clause(uint word, uint immediate, const bool last, out float a, out float b) {
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
@@ -119,11 +120,11 @@ float tape_file[REGISTERS];
 float tape_memory[MEMORY];
 #endif
 #if SAMPLES > 0
-// What was sampled, four channels for each texture.
+// The sampled colours, four channels for each texture.
 float sampled[4 * SAMPLES];
 #endif
 
-// As above.
+// Like region_clause.
 void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n, out float a, out float b) {
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
@@ -150,7 +151,7 @@ void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n, out
     WRITE(at, r);
 }
 
-// Runs a tape at a point. The results stay in their registers; the first two are given.
+// Runs a tape at a point. The results stay in their registers; the first two are returned.
 vec2 run_tape(int first, vec3 p, vec3 n) {
     tape_file[0] = p.x;
     tape_file[1] = p.y;

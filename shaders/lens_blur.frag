@@ -1,9 +1,10 @@
-// What a lens spreads: at each place the light of all discs that reach it. A disc is as bright as its point over its area;
-// what lies behind something sharp does not reach over it. Alpha: the share of discs that lie in front.
+// The blur of a lens: at each place the light of all discs that reach it. A disc's brightness is that of its point
+// divided by its area. Light from behind something sharp does not spread over it. Alpha: the share of discs that lie
+// in front.
 
 #include "post_block.glsl"
 
-uniform sampler2D picture;          // light; alpha its disc's radius, negative in front of what is sharp
+uniform sampler2D picture;          // light; alpha the radius of its disc, negative in front of the sharp distance
 
 layout(location = 0) out vec4 blurred;
 
@@ -11,7 +12,7 @@ const float PI = 3.14159265;
 const float GOLDEN_ANGLE = 2.39996323;
 const int TAPS_MAX = 80;
 
-// Share of a disc of so many pixels' radius that falls on so many pixels.
+// Share of a disc with a radius in pixels that falls on an area in pixels.
 float share_of(float area, float radius) {
     return min(1.0, area / (PI * radius * radius + 1e-6));
 }
@@ -26,7 +27,7 @@ void main() {
     float front = 0.0;
     for (int i = 0; i < TAPS_MAX; i++) {
         if (i >= taps) break;
-        // A spiral, closer in the middle; each tap stands for the ring that it shares.
+        // A spiral, denser in the middle; each tap represents its share of a ring.
         float u = (float(i) + 0.5) / float(taps);
         float radius = reach * pow(u, 0.6);
         float area = 1.2 * PI * reach * reach * pow(u, 0.2) / float(taps);

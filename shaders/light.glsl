@@ -1,4 +1,4 @@
-// Lights: what arrives of them at a surface, and what it throws back.
+// Lights: what arrives from them at a surface, and what the surface reflects.
 
 const float PI = 3.14159265;
 // Kinds of lights, as src/frame/block.rs numbers them.
@@ -9,9 +9,9 @@ const float PANEL = 3.0;
 struct Incoming {
     vec3 direction;     // towards its middle
     vec3 mirrored;      // towards the part of it that is nearest to the mirrored line of sight
-    float t;            // how far away it is
+    float t;            // its distance
     float widening;     // tangent of the half angle under which it is seen
-    vec3 light;         // on a surface at right angles to the direction; of a panel on this one
+    vec3 light;         // on a surface perpendicular to the direction; for a panel, on this surface
     float shadow;       // share that shadows take away
 };
 
@@ -23,13 +23,13 @@ float faded(float t, float range) {
 }
 
 #ifdef PANELS
-// An edge's part of Lambert's formula for the light of a polygon (1760), from directions to its ends: the angle times
-// the edge's normal.
+// An edge's part of Lambert's formula for the light of a polygon (1760), from the directions to its ends: the angle
+// times the edge's normal.
 vec3 edge_of_panel(vec3 a, vec3 b) {
     vec3 across = cross(a, b);
     float sine = length(across);
     float angle = atan(sine, dot(a, b));
-    // Along an edge there is no normal; for short ones the angle is the sine.
+    // On the line of an edge there is no normal; for short edges the sine replaces the angle.
     return sine > 1e-5 ? across * (angle / sine) : across;
 }
 
@@ -44,10 +44,10 @@ Incoming light_of_panel(vec4 place, vec4 color, vec4 right, vec4 up, vec3 p, vec
     vec3 c = normalize(middle + right.xyz + up.xyz);
     vec3 d = normalize(middle - right.xyz + up.xyz);
     vec3 flux = edge_of_panel(a, b) + edge_of_panel(b, c) + edge_of_panel(c, d) + edge_of_panel(d, a);
-    // What lies below the horizon is not cut off: panels that a surface sees in part are a little too dark.
+    // The part below the horizon is not cut off, so panels that a surface sees only in part are a little too dark.
     float arriving = before > 0.0 ? max(-0.5 * dot(flux, normal), 0.0) : 0.0;
     float t = length(middle);
-    // The mirrored line of sight meets the panel's plane, and is brought into the panel.
+    // Where the mirrored line of sight meets the panel's plane, clamped to the panel.
     vec3 sight = reflect(direction, normal);
     float slope = -dot(sight, facing);
     vec3 met = slope > 1e-4 ? sight * (before / slope) - middle : sight * t - middle;
@@ -83,10 +83,10 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     incoming.direction = way * inversesqrt(max(distance2, 1e-12));
     incoming.t = sun ? SUN_DISTANCE : sqrt(distance2);
     incoming.widening = sun ? color.w : color.w / max(incoming.t, 1e-3);
-    // Inside of the ball it is no brighter than at its surface.
+    // Inside the ball it is no brighter than at its surface.
     float falloff = sun ? 1.0 : faded(incoming.t, range) / max(distance2, max(color.w * color.w, 1e-4));
     incoming.light = color.rgb * (falloff * max(dot(normal, incoming.direction), 0.0));
-    // The ball's nearest part to the mirrored line of sight (Karis 2013).
+    // The part of the ball that is nearest to the mirrored line of sight (Karis 2013).
     vec3 sight = reflect(direction, normal);
     vec3 off = dot(incoming.direction, sight) * sight - incoming.direction;
     float reach = clamp(incoming.widening * inversesqrt(max(dot(off, off), 1e-12)), 0.0, 1.0);
@@ -95,9 +95,9 @@ Incoming light_at(int number, vec3 p, vec3 normal, vec3 direction) {
     return incoming;
 }
 
-// GGX (Walter et al. 2007) with Smith's height-correlated masking (Heitz 2014, Hammon's approximation 2017) and Schlick's
-// Fresnel; `alpha` is the roughness squared, `f0` the reflectance straight on. Light from a wide source is spread as far
-// as it is wide (Karis 2013).
+// GGX (Walter et al. 2007) with Smith's height-correlated masking (Heitz 2014, Hammon's approximation 2017) and
+// Schlick's Fresnel; `alpha` is the roughness squared, `f0` the reflectance at normal incidence. Light from a wide
+// source is spread by its width (Karis 2013).
 vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, float nh, float grazing) {
     float wide = clamp(alpha + 0.5 * widening, alpha, 1.0);
     float share = alpha / wide;
@@ -111,7 +111,7 @@ vec3 highlight(float alpha, float widening, vec3 f0, float facing, float seen, f
 // The smoothest surface: a sharper highlight would be smaller than a pixel.
 const float ALPHA_MIN = 0.02;
 
-// What a surface throws towards the eye per light that arrives. What it mirrors does not enter it: the diffuse part gets
+// What a surface reflects towards the eye for the light that arrives, without mirror images: the diffuse part gets
 // what Fresnel leaves.
 vec3 thrown_back(Material m, vec3 normal, Incoming incoming, vec3 direction) {
     float seen = max(dot(normal, -direction), 1e-3);

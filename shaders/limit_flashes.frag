@@ -1,4 +1,4 @@
-// The finished picture with the cells dimmed that would flash too often (src/flash/limiter.rs).
+// The finished picture, with those cells dimmed that would flash too often (src/flash/limiter.rs).
 
 #include "encode.glsl"
 
@@ -7,7 +7,7 @@ uniform sampler2D corrections;  // of each cell: gain of linear light, share of 
 
 layout(location = 0) out vec4 screen;
 
-// That of a cell, or `own` where it is not limited: what does not flash takes no part in what does.
+// The correction of a cell, or `own` if it is not limited: cells that do not flash must not affect those that do.
 vec4 correction_of(vec2 cell, vec4 own) {
     ivec2 last = textureSize(corrections, 0) - 1;
     vec4 correction = texelFetch(corrections, clamp(ivec2(cell), ivec2(0), last), 0);
@@ -19,7 +19,7 @@ void main() {
     vec3 color = texelFetch(picture, texel, 0).rgb;
     vec2 place = gl_FragCoord.xy / vec2(textureSize(picture, 0)) * vec2(textureSize(corrections, 0));
     vec4 own = correction_of(floor(place), vec4(1.0, 0.0, 0.0, 0.0));
-    // Between the centres of four cells.
+    // Interpolated between the centres of four cells.
     vec2 first = floor(place - 0.5);
     vec2 share = fract(place - 0.5);
     vec4 low = mix(correction_of(first, own), correction_of(first + vec2(1.0, 0.0), own), share.x);

@@ -1,14 +1,14 @@
-// Normals by central differences on a tetrahedron, four taps (thesis 3.1).
+// Normals by central differences on a tetrahedron, four taps (Abt 2022, section 3.1).
 const vec4 TAPS_X = vec4(1.0, -1.0, -1.0, 1.0);
 const vec4 TAPS_Y = vec4(-1.0, -1.0, 1.0, 1.0);
 const vec4 TAPS_Z = vec4(-1.0, 1.0, -1.0, 1.0);
 
-// How far the taps lie from the point: the step follows the pixel's cone.
+// How far the taps lie from the point: the step is proportional to the pixel's cone.
 float tap_distance(float cone) {
     return CHOSEN_TAP(max(0.6 * cone, 4e-4));
 }
 
-// The normal from the sum of the taps, each times the distance there.
+// The normal from the sum of the taps, each multiplied by the distance there.
 vec3 normal_of(vec3 sum) {
     float size = length(sum);
     return size > 1e-12 && size < 1e12 ? sum / size : vec3(0.0, 1.0, 0.0);
@@ -19,8 +19,8 @@ vec3 sum_of_taps(vec4 d) {
     return vec3(dot(TAPS_X, d), dot(TAPS_Y, d), dot(TAPS_Z, d));
 }
 
-// What a value says of the distance at the surface that is shaded. Where formulas are no distances, the slope there
-// tells; on a plane, whose neighbourhood nobody asked for, only the sign counts.
+// Converts a value to a distance at the surface that is shaded. Where the value is not a distance, it is divided by
+// the slope there; on a plane, whose surroundings were not evaluated, only the sign counts.
 #ifdef STEEP
 float slope_here = 1e-9;
 #define NOTE_SLOPE(sum, h) slope_here = max(length(sum) / (4.0 * (h)), 1e-9)

@@ -1,7 +1,7 @@
-// Ambient occlusion: how much nearer the scene is than a probe along the normal is high (Quilez 2008; thesis
-// section 3.5). Four probes; acts on ambient light only. What shines nearby gives its light instead.
+// Ambient occlusion: how much nearer the scene is than a probe along the normal is high (Quilez 2008; Abt 2022,
+// section 3.5). Four probes. It acts on ambient light only; what shines nearby gives its light instead.
 
-// Heights of the probes, as shares of how far away things take light (`frame_reach`).
+// Heights of the probes, as shares of the distance at which things take light (`frame_reach`).
 const vec4 PROBE_SHARES = vec4(0.0625, 0.25, 0.5625, 1.0);
 const vec4 PROBE_WEIGHTS = vec4(1.0, 0.8, 0.64, 0.512) / (1.0 + 0.8 + 0.64 + 0.512);
 vec4 probes;
@@ -11,14 +11,14 @@ void load_probes() {
     probes = frame_reach.x * PROBE_SHARES;
 }
 
-// Whether the scene, planes apart, can reach a probe: one of height h is unaffected by a distance above h.
+// Whether the scene without planes can reach a probe: one of height h is unaffected by a distance above h.
 bool occluder_near(vec3 p) {
     if (bounds_low.w < 0.5) return false;
     vec3 outside = max(max(bounds_low.xyz - p, p - bounds_high.xyz), 0.0);
     return bounds_high.w < 0.5 || dot(outside, outside) < probes.w * probes.w;
 }
 
-// 1 is open, from the scene's distances at the probes.
+// How open the point is, 1 for fully, from the scene's distances at the probes.
 float openness(vec3 p, vec3 normal, vec4 d) {
     for (int i = 0; i < PLANES; i++) {
         float height = dot(planes[i].xyz, p) + planes[i].w;
@@ -29,11 +29,11 @@ float openness(vec3 p, vec3 normal, vec4 d) {
 }
 
 #ifdef GLOW
-// Where a surface asks for what shines nearby, as a share of the reach along its normal: what faces it is nearer from
-// there, what it turns its back to farther away.
+// Where a surface asks for what shines nearby, as a share of the reach along its normal: from there, what it faces is
+// nearer, and what lies behind it is farther away.
 const float GLOW_PROBE = 0.25;
 
-// Its light, from the emission there and the distance: none from the reach on, all of it where it touches.
+// The light received, from the emission there and the distance: none beyond the reach, all of it on contact.
 vec3 glow_from(vec4 found) {
     float near = clamp(1.0 - max(AS_DISTANCE(found.a), 0.0) / frame_reach.x, 0.0, 1.0);
     return light_of(found.rgb) * (near * near * near);

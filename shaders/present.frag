@@ -10,13 +10,13 @@ uniform sampler2D bloom;            // the same, scattered
 
 layout(location = 0) out vec4 screen;
 
-// Interleaved gradient noise (Jimenez 2014), 0..1: less visible than random noise, and still in time.
+// Interleaved gradient noise (Jimenez 2014), 0..1: less visible than random noise, and constant in time.
 float noise(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// -1.5..1.5 steps of 1/255 at a grain of 1. Half a step each way hides the edges of steps; the grain is more likely to be
-// small than large. The same in each frame: what stands still stays the same.
+// -1.5..1.5 steps of 1/255 at a grain of 1. Half a step each way hides the edges of steps; small values are more
+// likely than large ones. It is the same in each frame, so that still pictures stay still.
 float grain(vec2 pixel) {
     float film = noise(pixel + vec2(57.0, 131.0)) + noise(pixel.yx + vec2(211.0, 17.0)) - 1.0;
     return noise(pixel) - 0.5 + picture_look.w * film;

@@ -1,5 +1,5 @@
-// The tree over space that the program builds for a frame (crates/field/src/region/): how far away every surface is from a cell at
-// least, and the short tape that gives the distance inside it.
+// The tree over space that the program builds for a frame (crates/field/src/region/): a lower bound of the distance
+// from a cell to every surface, and the short tape that gives the distance inside it.
 //
 // Texels 0..4095 are the root's 16 x 16 x 16 cells, x first. A cell that is divided has a brick of 4 x 4 x 4.
 //   x   the least distance in the cell, as float bits, 0 where a surface may lie in it; DIVIDED if it has a brick
@@ -8,11 +8,11 @@
 uniform usamplerBuffer regions;     // RGBA32UI
 
 const uint DIVIDED = 0xFFFFFFFFu;
-// ROOT_SIDE, AHEAD and other numbers that tests follow rays by: crates/field/src/rays.rs.
+// ROOT_SIDE, AHEAD and other numbers with which tests follow rays: crates/field/src/rays.rs.
 
 struct Cell {
-    float bound;    // no surface is nearer to any of its points
-    int tape;       // first texel of what gives bound and estimate inside
+    float bound;    // no surface is nearer than this to any of its points
+    int tape;       // first texel of the tape that gives bound and estimate inside
     int object;     // the nearest one, or SEVERAL
     float side;     // in root cells; 0 outside of the tree
 #ifdef STEEP
@@ -20,7 +20,7 @@ struct Cell {
 #endif
 };
 
-// The cell at a point in root cells.
+// The cell at a point in root coordinates.
 Cell cell_at(vec3 q) {
     bool inside = region_low.w > 0.5 && all(greaterThanEqual(q, vec3(0.0))) && all(lessThan(q, vec3(ROOT_SIDE)));
     uvec4 texel = uvec4(0u);
@@ -45,17 +45,17 @@ Cell cell_at(vec3 q) {
     return cell;
 }
 
-// A point in root cells.
+// A point in root coordinates: root cells as the unit.
 vec3 in_root(vec3 p) {
     return (p - region_low.xyz) * region_scale.xyz;
 }
 
-// A ray in root cells.
+// A ray in root coordinates.
 struct Walk {
     vec3 start;
     vec3 pace;
     vec3 inverse;
-    vec3 ahead;     // a little along the ray: more than a place on it is rounded by
+    vec3 ahead;     // a short way along the ray, larger than the rounding error of a place on it
 };
 
 Walk walk_of(vec3 origin, vec3 direction) {
@@ -67,19 +67,19 @@ Walk walk_of(vec3 origin, vec3 direction) {
     return Walk(start, pace, inverse, mix(vec3(-nudge), vec3(nudge), greaterThanEqual(pace, vec3(0.0))));
 }
 
-// The place to look for the ray's cell at t: at a face it is behind it, so that a ray never stays there.
+// Where to look up the ray's cell at t: at a face it is the place behind it, so that a ray never gets stuck there.
 vec3 place_on(Walk walk, float t) {
     return walk.start + t * walk.pace + walk.ahead;
 }
 
-// Where the ray leaves the cell of the place q, by `place_on`.
+// The distance at which the ray leaves the cell of the place q (from `place_on`).
 float exit_of(Cell cell, Walk walk, vec3 q) {
     vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.pace)) * cell.side;
     vec3 t = (face - walk.start) * walk.inverse;
     return min(t.x, min(t.y, t.z));
 }
 
-// A little further on.
+// A little further along the ray.
 float past(float t) {
     return t * (1.0 + PAST_FACE) + PAST_FACE;
 }

@@ -1,19 +1,19 @@
-// The light of each pixel: the weighed mean of its samples.
+// The light of each pixel: the weighted mean of its samples.
 
 #include "post_block.glsl"
 #include "sample_light.glsl"
 
 uniform sampler2D picture;          // the first samples
 #ifdef EDGE_LIST
-uniform sampler2D extra_samples;    // further samples at edges, weighed, in blocks
+uniform sampler2D extra_samples;    // further samples at edges, weighted, in blocks
 uniform usampler2D edge_squares;    // which block holds those of a pixel, counted from 1; 0 for none
 #else
-uniform sampler2D extra_samples;    // sum of further samples, weighed
+uniform sampler2D extra_samples;    // weighted sum of further samples
 #endif
 
 layout(location = 0) out vec4 light;
 
-// The most samples of a block.
+// The most samples in a block.
 const int BLOCK_MAX = 16;
 
 // Their sum; alpha sums the weights.

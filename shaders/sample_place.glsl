@@ -1,15 +1,15 @@
-// Which place of the picture a sample is of.
+// The place in the picture to which a sample belongs.
 
 uniform usampler2D edge_pixels;     // the pixel of each block of samples
 
-// Which of the further samples of its block a texel is.
+// The number of a texel among the further samples of its block.
 int block_sample() {
     ivec2 block = ivec2(pass_list.xy);
     ivec2 texel = ivec2(gl_FragCoord.xy) % block;
     return texel.x + block.x * texel.y;
 }
 
-// Which sample of its pixel this is, counted from 0.
+// The number of this sample within its pixel, counted from 0.
 float sample_number() {
     if (pass_sample.z < 0.5) return 0.0;
     return 1.0 + (pass_sample.z > 1.5 ? float(block_sample()) : pass_sample.w);

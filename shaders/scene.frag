@@ -1,4 +1,4 @@
-// One sample of the scene for each pixel: primary ray, light, and what mirrors show (LD?S*E, thesis 3.3).
+// One sample of the scene for each pixel: primary ray, light, and what mirrors show (LD?S*E, Abt 2022, section 3.3).
 // Writes linear light and, in a pixel's first sample, a key of the surfaces seen.
 
 #include "frame_block.glsl"
@@ -30,28 +30,28 @@ layout(location = 3) out vec4 more_clauses;         // of materials and light, 0
 #if defined(LENS) && !defined(COUNT_EVALUATIONS)
 layout(location = 1) out float sample_spread;       // radius of the disc that a point becomes in the picture, in pixels
 
-// By a thin lens: a point at distance z is spread over radius * |1/sharp - 1/z| at distance 1; negative in front of what
-// is sharp.
+// For a thin lens: a point at distance z is spread over radius * |1/sharp - 1/z| at distance 1; negative in front of
+// the sharp distance.
 float spread_at(float nearness) {
     float limit = picture_lens.z * viewport.y;
     return clamp(picture_lens.x * (picture_lens.y - nearness) / (2.0 * camera_position.w), -limit, limit);
 }
 #endif
-// 1 / how far away the first surface is, along the camera's axis.
+// 1 / distance of the first surface, along the camera's axis.
 float seen_nearness = 0.0;
 
 // Light from the surface at p towards the eye, without what it mirrors.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
     vec3 light = m.emission;
-    // Left at its end: a renderer that never skips a branch would run a last round in vain.
+    // The loop tests at its end: a renderer that never skips a branch would otherwise run one more round for nothing.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
     do {
         Incoming incoming = light_at(i, p, s.normal, direction);
         if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
-            // Without shadows the way to the light has no length.
+            // Without shadows the way to the light is not traced.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
@@ -62,12 +62,13 @@ vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     return light + m.color * (light_of(s.ambient) * s.open + s.glow);
 }
 
-// A number for the surfaces of a path: where neighbours differ in it, an edge of the geometry lies between them.
+// A number for the surfaces of a path: where it differs between neighbours, there is an edge of the geometry between
+// them.
 float surface_key = 0.0;
-// A prime: keys stay whole and below 2048, which 16-bit floats hold exactly.
+// A prime. Keys stay whole numbers below 2048, which 16-bit floats hold exactly.
 const float KEYS = 1021.0;
 
-// Added to the key where a rough mirror was seen: noise takes more samples.
+// Added to the key where a rough mirror was seen, because noise takes more samples.
 const float ROUGH_KEY = 1024.0;
 float seen_rough = 0.0;
 
@@ -77,19 +78,19 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
     surface_key = mod(surface_key * 29.0 + 27.0 * float(object + 1) + facing, KEYS);
 }
 
-// The most surfaces that a path meets: four mirrors and what the last one shows.
+// The most surfaces that a path meets: four mirrors and the surface in the last one.
 #ifdef MIRRORS
 const int SURFACES_MAX = 5;
 #else
 const int SURFACES_MAX = 1;
 #endif
-// A path ends where less of its light than this would reach the eye; at the least quality more is let go.
+// A path ends where less than this share of its light would reach the eye; at the lowest quality the share is larger.
 const float SHARE_MIN = 0.004;
 const float SHARE_MIN_LEAST = 0.06;
 
 #ifdef BLUR
-// Two numbers of 0..1 for a surface of the path: those of a pixel by a hash (pcg3d, Jarzynski and Olano 2020), the same
-// in each frame, those of its further samples by steps of the R2 sequence (Roberts 2018).
+// Two numbers of 0..1 for a surface of the path. Those of a pixel come from a hash (pcg3d, Jarzynski and Olano 2020)
+// and are the same in each frame; those of its further samples follow the R2 sequence (Roberts 2018).
 vec2 scatter(int surface) {
     uvec3 v = uvec3(uvec2(sample_place()), uint(surface)) * 1664525u + 1013904223u;
     v.x += v.y * v.z;
@@ -112,19 +113,19 @@ vec3 facet(vec3 normal, float alpha, vec2 random) {
 #endif
 
 // Light along a ray from the eye. One loop over the surfaces of the path, so that a driver compiles tracing and
-// shading once.
+// shading only once.
 vec3 scene_color(vec3 origin, vec3 direction) {
     float spread = camera_position.w;
     float share_min = mix(SHARE_MIN_LEAST, SHARE_MIN, frame_quality);
     float travelled = 0.0;
-    // Light is spread over this more for each unit of the way, once it was mirrored by something rough.
+    // How much wider the ray gets for each unit of the way after a rough mirror.
     float blurred = 0.0;
     vec3 throughput = vec3(1.0);
     vec3 color = vec3(0.0);
     for (int surface = 0; surface < SURFACES_MAX; surface++) {
         float cone = spread * travelled;
         Hit hit = trace(origin, direction, 0.01 * float(surface), cone, spread, surface > 0);
-        // How the point moves for the pixel to the right and the one above, before the surface cuts the rays.
+        // How the point moves for the pixel to the right and the one above, before the rays meet the surface.
         float reached = travelled + (hit.met ? hit.t : 1.0);
         float wide = reached * (1.0 + blurred / spread);
         vec3 dx = camera_right.xyz * (2.0 * viewport.z * wide);
@@ -136,7 +137,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             if (surface == 0) seen_nearness = 1.0 / max(hit.t * dot(direction, camera_forward.xyz), 1e-6);
             cone = spread * travelled;
             vec3 p = origin + hit.t * direction;
-            // Brought onto the plane exactly: no ray from there meets it again.
+            // Moved exactly onto the plane, so that no ray from there meets it again.
             vec4 plane = plane_of(hit.plane);
             if (hit.plane != NOTHING) p -= plane.xyz * (dot(plane.xyz, p) + plane.w);
             Surface s = scene_surface(p, hit.plane, direction, cone, dx, dy);
@@ -146,12 +147,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_share = throughput * m.haze;
             vec3 kept = throughput * (1.0 - m.haze);
-            // Schlick's approximation of Fresnel's reflectance; a rough mirror turns less of it to the side.
+            // Schlick's approximation of Fresnel's reflectance; a rough mirror reflects less of it at grazing angles.
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
             float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
             if (max(kept.r, max(kept.g, kept.b)) > share_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
-            // Metals colour what they mirror.
+            // Metals tint what they mirror.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);
             origin = p + s.normal * (hit.plane != NOTHING ? 0.0 : max(0.002, cone));
             vec3 mirror = s.normal;
@@ -168,7 +169,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
         }
         if (max(sky_share.r, max(sky_share.g, sky_share.b)) > 0.0) {
-            // A camera inside an object has reached 0.
+            // For a camera inside an object `reached` is 0.
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_share * light_of(sky_color(direction, dx * scale, dy * scale));
         }

@@ -1,4 +1,4 @@
-// What a scene's expressions read beside the point: tables of the sound and pictures.
+// What a scene's expressions read besides the point: tables of the sound, and pictures.
 
 float table_band(float index) {
     return frame_bands[int(clamp(index, 0.0, float(BAND_COUNT - 1)))].x;
@@ -7,7 +7,7 @@ float table_band(float index) {
 // The spectrum, then the waveform, then the rows of the history (src/frame/sound_tables.rs). All zero without sound.
 uniform samplerBuffer sound_tables;
 
-// Between the entries of a row that begins at that texel, at a coordinate that is clamped to 0..1.
+// Interpolates between the entries of the row that begins at that texel; the coordinate is clamped to 0..1.
 float table_row(int first, int count, float u) {
     float along = (u > 0.0 ? min(u, 1.0) : 0.0) * float(count - 1);
     int left = int(along);

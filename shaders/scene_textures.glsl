@@ -1,4 +1,4 @@
-// The scene's pictures. Texture 0 is a texture unit of its own, and so on: OpenGL 3.3 has no arrays of samplers that an
+// The scene's pictures. Each has a texture unit of its own, because OpenGL 3.3 has no arrays of samplers that an
 // expression may index.
 
 #if TEXTURES > 0
@@ -38,7 +38,7 @@ uniform sampler2D scene_texture_10;
 uniform sampler2D scene_texture_11;
 #endif
 
-// A picture with the footprint of a pixel: how uv moves for the pixel to the right and the one above.
+// A picture read with the footprint of a pixel: how uv moves for the pixel to the right and the one above.
 vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
 #if TEXTURES > 0
     if (index == 0) return textureGrad(scene_texture_0, uv, dx, dy);
@@ -79,7 +79,7 @@ vec4 sample_texture(int index, vec2 uv, vec2 dx, vec2 dy) {
     return vec4(0.0);
 }
 
-// A picture at its finest level, for coordinates that depend on another picture.
+// A picture read at its finest level, for coordinates that depend on another picture.
 vec4 read_texture(int index, float u, float v) {
     return sample_texture(index, vec2(u, v), vec2(0.0), vec2(0.0));
 }

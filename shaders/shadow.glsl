@@ -2,27 +2,28 @@
 
 #ifdef STEEP
 const int SHADOW_STEPS_MAX = 512;
-// The shortest step grows so much with each: a ray that grazes a surface ends.
+// The shortest step grows by this much with each step, so that a ray which grazes a surface ends.
 const float SHADOW_STEP_GROWTH = 0.002;
 #else
 const int SHADOW_STEPS_MAX = 96;
 const float SHADOW_STEP_GROWTH = 0.0;
 #endif
-// Longest step near the scene: longer ones draw the steps into the penumbra. Farther away, half the distance.
+// Longest step near the scene: longer ones would make the steps visible in the penumbra. Farther away, half the
+// distance.
 const float SHADOW_STEP_MAX = 0.6;
 const float SHADOW_STEP_MIN = 0.03;
-// Shadow rays also feel what they pass at a distance, outside the scene's bounds: as far as a penumbra can be wide, which
-// is the light's distance over its sharpness, within this range.
+// Shadow rays also feel what they pass outside the scene's bounds, as far away as a penumbra can be wide: the light's
+// distance divided by its sharpness, within this range.
 const float SHADOW_MARGIN_MIN = 0.1;
 const float SHADOW_MARGIN_MAX = 3.0;
-// Sharpness of the penumbra, the distance of a light over its radius, is brought into this range.
+// The sharpness of the penumbra, the distance of a light divided by its radius, is clamped to this range.
 const float SHARPNESS_MIN = 2.0;
 const float SHARPNESS_MAX = 64.0;
-// Range of a light that is infinitely far away.
+// Range of an infinitely distant light.
 const float SUN_DISTANCE = 1000.0;
 
-// Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest
-// pass between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
+// Share of a light that is seen from p, 0..1: Quilez, "soft shadows in raymarched SDFs" (2010), with the closest pass
+// between two steps estimated by triangulation (Aaltonen 2018; Abt 2022, section 3.4, figure 11).
 float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float sharpness, float cone) {
     vec3 origin = p + normal * max(0.012, 2.0 * cone);
     if (trace_planes(origin, to_light, 0.0).t < light_t) return 0.0;
@@ -38,7 +39,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     if (t >= end) return 1.0;
     Walk walk = walk_of(origin, to_light);
     for (int i = 0; i < SHADOW_STEPS_MAX; i++) {
-        // Over cells whose surfaces are too far away to take any more light.
+        // Skips cells whose surfaces are too far away to take any more light.
         Cell cell;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
@@ -50,7 +51,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             float leaves = max(past(t), exit_of(cell, walk, q));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
-            // Nothing is left to triangulate.
+            // After a skip there is nothing to triangulate.
             stride = 1e4;
             previous = 1e4;
             if (t >= end) break;
@@ -66,8 +67,8 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
         if (!(d >= 0.002)) return 0.0;
-        // Where the unbounded spheres of the last two points meet: so far behind this point, so far off the ray.
-        // A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
+        // The spheres of the last two points are empty; they meet `behind` back from this point and `closest` off the
+        // ray. A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));

@@ -1,10 +1,10 @@
-// Sphere tracing (Hart 1996, Abt 2022, section 2.2) inside the scene's bounds. Planes are solved exactly.
+// Sphere tracing (Hart 1996; Abt 2022, section 2.2) inside the scene's bounds. Planes are solved exactly.
 
-// STEPS_MAX, HIT_SHARE and other numbers that tests follow rays by: crates/field/src/rays.rs.
+// STEPS_MAX, HIT_SHARE and other numbers with which tests follow rays: crates/field/src/rays.rs.
 
-// The last step is longer than the distance by this at most.
+// The last step is at most this many times as long as the distance.
 const float SLANT_MAX = 4.0;
-// The same share for a ray whose steps are used up.
+// The share of the cone that counts as a hit when a ray has used up its steps.
 const float CAPPED_SHARE = 8.0;
 
 struct Hit {
@@ -24,7 +24,7 @@ vec2 box_span(vec3 origin, vec3 direction, vec3 low, vec3 high) {
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
-// Where along the ray what is traced may lie, with a margin around it; empty where entry > exit.
+// Where along the ray the traced scene may lie, with a margin around it; empty where entry > exit.
 vec2 traced_span(vec3 origin, vec3 direction, float margin) {
     if (bounds_low.w < 0.5) return vec2(1.0, 0.0);
     if (bounds_high.w < 0.5) return vec2(0.0, FAR);
@@ -55,10 +55,10 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     if (t >= end) return behind;
     Walk walk = walk_of(origin, direction);
     float d = 0.0;
-    float before = 0.0;     // the distance one step before; 0 if cells were skipped since
+    float before = 0.0;     // the distance at the previous step; 0 if cells were skipped since
     for (int i = 0; i < STEPS_MAX; i++) {
         float reach = HIT_SHARE + HIT_SHARE_GROWTH * float(max(i - STEPS_MANY, 0));
-        // Over cells that hold no surface, to where the distance must be asked.
+        // Skips cells that hold no surface, up to the place where the distance must be evaluated.
         Cell cell;
         for (int skip = 0; skip < SKIPS_MAX; skip++) {
             vec3 q = place_on(walk, t);
@@ -75,7 +75,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
         if (i == STEPS_MAX - 1) COUNT(capped);
 #endif
-        // Not d >= reach: what is no number ends the ray, too.
+        // Not d >= reach, so that NaN also ends the ray.
         if (!(d >= reach * (cone + spread * t))) break;
         t += d;
         before = d;
@@ -83,10 +83,10 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     }
     // A ray that used up its steps far from any surface has met none.
     if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
-    // On to the surface, so that the end hardly depends on the steps before: as far as it is, or where the last two
-    // distances say that it is met at an angle.
+    // The last step goes onto the surface, so that the hit point hardly depends on the steps before: as far as the
+    // distance, or farther where the last two distances show that the ray meets the surface at an angle.
     float slant = before > d ? min(before / (before - d), SLANT_MAX) : 1.0;
-    // What is no number ends the ray where it was.
+    // NaN ends the ray where it was.
     return Hit(d > 0.0 ? t + d * slant : t, NOTHING, true);
 }
 #endif

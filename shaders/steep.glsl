@@ -1,6 +1,7 @@
-// Rays through formulas that are no distance functions, in the variant STEEP: `trace` of sphere_tracing.glsl. Each cell of the tree (regions.glsl) knows
-// how steep the formula may be inside (crates/field/src/region/gradient.rs), so a step that cannot pass a surface is known, too: the
-// value over the rate at which it can fall along the ray, or up to the cell's face.
+// Rays through formulas that are not signed distance fields, in the variant STEEP: replaces `trace` of
+// sphere_tracing.glsl. Each cell of the tree (regions.glsl) knows how steep the formula may be inside
+// (crates/field/src/region/gradient.rs). That gives a step that cannot pass a surface: the value divided by the rate
+// at which it can fall along the ray, or up to the cell's face.
 
 // Bounds of the gradient.
 struct Slopes {
@@ -23,15 +24,15 @@ float slope_towards(Slopes slopes, vec3 direction) {
     return falls.x + falls.y + falls.z;
 }
 
-// Where along the ray there are cells that may hold a surface.
+// The part of the ray where cells may hold a surface.
 vec2 steep_span(vec3 origin, vec3 direction) {
     vec2 span = traced_span(origin, direction, 0.0);
     vec2 tree = box_span(origin, direction, region_low.xyz, region_low.xyz + ROOT_SIDE / region_scale.xyz);
     return vec2(max(span.x, tree.x), min(span.y, tree.y));
 }
 
-// First surface along the ray: where the sign changes. `cone` is the radius of the pixel's cone at t = 0 and `spread` its
-// growth.
+// First surface along the ray: where the sign changes. `cone` is the radius of the pixel's cone at t = 0 and `spread`
+// its growth.
 Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bool reflected) {
     Hit behind = trace_planes(origin, direction, start);
     vec2 span = steep_span(origin, direction);
@@ -39,7 +40,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
     float t = max(past(span.x), start);
     if (t >= end) return behind;
     Walk walk = walk_of(origin, direction);
-    // The last point outside with its value, unless that is only known to be above 0, and the first one inside.
+    // The last point outside with its value (unless that is only known to be above 0), and the first point inside.
     float outside = t;
     float above = 0.0;
     float inside = -1.0;
@@ -65,7 +66,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (i == STEEP_STEPS_MAX - 1) COUNT(capped);
 #endif
         float radius = cone + spread * t;
-        // What is no number is inside, too.
+        // NaN counts as inside, too.
         if (value > 0.0) {
             outside = t;
             above = value;
@@ -77,22 +78,22 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             bool close = inside - outside < CLOSE_ENOUGH * radius;
             if (!(above > 0.0) || close || closings == CLOSINGS_MAX) return Hit(inside, NOTHING, true);
             closings++;
-            // The secant, kept off both ends so that both close in.
+            // The secant, kept away from both ends so that both close in.
             t = mix(outside, inside, clamp(above / (above - below), 0.1, 0.9));
         } else {
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
             float safe = slope > 0.0 ? value / slope : FAR;
             float leaves = max(past(t), exit_of(cell, walk, q)) - t;
             float smallest = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * float(i)) * radius;
-            // Outside of the tree by a rounding there is no cell to leave.
+            // A point that rounding put outside the tree has no cell to leave.
             t += cell.side > 0.0 ? max(min(safe, leaves), smallest) : past(smallest);
         }
     }
     return behind;
 }
 
-// For a shadow ray: how far it may step, and whether anything is in its way, as a distance that is far or 0. What is no
-// distance says nothing of how closely a ray passes: shadows are sharp.
+// For a shadow ray: how far it may step, and whether anything is in its way, as a distance that is far or 0. A value
+// that is not a distance does not show how closely a ray passes, so shadows are sharp.
 vec2 steep_nearest(Cell cell, Walk walk, float t, vec3 direction, vec2 values) {
     float towards = slope_towards(unpack_slopes(cell.slopes), direction);
     float leaves = max(past(t), exit_of(cell, walk, place_on(walk, t))) - t;

@@ -1,9 +1,10 @@
-// From exposed light, which is finite and not negative, to linear light of the screen, 0..1. TONE_MAP is the number of
-// the way in crates/field/src/lang/scene.rs.
+// From exposed light, finite and not negative, to linear light of the screen, 0..1. TONE_MAP is the number of the
+// tone map in crates/field/src/lang/scene.rs.
 
 #if TONE_MAP == 0
-// AgX (Troy Sobotka): 16.5 stops of light, brought nearer to grey, through a curve in logarithms; bright colours fade to
-// white. The stops are 10 below and 6.5 above middle grey, which becomes 0.48 of the encoded range, with a slope of 2.2.
+// AgX (Troy Sobotka): 16.5 stops of light, desaturated and mapped by a curve in logarithms; bright colours fade to
+// white. The stops are 10 below and 6.5 above middle grey, which becomes 0.48 of the encoded range, with a slope of
+// 2.2.
 const mat3 AGX_INSET = mat3(
     0.842479062253094, 0.0423282422610123, 0.0423756549057051,
     0.0784335999999992, 0.878468636469772, 0.0784336,
@@ -14,15 +15,15 @@ const mat3 AGX_OUTSET = mat3(
     -0.0990297440797205, -0.0989611768448433, 1.15107367264116);
 const float AGX_DARKEST = -12.47393;
 const float AGX_STOPS = 16.5;
-// Colours are stronger than neutral AgX leaves them.
+// Makes colours stronger than neutral AgX leaves them.
 const float AGX_SATURATION = 1.4;
-// What an encoded value is the power of: a little more contrast than AgX's 2.2.
+// The exponent that decodes the result: a little more contrast than AgX's 2.2.
 const float AGX_POWER = 2.36;
 
 vec3 tone_map(vec3 color) {
     vec3 stops = log2(max(AGX_INSET * color, 1e-10));
     vec3 x = clamp((stops - AGX_DARKEST) / AGX_STOPS, 0.0, 1.0);
-    // The sigmoid as a polynomial, within 0.003; 0 and 1 stay. (Toe of power 1.6, shoulder of 2.4.)
+    // The sigmoid as a polynomial, within 0.003; 0 and 1 are preserved. (Toe of power 1.6, shoulder of 2.4.)
     vec3 y = 2.0 * x - 1.0;
     vec3 bend = 2.11095 * y - 0.32981;
     bend = bend * y - 3.83692;
@@ -36,8 +37,8 @@ vec3 tone_map(vec3 color) {
     return pow(clamp(encoded, 0.0, 1.0), vec3(AGX_POWER));
 }
 #elif TONE_MAP == 1
-// ACES: Stephen Hill's fit of its reference rendering and sRGB output transforms. As bright as the other curves where
-// light is neither weak nor strong.
+// ACES: Stephen Hill's fit of its reference rendering and sRGB output transforms. Scaled to be as bright as the other
+// curves where light is neither weak nor strong.
 vec3 tone_map(vec3 color) {
     const mat3 inset = mat3(0.59719, 0.07600, 0.02840, 0.35458, 0.90834, 0.13383, 0.04823, 0.01566, 0.83777);
     const mat3 outset = mat3(1.60475, -0.10208, -0.00327, -0.53108, 1.10813, -0.07276, -0.07367, -0.00605, 1.07602);
@@ -46,8 +47,8 @@ vec3 tone_map(vec3 color) {
     return clamp(outset * fitted, 0.0, 1.0);
 }
 #elif TONE_MAP == 2
-// Extended Reinhard on luminance (Abt 2022, section 3.2): what is as bright as WHITE becomes white. As bright as the other
-// curves where light is neither weak nor strong.
+// Extended Reinhard on luminance (Abt 2022, section 3.2): light as bright as WHITE becomes white. Scaled to be as
+// bright as the other curves where light is neither weak nor strong.
 vec3 tone_map(vec3 color) {
     const float WHITE = 6.0;
     color *= 1.35;

@@ -1,4 +1,4 @@
-// A finished picture in a window with more pixels, by Catmull-Rom splines.
+// A finished picture, enlarged for a window with more pixels by Catmull-Rom splines.
 
 #include "post_block.glsl"
 
@@ -6,7 +6,7 @@ uniform sampler2D picture;      // finished
 
 layout(location = 0) out vec4 screen;
 
-// Of the four pixels around a place, as far behind the second as `t` says.
+// The weights of four pixels around a place that lies `t` behind the second.
 vec4 weights(float t) {
     return vec4(
         t * (-0.5 + t * (1.0 - 0.5 * t)),
@@ -35,6 +35,6 @@ void main() {
             high = near ? max(high, color) : high;
         }
     }
-    // No rims around edges: nothing is brighter or darker than what lies around it.
+    // No rims around edges: nothing becomes brighter or darker than the nearest four pixels.
     screen = vec4(clamp(sum, low, high), 1.0);
 }

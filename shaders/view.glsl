@@ -1,6 +1,6 @@
-// The colours of the views, in the variant VIEWS: what the screen gets, 0..1, from what was noted of a sample.
+// The colours of the views, in the variant VIEWS: what the screen gets, 0..1, from what was recorded of a sample.
 
-// Texels of a tape that are counted.
+// The most texels of a tape that are counted.
 const int TAPE_TEXELS_MAX = 4096;
 // Half the width of the lines on a slice and at the faces of cells, in pixels.
 const float LINE_WIDTH = 0.8;
@@ -13,22 +13,22 @@ vec3 heat_color(float share) {
 
 // The distance at a point, or the formula's value, planes included.
 float value_at(vec3 p) {
-    // No cell lies there, so that the whole tape is run.
+    // No cell lies there, so the whole tape is run.
     Cell whole = cell_at(vec3(-1.0));
     float d = bounds_low.w < 0.5 ? FAR : scene_distance(whole, p, 0.0).y;
     for (int i = 0; i < PLANES; i++) {
         if (dot(planes[i].xyz, planes[i].xyz) > 0.5) d = min(d, dot(planes[i].xyz, p) + planes[i].w);
     }
-    // What is no number is far away.
+    // NaN counts as far away.
     return abs(d) < 1e9 ? d : 1e9;
 }
 
-// How much of a line covers the pixel, `away` from its middle, in pixels.
+// How much of the pixel a line covers whose middle is `away` pixels from it.
 float line_cover(float away, float half_width) {
     return clamp(half_width + 0.5 - away, 0.0, 1.0);
 }
 
-// Lines of equal distance (thesis figure 1).
+// Lines of equal distance (Abt 2022, figure 1).
 vec3 slice_color(vec3 direction) {
     float along = dot(view_plane.xyz, direction);
     float t = -(dot(view_plane.xyz, camera_position.xyz) + view_plane.w) / max(along, 1e-6);
@@ -36,7 +36,7 @@ vec3 slice_color(vec3 direction) {
     t = clamp(t, 1e-3, 1e6);
     float d = value_at(camera_position.xyz + t * direction);
     float pixel = 2.0 * camera_position.w * t;
-    // How fast the value changes from pixel to pixel; at a distance it is no more than the pixel's width.
+    // How fast the value changes from pixel to pixel; for a signed distance that is at most the pixel's width.
     float slope = max(fwidth(d), 0.05 * pixel);
     float spacing = view_choice.y;
     vec3 color = d > 0.0 ? COLOR_OUTSIDE : COLOR_INSIDE;
@@ -47,7 +47,7 @@ vec3 slice_color(vec3 direction) {
     for (int i = 0; i < 2; i++) {
         float width = i == 0 ? spacing : 5.0 * spacing;
         float away = abs(d - width * floor(d / width + 0.5)) / slope;
-        // Lines that would lie in each other fade.
+        // Lines that would merge fade out.
         float seen = clamp(width / slope / 5.0 - 0.5, 0.0, 1.0);
         color *= 1.0 - (i == 0 ? 0.35 : 0.5) * seen * line_cover(away, 0.2 + float(i) * 0.3);
     }
@@ -59,21 +59,21 @@ vec3 slice_color(vec3 direction) {
     return mix(color, COLOR_ZERO, line_cover(abs(d) / slope, 1.5));
 }
 
-// Clauses of a tape of the regions.
+// Number of clauses in a tape of the regions.
 float tape_length(int first) {
     int texels = 0;
     for (; texels < TAPE_TEXELS_MAX; texels++) {
         if ((texelFetch(regions, first + texels).z & 255u) == 0u) break;
     }
-    // Two to a texel; the last one's second is the end.
+    // Two to a texel; the second clause of the last texel is the end.
     return 2.0 * float(texels) + 1.0;
 }
 
-// How much of a line at the nearest face covers the pixel: of cells `side` root cells wide.
+// How much of the pixel is covered by a line at the nearest face, for cells `side` root cells wide.
 float face_cover(vec3 q, float side, float half_width) {
     vec3 pixel = 2.0 * camera_position.w * noted_t * region_scale.xyz;
     vec3 away = abs(q - side * floor(q / side + 0.5));
-    // Faces that the surface lies in would cover it.
+    // Faces in which the surface lies would cover it completely.
     vec3 along = sqrt(max(1.0 - noted_normal * noted_normal, 0.0));
     vec3 cover = clamp(half_width + 0.5 - away / (pixel * max(along, 1e-3)), 0.0, 1.0);
     cover *= step(vec3(0.05), along);

@@ -1,11 +1,11 @@
-// What the views (src/view/) take note of while a sample is computed, in the variant VIEWS; compiled to nothing elsewhere.
+// What the views (src/view/) record while a sample is computed, in the variant VIEWS; compiled to nothing elsewhere.
 
 #ifdef VIEWS
 #include "view_scales.glsl"
 
 layout(std140) uniform ViewBlock {
     vec4 view_choice;   // x which view (VIEW_...), y its number
-    vec4 view_plane;    // the slice: unit normal into the picture, and the origin's distance
+    vec4 view_plane;    // the slice: unit normal into the picture, and the distance of the origin
 };
 
 // The first surface that is met.
@@ -15,11 +15,11 @@ vec3 noted_p = vec3(0.0);
 vec3 noted_normal = vec3(0.0);
 float noted_open = 1.0;
 int noted_object = 0;
-// Light of the lamps that it would get, and does.
+// Light of the lamps that the surface would get without shadows, and the light that it gets.
 float noted_light = 0.0;
 float noted_arrives = 0.0;
 
-// Only the first surface is looked at: what fades or mirrors does not. What is counted is the whole picture's.
+// Only the first surface is recorded, and it neither fades nor mirrors; counts are those of the whole picture.
 void note_surface(inout Surface s, float t, vec3 p) {
     if (noted) return;
     noted = true;
@@ -42,7 +42,7 @@ void note_light(vec3 light, float visible) {
 
 #define NOTE_SURFACE(s, t, p) note_surface(s, t, p)
 #define NOTE_LIGHT(light, visible) note_light(light, visible)
-// The difference that normals are computed by.
+// The step of the central differences for normals.
 #define CHOSEN_TAP(h) (view_choice.x == VIEW_NORMALS && view_choice.y > 0.0 ? view_choice.y : (h))
 #else
 #define NOTE_SURFACE(s, t, p)

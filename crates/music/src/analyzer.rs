@@ -28,12 +28,12 @@ const REFERENCE_HOP: f64 = 512.0;
 /// Positions are clamped to this (190 000 years at 768 kHz), so that counting on from one never overflows.
 const POSITION_MAX: u64 = 1 << 62;
 
-/// Time constants of the volume, in seconds. The release lets a woofer swing back softly.
+/// Time constants of the volume, in seconds. The slow release lets a woofer swing back softly.
 const VOLUME_ATTACK: f64 = 0.010;
 /// See [`VOLUME_ATTACK`].
 const VOLUME_RELEASE: f64 = 0.150;
 
-/// Time constants of the bands' heights, in seconds. A bar rises with the sound and sinks readably.
+/// Time constants of the bands' heights, in seconds. A bar rises at once and sinks slowly enough to be read.
 const BAND_ATTACK: f64 = 0.010;
 /// See [`BAND_ATTACK`].
 const BAND_RELEASE: f64 = 0.200;
@@ -41,7 +41,7 @@ const BAND_RELEASE: f64 = 0.200;
 /// Time constant of the fall of `beat`, in seconds.
 const BEAT_RELEASE: f64 = 0.15;
 
-/// What is quieter has no brightness, in decibels: the noise of a room.
+/// Sound quieter than this, in decibels, is the noise of a room and has no brightness.
 const QUIET_DB: f32 = -80.0;
 
 /// Time in which `bass_drive` forgets, in seconds.
@@ -54,22 +54,24 @@ const MID: std::ops::Range<usize> = 8..21;
 /// See [`BASS`].
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// By how many moments the flux tells of an onset late: windows centred on their moments, and ending at them.
+/// How many moments after an onset the flux shows it: for windows centred on their moment, and for windows ending at
+/// it.
 const FLUX_LATE: (f32, f32) = (0.6, 1.6);
 
-/// Above this the long window is not looked at, in hertz.
+/// The long window is not used above this frequency, in hertz.
 const SLOW_HIGHEST_HZ: f64 = 600.0;
 
 /// Where the windows of a moment lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// Centred on the moment, for files: what comes after is known. The picture is not late by half a window.
+    /// Centred on the moment, for files: what comes after is known, so the picture is not late by half a window.
     Centred,
-    /// Ending at the moment, for live input, whose future is not known: features are emitted with the last frame.
+    /// Ending at the moment, for live input, whose future is unknown: features are emitted with the window's last
+    /// frame.
     Trailing,
 }
 
-/// The place of the middle of these powers among the bands, 0..1; 0 where there is hardly a sound.
+/// The power-weighted mean place among the bands (spectral centroid), 0..1; 0 where there is hardly a sound.
 fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
     if level_db < QUIET_DB {
         return 0.0;
@@ -82,13 +84,13 @@ fn centroid(powers: &[f32; BAND_COUNT], level_db: f32) -> f32 {
 
 /// Turns frames into features, one set per hop.
 ///
-/// The hop is 512 frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1 ms). Windows
-/// are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets.
-/// Moments lie at whole multiples of the hop, counted from frame 0 of
-/// the stream. The [`Alignment`] says where the windows lie: centred on their moment they read half a window
-/// ([`Analyzer::lookahead`]) of what comes after. Before the first frame and after the last there is silence.
+/// The hop is 512 frames at 44.1 and 48 kHz, scaled by the nearest power of two at other rates (7.5 to 15.1 ms).
+/// Windows are 16, 4 and 2 hops long: the long one for the bass, the short one for the treble and for onsets. Moments
+/// lie at whole multiples of the hop, counted from frame 0 of the stream. The [`Alignment`] says where the windows
+/// lie: when they are centred on their moment they read half a window ([`Analyzer::lookahead`]) of what comes after
+/// it. Before the first frame and after the last there is silence.
 ///
-/// What is emitted depends on the frames alone, bit for bit, not on how they were cut into blocks. Nothing is
+/// What is emitted depends, bit for bit, on the frames alone and not on how they were cut into blocks. Nothing is
 /// allocated after `new`.
 pub struct Analyzer {
     sample_rate: u32,
@@ -105,11 +107,11 @@ pub struct Analyzer {
     any: bool,
     /// Whether no moment was measured since the (re)start.
     fresh: bool,
-    /// The long window at a lower rate, and what brings it there.
+    /// The long window at a lower rate, and the decimator that makes it.
     slow: Vec<StereoFrame>,
     decimator: Decimator,
     slow_spectrum: Spectrum,
-    /// Where in the history the middle and the short window lie, and what measures them.
+    /// Where the middle and the short window lie in the history, and the spectrum of each.
     windows: [(std::ops::Range<usize>, Spectrum); 2],
     bands: Bands,
     lines: Lines,
@@ -128,13 +130,13 @@ pub struct Analyzer {
 }
 
 impl Analyzer {
-    /// For a stream of `sample_rate` frames per second, that starts at frame 0, with automatic gain. A rate outside the
-    /// limits' `sample_rate_min..=sample_rate_max` is taken as the nearest one inside.
+    /// For a stream of `sample_rate` frames per second that starts at frame 0, with automatic gain. A rate outside
+    /// the limits' `sample_rate_min..=sample_rate_max` is replaced by the nearest one inside.
     pub fn new(sample_rate: u32, alignment: Alignment) -> Self {
         Self::with_gain(sample_rate, alignment, Gain::Auto)
     }
 
-    /// The same with automatic gain or without.
+    /// The same, with automatic gain or without.
     pub fn with_gain(sample_rate: u32, alignment: Alignment, gain: Gain) -> Self {
         let sample_rate = sample_rate.clamp(LIMITS.sample_rate_min, LIMITS.sample_rate_max);
         let rate = f64::from(sample_rate);
@@ -159,10 +161,10 @@ impl Analyzer {
         };
         let slow_gain = |bin: usize| {
             let hz = bin as f64 * rate / longest as f64;
-            // Higher ones are not looked at.
+            // Bins above this are not used.
             if hz < SLOW_HIGHEST_HZ { decimator.power_gain(hz, rate) } else { 1.0 }
         };
-        // Of the four hops around a moment or before it the last one: those before it came with earlier moments.
+        // Only the last of the four hops around or before a moment: the earlier ones came with earlier moments.
         let wave_end = place(4 * hop).end;
         let short = hop * Resolution::Short.hops();
         let mut analyzer = Self {
@@ -210,16 +212,16 @@ impl Analyzer {
         self.hop
     }
 
-    /// Frames that must follow a moment before its features are emitted: centred half the long window, 85 ms at
-    /// 48 kHz, and what the filter before it needs; else none.
+    /// Frames that must follow a moment before its features are emitted. With centred windows: half the long window,
+    /// 85 ms at 48 kHz, and the delay of the decimating filter; otherwise 0.
     pub fn lookahead(&self) -> usize {
         self.lookahead
     }
 
     /// Forgets everything; the next frame pushed is frame `position` of the stream (0 is its start).
     ///
-    /// The first moment is the first multiple of the hop at or after `position`; what lies before counts as
-    /// silence. To meet the features of an uninterrupted analysis after a seek, start a second earlier.
+    /// The first moment is the first multiple of the hop at or after `position`; everything before counts as silence.
+    /// To get the features of an uninterrupted analysis after a seek, start a second earlier.
     pub fn restart(&mut self, position: u64) {
         let position = position.min(POSITION_MAX);
         self.moment = position.next_multiple_of(self.hop as u64);
@@ -227,7 +229,7 @@ impl Analyzer {
         (self.any, self.fresh) = (false, true);
         self.history.fill([0.0; 2]);
         self.slow.fill([0.0; 2]);
-        // A moment is less than a hop ahead, and the window behind it is longer than a hop.
+        // The moment is less than a hop ahead, and the window reaches back from it by more than a hop.
         self.filled = self.history.len() - self.lookahead - (self.moment - position) as usize;
         self.gain.restart();
         self.flux.restart();
@@ -254,10 +256,10 @@ impl Analyzer {
         }
     }
 
-    /// Ends the stream: emits what is left, with silence after the last frame, until a moment lies at or after the
-    /// end of the stream. Emits nothing if nothing was pushed. Then the analyzer is as new.
+    /// Ends the stream: emits the remaining moments, with silence after the last frame, up to the first one at or
+    /// after the end of the stream. Emits nothing if nothing was pushed. Afterwards the analyzer is as new.
     pub fn finish(&mut self, emit: &mut dyn FnMut(&TimedFeatures)) {
-        // A moment before `position + hop` is the last one to be before or the first one to be at the end.
+        // Every moment before `position + hop`: those before the end of the stream and the first one at or after it.
         while self.any && self.moment < self.position + self.hop as u64 {
             self.history[self.filled..].fill([0.0; 2]);
             self.filled = self.history.len();
@@ -281,7 +283,7 @@ impl Analyzer {
     /// Measures the moment whose window is full.
     fn measure(&mut self) {
         let history = &self.history;
-        // All of it once, then hop by hop.
+        // The whole window the first time, then one hop at a time.
         let kept_per_hop = self.hop / self.decimator.step();
         let new = if std::mem::take(&mut self.fresh) { self.slow.len() } else { kept_per_hop };
         let kept = self.slow.len() - new;
@@ -310,7 +312,7 @@ impl Analyzer {
         features.bass = mean(&features.bands[BASS]);
         features.mid = mean(&features.bands[MID]);
         features.treble = mean(&features.bands[TREBLE]);
-        // A first-order system has e times its driving value after its time constant.
+        // In its steady state a first-order system holds its input times its time constant.
         self.drive_follower.follow(&mut features.bass_drive, DRIVE_SECONDS as f32 * features.bass);
 
         let volumes = Volumes::of(&history[self.volume_stretch.clone()]);
@@ -344,8 +346,8 @@ impl Analyzer {
     }
 }
 
-/// The mean of both channels over as many frames for each point; where a hop has fewer frames than points, each frame
-/// stands for several.
+/// The mean of both channels over `frames_per_point` frames for each point; where a hop has fewer frames than points,
+/// each frame stands for several points.
 fn mean_of_channels(frames: &[StereoFrame], frames_per_point: usize, wave: &mut [f32; WAVE_PER_HOP]) {
     if frames_per_point == 0 {
         for (index, point) in wave.iter_mut().enumerate() {

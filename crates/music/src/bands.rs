@@ -9,31 +9,31 @@ pub const BAND_LOWEST_HZ: f64 = 30.0;
 /// Upper edge of the highest band, in hertz.
 pub const BAND_HIGHEST_HZ: f64 = 16_000.0;
 
-/// The level that is drawn with height 0, in decibels.
+/// The level drawn with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -66.0;
 
-/// The level that is drawn with height 1, in decibels.
+/// The level drawn with height 1, in decibels.
 ///
-/// Music mastered at -14 LUFS has about -13 dB in all (0 dB: a full-scale sine in both channels). Spread evenly
-/// over 32 bands (pink) that is -28 dB each, a height of 0.63; the usual fall of music towards the treble
-/// puts the bass near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
+/// Music mastered at -14 LUFS has a total level of about -13 dB (0 dB: a full-scale sine in both channels). Spread
+/// evenly over 32 bands (pink) that is -28 dB each, a height of 0.63. Because music usually falls towards the treble,
+/// the bass is near -18 dB (0.8), a kick near -10 dB (0.93) and the treble near -45 dB (0.35).
 const HEIGHT_ONE_DB: f32 = -6.0;
 
-/// Lower edge of band `index` in hertz; that of `BAND_COUNT` is the upper edge of the last band.
+/// Lower edge of band `index` in hertz; for `BAND_COUNT`, the upper edge of the last band.
 ///
-/// The edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave) and do not
-/// depend on the sample rate: a tone stands in the same band at every rate.
+/// The edges divide 30 Hz to 16 kHz into equal ratios (1.217, a little over a quarter of an octave). They do not
+/// depend on the sample rate, so a tone falls into the same band at every rate.
 pub fn band_edge(index: usize) -> f64 {
     BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(index as f64 / BAND_COUNT as f64)
 }
 
 /// Which bins of which window make up which band.
 ///
-/// Bin k stands for the interval [k - ½, k + ½] bins. A band takes of each bin the share of that interval that
-/// lies within its edges, so bands share the bins on their common edges and no power is lost or counted twice; and of
-/// the three windows the shares that [`Resolution::share`] tells.
+/// Bin k stands for the interval [k - ½, k + ½] bins. A band takes from each bin the share of that interval that lies
+/// within the band's edges. So neighbouring bands divide the bin on their common edge, and no power is lost or
+/// counted twice. The three windows are weighted by [`Resolution::share`].
 pub(super) struct Bands {
-    /// For each band, of each window.
+    /// For each band, its bins in each window.
     bands: [[Bins; Resolution::ALL.len()]; BAND_COUNT],
     weights: Vec<f32>,
 }
@@ -47,8 +47,8 @@ struct Bins {
 }
 
 impl Bands {
-    /// For windows of a hop times [`Resolution::hops`] frames at `sample_rate` hertz. A band that reaches above half the
-    /// rate is cut there; one wholly above it is silent.
+    /// For windows of [`Resolution::hops`] times `hop` frames at `sample_rate` hertz. A band that reaches above half
+    /// the rate is cut there; one wholly above it is silent.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let mut weights = Vec::new();
         let mut bands = [[Bins::default(); Resolution::ALL.len()]; BAND_COUNT];
@@ -110,7 +110,7 @@ mod tests {
         }
     }
 
-    /// Power that lies evenly over frequency comes out as bandwidth, and each bin is given out once.
+    /// Power spread evenly over frequency gives each band its bandwidth, and each bin is given out once.
     #[test]
     fn bins_are_shared_without_loss() {
         for (hop, rate) in [(512, 48_000.0), (512, 67_882.0), (8_192, 768_000.0)] {

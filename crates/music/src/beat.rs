@@ -1,17 +1,17 @@
-//! Tempo and beat: where in its beat the music is, and when the next one comes.
+//! Tempo and beat: where in its beat the music is, and when the next beat comes.
 //!
-//! A hidden Markov model, filtered forwards: a state is a period and a phase in it, in whole moments (the bar pointer of
-//! Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to moment every state
-//! moves on by one; at the end of a beat it may go over to a period nearby. States at the start of a beat expect an onset,
-//! all others expect none. It is causal, knows of nothing but the flux, and forgets what it heard within seconds. Since a
-//! period's states move as one, its ring turns and is not copied: a moment costs a multiplication for each state in which
-//! a beat starts, and a sum over all.
+//! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole moments (the bar
+//! pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to
+//! moment every state moves on by one; at the end of a beat it may change to a nearby period. States at the start of
+//! a beat expect an onset, all others expect none. The model is causal and hears only the flux. Because the states of
+//! a period move together, their ring is rotated instead of copied: a moment costs one multiplication for each state
+//! that starts a beat, and one sum over all states.
 //!
 //! **The beat is inferred, not picked.** A hidden Markov model over periods and phases, filtered forwards, expects
 //! onsets at the start of a beat and none between. Octaves, swing and missing beats are weighed against each other by
-//! the same rule, and the phase foretells the next beat. Windowed, held and leaking quantities only: all that is heard
-//! is forgotten within seconds, so that a moment looks the same however it was reached. A seek lets the analysis hear
-//! 13 s before its target, as a history spans 10 s.
+//! the same rule, and the phase predicts the next beat. The model keeps only windowed, held and leaking quantities:
+//! everything it heard is forgotten within seconds, so that a moment looks the same however it was reached. After a
+//! seek the analysis starts 13 s before the target, because a history spans 10 s.
 
 use std::f32::consts::TAU;
 
@@ -21,35 +21,37 @@ const TEMPO: (f64, f64) = (215.0, 52.0);
 /// A beat starts during this time, in seconds.
 const START_SECONDS: f64 = 0.032;
 
-/// The tempo that is likeliest before anything is heard, in beats per minute, and the octaves from it that are less
-/// likely by exp(-1/2).
+/// The most likely tempo before anything is heard, in beats per minute, and the distance from it in octaves at which
+/// a tempo is less likely by exp(-1/2).
 const LIKELY: (f64, f64) = (115.0, 1.4);
 
-/// How unlikely another period is at the end of a beat: exp(-this · relative change), of which a whole moment costs no
-/// more than the next constant, since most tempos lie between two periods and their beats alternate.
+/// How unlikely a change of period is at the end of a beat: exp(-this · relative change). A change by one moment
+/// costs no more than the next constant, because most tempos lie between two periods and their beats alternate
+/// between them.
 const TEMPO_STIFFNESS: f32 = 90.0;
 /// See [`TEMPO_STIFFNESS`].
 const NEIGHBOUR: f32 = 0.7;
-/// Periods further away, in moments, are not gone over to.
+/// Largest change of period from one beat to the next, in moments.
 const REACH: usize = 8;
 
-/// Share of what is believed that is given to all states alike at each moment, so that a new tempo is found.
+/// Share of the belief that is redistributed at each moment, so that a new tempo can be found: over periods by what
+/// is likely before anything is heard, over the phases of a period evenly.
 const DOUBT: f32 = 2e-5;
 
-/// Belief that must lie within a tenth of a beat and a twelfth of the tempo around the likeliest state to tell a tempo,
-/// and below which it is not told any more.
+/// Belief within a tenth of a beat and a twelfth of the tempo around the likeliest state: at or above the first value
+/// a tempo is reported, below the second it is no longer reported.
 const TOLD: (f32, f32) = (0.75, 0.3);
 
-/// A tempo is not told before so many onsets.
+/// No tempo is reported before this many onsets.
 const ONSETS_MIN: u32 = 4;
 
-/// Without an onset for so long, in seconds, nothing is known any more.
+/// After this many seconds without an onset nothing is known any more.
 const FORGET_SECONDS: f64 = 4.0;
 
-/// Share of its error that the phase which is told makes good at each moment.
+/// Share of its error by which the reported phase is corrected at each moment.
 const PULL: f32 = 0.12;
 
-/// What is told of the beat.
+/// What is reported of the beat.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Beat {
     /// Beats per minute; 0 while unknown.
@@ -60,14 +62,14 @@ pub(super) struct Beat {
 
 /// The states of a period.
 struct Ring {
-    /// Where in the belief they lie.
+    /// Index of its first state in the belief.
     start: usize,
     period: usize,
-    /// Which of them is at the start of its beat.
+    /// Which of them is at the start of the beat.
     head: usize,
 }
 
-/// The sum, in eight parts that a processor adds side by side.
+/// The sum, in eight partial sums that a processor adds side by side.
 fn sum_of(values: &[f32]) -> f32 {
     let (chunks, rest) = values.as_chunks::<8>();
     let mut sums = [0.0; 8];
@@ -82,27 +84,28 @@ pub(super) struct BeatTracker {
     moments_per_second: f32,
     rings: Vec<Ring>,
     belief: Vec<f32>,
-    /// For each state of a ring from its start on: what doubt adds.
+    /// For each state, counted from the start of its ring: what doubt adds.
     doubt: Vec<f32>,
     /// `passing[to][REACH + from - to]`: how likely a beat of one period follows on another.
     passing: Vec<[f32; 2 * REACH + 1]>,
-    /// What leaves the rings, with nothing before the first and behind the last.
+    /// The belief that leaves each ring at the end of its beat, padded with zeros before the first and behind the
+    /// last.
     leaving: Vec<f32>,
     totals: Vec<f32>,
     start: usize,
-    /// The last values of the flux, so that an onset lasts as long as a start.
+    /// The last values of the flux, held so that an onset lasts as long as the start of a beat.
     held: [f32; 4],
     forget: u32,
     since_onset: u32,
-    /// Onsets since nothing was known.
+    /// Onsets since the last time nothing was known.
     onsets: u32,
-    /// By how much the flux is late, in moments.
+    /// By how many moments the flux is late.
     late: f32,
     told: Beat,
 }
 
 impl BeatTracker {
-    /// For moments `hop_seconds` apart, whose flux tells of onsets `late` moments ago.
+    /// For moments `hop_seconds` apart, whose flux shows onsets `late` moments after they happened.
     pub(super) fn new(hop_seconds: f64, late: f32) -> Self {
         let period = |tempo: f64| (60.0 / tempo / hop_seconds).round() as usize;
         let mut rings: Vec<Ring> = Vec::new();
@@ -165,7 +168,8 @@ impl BeatTracker {
         self.told = Beat::default();
     }
 
-    /// Takes the flux of the next moment over the largest of late, 0..1, and whether a sound begins there.
+    /// Takes the flux of the next moment, relative to the largest recent flux, 0..1, and whether a sound begins
+    /// there.
     pub(super) fn follow(&mut self, flux: f32, begins: bool) -> Beat {
         self.since_onset = if begins { 0 } else { self.since_onset.saturating_add(1) };
         self.onsets = self.onsets.saturating_add(u32::from(begins));
@@ -251,7 +255,7 @@ impl BeatTracker {
         let expected = self.told.phase + 1.0 / period;
         let error = phase - expected - (phase - expected).round();
         let same = self.told.tempo > 0.0 && error.abs() < 0.2;
-        // Never back: a beat that was told is not told again.
+        // Never back: a beat that was reported is not reported again.
         let next = if same { expected + (PULL * error).max(-0.7 / period) } else { phase };
         let next = next - next.floor();
         self.told = Beat {

@@ -2,23 +2,23 @@
 
 use super::StereoFrame;
 
-/// Frames of a hop at the lower rate, where it has that many.
+/// Frames per hop at the lower rate, if the hop has at least that many.
 const KEPT_PER_HOP: usize = 64;
 
-/// How often the mean over a stretch is taken of itself.
+/// How many times the moving mean is applied.
 const ORDER: usize = 4;
 
-/// Keeps one frame in `step` after a filter that lets through what is far below half the lower rate.
+/// Keeps one frame in `step`, after a filter that passes what is far below half the lower rate.
 ///
-/// The filter is the mean of `step` frames, four times over (Hogenauer 1981): its zeros lie at all multiples of the lower
-/// rate, so that what would be mirrored to below 500 Hz is 80 dB less.
+/// The filter is the mean of `step` frames, applied four times (Hogenauer 1981). Its zeros lie at all multiples of
+/// the lower rate, so that frequencies which would alias to below 500 Hz are attenuated by 80 dB.
 pub(super) struct Decimator {
     step: usize,
     taps: Vec<f32>,
 }
 
 impl Decimator {
-    /// For hops of so many frames.
+    /// For hops of `hop` frames.
     pub(super) fn new(hop: usize) -> Self {
         let step = (hop / KEPT_PER_HOP).max(1);
         let mut taps = vec![1.0_f64];
@@ -32,17 +32,17 @@ impl Decimator {
         Self { step, taps: taps.into_iter().map(|tap| tap as f32).collect() }
     }
 
-    /// Frames for one that is kept.
+    /// Frames of the stream for each one that is kept.
     pub(super) fn step(&self) -> usize {
         self.step
     }
 
-    /// Frames by which what is kept lies before the last frame that it was made of.
+    /// By how many frames a kept frame lies before the last frame that it was made from.
     pub(super) fn delay(&self) -> usize {
         self.taps.len() / 2
     }
 
-    /// By what the filter multiplies the power at `hz`.
+    /// The factor by which the filter multiplies the power at `hz`.
     pub(super) fn power_gain(&self, hz: f64, sample_rate: f64) -> f64 {
         let half_angle = std::f64::consts::PI * hz / sample_rate;
         if half_angle == 0.0 {
@@ -52,7 +52,7 @@ impl Decimator {
         mean.powi(2 * ORDER as i32)
     }
 
-    /// Fills `kept` with the newest frames that are kept, the last one ending with the last frame.
+    /// Fills `kept` with the newest kept frames; the last of them ends with the last of `frames`.
     pub(super) fn keep(&self, frames: &[StereoFrame], kept: &mut [StereoFrame]) {
         for (back, frame) in kept.iter_mut().rev().enumerate() {
             let end = frames.len().saturating_sub(back * self.step);

@@ -1,4 +1,4 @@
-//! What the analysis tells of one moment of sound.
+//! The features of one moment of sound.
 
 use serde::Serialize;
 
@@ -8,14 +8,14 @@ use super::tables::WAVE_PER_HOP;
 /// Number of frequency bands.
 pub const BAND_COUNT: usize = 32;
 
-/// The lowest level that is told, in decibels: silence reads this, nothing reads less.
+/// The lowest level reported, in decibels: silence reads this, nothing reads less.
 pub const LEVEL_FLOOR_DB: f32 = -120.0;
 
 macro_rules! features {
     ($($(#[doc = $doc:literal])+ $name:ident: $type:ty = $silence:expr, $between:ident;)+) => {
         /// The features of one moment. Every number is finite, whatever the samples were.
         ///
-        /// What is told in decibels and hertz is measured; the others are for pictures: levelled by [`Gain`](super::Gain)
+        /// Values in decibels and hertz are measured. The others are for pictures: levelled by [`Gain`](super::Gain)
         /// and smoothed with attack and release.
         #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
         pub struct Features {
@@ -26,12 +26,12 @@ macro_rules! features {
             /// Features of silence.
             pub const SILENCE: Self = Self { $($name: $silence,)+ };
 
-            /// Number by number, each by the rule of its row.
+            /// Each number is interpolated by the rule of its row.
             fn between(&self, other: &Self, amount: f32) -> Self {
                 Self { $($name: $between(self.$name, other.$name, amount),)+ }
             }
 
-            /// The number of this name, unless it is a list or there is none.
+            /// The number of this name; none if it is a list or there is no such name.
             fn row(&self, name: &str) -> Option<f32> {
                 match name {
                     $(stringify!($name) => self.$name.number_alone(),)+
@@ -42,7 +42,7 @@ macro_rules! features {
     };
 }
 
-// Each feature: what it is, its type, what silence reads, and what is between two moments.
+// Each feature: what it is, its type, its value in silence, and how it is interpolated between two moments.
 features! {
     /// Loudness of the left and the right channel: the mean of |sample| over a sixtieth of a second (Abt 2022, section 5,
     /// eq. 1), times the gain, followed with attack and release. 0 is silence, a full-scale sine reads 2/π = 0.637 at a
@@ -50,10 +50,11 @@ features! {
     volume: [f32; 2] = [0.0; 2], mixed;
     /// The same of what both channels share, (left + right) / 2.
     volume_mid: f32 = 0.0, mixed;
-    /// The same of that in which they differ, (left - right) / 2: 0 for mono, much for wide stereo.
+    /// The same of the difference, (left - right) / 2: 0 for mono, large for wide stereo.
     volume_side: f32 = 0.0, mixed;
-    /// Height of each band for drawing, 0..1: its level plus the gain from -66 dB to -6 dB, linear in decibels, followed
-    /// with attack and release. Low frequencies first; the edges are [`band_edge`](super::band_edge)'s.
+    /// Height of each band for drawing, 0..1: the band's level plus the gain, mapped from -66..-6 dB linearly in
+    /// decibels and followed with attack and release. Low frequencies first; [`band_edge`](super::band_edge) gives
+    /// the edges.
     bands: [f32; BAND_COUNT] = [0.0; BAND_COUNT], mixed;
     /// Mean height of the bands below 144 Hz, 0..1.
     bass: f32 = 0.0, mixed;
@@ -61,34 +62,34 @@ features! {
     mid: f32 = 0.0, mixed;
     /// Mean height of the bands from 1.85 kHz to 16 kHz, 0..1.
     treble: f32 = 0.0, mixed;
-    /// Where the middle of the sound lies (the spectral centroid), 0 at the lowest band .. 1 at the highest: the mean of
-    /// the bands' numbers, weighed by their power. Followed like the bands; it sinks to 0 in silence.
+    /// The spectral centroid, 0 at the lowest band .. 1 at the highest: the mean of the bands' numbers, weighted by
+    /// their power. Followed like the bands; it sinks to 0 in silence.
     brightness: f32 = 0.0, mixed;
     /// 1 at the onset of a sound, then falling by e in 0.15 s.
     beat: f32 = 0.0, mixed;
     /// Beats per minute; 0 while unknown.
     tempo: f32 = 0.0, known;
-    /// Way from the last beat to the next, 0 up to 1; 0 while the tempo is unknown. The next beat is foretold for
-    /// 60 · (1 - phase) / tempo seconds later.
+    /// Position between the last beat and the next, 0 up to 1; 0 while the tempo is unknown. The next beat is
+    /// predicted 60 · (1 - phase) / tempo seconds later.
     phase: f32 = 0.0, held;
-    /// The integral of `bass` over time in seconds, of which all but 1/e is forgotten in 4 s: b' = bass - b / 4 s. Time
-    /// plus this runs with the bass: faster with each low note, and as fast as time in the mean.
+    /// The integral of `bass` over time in seconds, of which all but 1/e is forgotten in 4 s: b' = bass - b / 4 s.
+    /// Time plus this value runs with the bass: faster with each low note, and as fast as time on average.
     bass_drive: f32 = 0.0, mixed;
-    /// The gain that the above were levelled by, in decibels; 0 if it is off.
+    /// The gain applied to the values above, in decibels; 0 if it is off.
     gain_db: f32 = 0.0, mixed;
-    /// Level of everything from 30 Hz to 16 kHz in decibels, as the bands'.
+    /// Level of everything from 30 Hz to 16 kHz in decibels, measured like the levels of the bands.
     level_db: f32 = LEVEL_FLOOR_DB, mixed;
     /// Frequency of the strongest tone in hertz, to a hundredth of a bin of the long window (0.06 Hz); 0 below -80 dB.
     peak_hz: f32 = 0.0, held;
-    /// Level of the power in each band in decibels, both channels together, as measured: not smoothed.
-    /// A sine of amplitude a in both channels reads 20·log10(a) dB in sum over the bands it falls into, in one
-    /// channel alone 3.01 dB less, whatever the phase between the channels. Not below [`LEVEL_FLOOR_DB`].
+    /// Level of the power in each band in decibels, both channels together, as measured: not smoothed. A sine of
+    /// amplitude a in both channels reads 20·log10(a) dB, summed over the bands it falls into; in one channel alone
+    /// it reads 3.01 dB less. The phase between the channels makes no difference. Never below [`LEVEL_FLOOR_DB`].
     band_levels_db: [f32; BAND_COUNT] = [LEVEL_FLOOR_DB; BAND_COUNT], mixed;
 }
 
 impl Features {
-    /// The number that scenes read by this name: a feature, a channel of one (`volume.x`), or `pitch`. None if there is
-    /// no such number.
+    /// The number that scenes read by this name: a feature, a channel of one (`volume.x`), or `pitch`. None if there
+    /// is no such number.
     pub fn number(&self, name: &str) -> Option<f32> {
         match name {
             "volume.x" => Some(self.volume[0]),
@@ -98,12 +99,13 @@ impl Features {
         }
     }
 
-    /// The straight line from `self` (`amount` 0) to `other` (`amount` 1), number by number. The phase runs through 1 to
-    /// 0; a tempo or a frequency that is unknown at one end stays what it is at the start.
+    /// Linear interpolation from `self` (`amount` 0) to `other` (`amount` 1), number by number. The phase passes
+    /// through 1 to 0; a tempo or a frequency that is unknown at one end keeps the value of the start.
     pub fn lerp(&self, other: &Self, amount: f32) -> Self {
         let mut between = self.between(other, amount);
         if self.tempo > 0.0 && other.tempo > 0.0 {
-            // A tracker that thought better of it may step back a little: more than half a beat is a new beat.
+            // A tracker that corrects itself may step back a little; a step back of more than half a beat is a new
+            // beat.
             let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
             let phase = mixed(self.phase, other.phase + ahead, amount);
             between.phase = phase - phase.floor();
@@ -138,17 +140,17 @@ impl<const N: usize> Numbers for [f32; N] {
     }
 }
 
-/// On the straight line between both.
+/// Linear interpolation between both.
 fn mixed<T: Numbers>(a: T, b: T, amount: f32) -> T {
     a.mixed(b, amount)
 }
 
-/// The same where both are known, that is above 0, and what it was where one is not.
+/// The same where both are known, that is above 0; otherwise the first value.
 fn known(a: f32, b: f32, amount: f32) -> f32 {
     if a > 0.0 && b > 0.0 { mixed(a, b, amount) } else { a }
 }
 
-/// What it was.
+/// The first value.
 fn held(a: f32, _: f32, _: f32) -> f32 {
     a
 }
@@ -171,8 +173,8 @@ pub struct TimedFeatures {
     /// Heights of the spectrum, 0..1, at frequencies of equal ratios ([`spectrum_hz`](super::spectrum_hz)), followed
     /// like the bands.
     pub spectrum: [f32; SPECTRUM_POINTS],
-    /// A hop of both channels' mean, -8..8: with the three before, the waveform of the moment
-    /// ([`Tables`](super::Tables)).
+    /// One hop of the mean of both channels, -8..8. With the three hops before it, it makes the waveform of the
+    /// moment ([`Tables`](super::Tables)).
     pub wave: [f32; WAVE_PER_HOP],
 }
 

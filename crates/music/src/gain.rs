@@ -1,30 +1,31 @@
-//! Automatic gain: quiet and loud sources move a scene alike.
+//! Automatic gain, so that quiet and loud sources move a scene alike.
 //!
-//! **What scenes see is levelled, what is measured is not.** The gain is a function of the loudest moment of the last
-//! 1.2 s alone: nothing within the range of published music, so that a song's quiet passages stay quiet, and nothing
-//! for what is as quiet as a room.
+//! **What scenes see is levelled, what is measured is not.** The gain depends only on the loudest moment of the last
+//! 1.2 s. It is 0 dB within the range of published music, so that a song's quiet passages stay quiet, and 0 dB for
+//! sound as quiet as a room.
 
 use super::bands::decibels;
 use super::smoothing::Follower;
 
-/// Whether the 0..1 values that scenes see are levelled. What is told in decibels never is.
+/// Whether the 0..1 values that scenes see are levelled. Values in decibels never are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gain {
     /// Quiet sound is lifted and loud sound lowered, both by no more than is needed.
     #[default]
     Auto,
-    /// As it sounds.
+    /// No gain: scenes see the sound as it is.
     Off,
 }
 
-/// Levels of the loudest moment of late, in decibels, within which nothing is changed: music as it is published
-/// lies there with its quiet and its loud passages, which shall stay apart.
+/// Where the loudest recent moment lies between these levels, in decibels, nothing is changed: quiet and loud
+/// passages of published music lie there, and they should stay different.
 const KEPT_DB: (f32, f32) = (-20.0, -4.0);
 
-/// From this level downwards, to the second, the lift is taken back to nothing: what is that quiet is the room.
+/// From the first level down to the second the lift is taken back to nothing: sound that quiet is the room.
 const GATE_DB: (f32, f32) = (-40.0, -50.0);
 
-/// How long the loudest moment counts, in seconds: longer than between two beats, so that the gain does not pump.
+/// How long the loudest moment counts, in seconds: longer than the time between two beats, so that the gain does not
+/// pump.
 const HELD_SECONDS: f64 = 1.2;
 
 /// Time constant of the power, in seconds.
@@ -51,7 +52,7 @@ fn gain_at(level_db: f32) -> f32 {
     lift + (KEPT_DB.1 - level_db).min(0.0)
 }
 
-/// Follows the level and tells the gain. It forgets everything within seconds, so that it is the same soon after a seek.
+/// Follows the level and gives the gain. It forgets everything within seconds, so it soon agrees again after a seek.
 pub(super) struct AutoGain {
     gain: Gain,
     power: f32,
@@ -83,8 +84,8 @@ impl AutoGain {
         (self.power, self.gain_db) = (0.0, 0.0);
     }
 
-    /// Takes the power of a moment (1: a full-scale sine in both channels). Gives the power of the loudest moment of
-    /// late and the gain in decibels.
+    /// Takes the power of a moment (1: a full-scale sine in both channels). Returns the power of the loudest recent
+    /// moment, and the gain in decibels.
     pub(super) fn follow(&mut self, power: f32) -> (f32, f32) {
         self.power_follower.follow(&mut self.power, power);
         if let Some(slot) = self.held.get_mut(self.next) {
@@ -99,7 +100,7 @@ impl AutoGain {
     }
 }
 
-/// What a gain in decibels multiplies amplitudes by.
+/// The factor by which a gain in decibels multiplies amplitudes.
 pub(super) fn amplitude(gain_db: f32) -> f32 {
     if gain_db == 0.0 { 1.0 } else { 10.0_f32.powf(gain_db / 20.0) }
 }

@@ -8,9 +8,9 @@
 //!                                       Sound: features and tables of a moment ◄─ FeatureTrack ◄┘
 //! ```
 //!
-//! Everything runs on hops of samples counted from the start of the stream, never on pictures or on blocks as
-//! they happen to arrive. So the features of a moment are the same live and offline, at any frame rate and
-//! however the samples were cut into blocks.
+//! Everything runs on hops of samples counted from the start of the stream, never on pictures or on blocks as they
+//! happen to arrive. So the features of a moment are the same live and offline, at any frame rate, and however the
+//! samples were cut into blocks.
 //!
 //! ```
 //! use mariana_music::{Alignment, Analyzer, StereoFrame};

@@ -1,7 +1,7 @@
 //! Every ceiling of this crate, in one place.
 //!
-//! A limit is data: code that meets one reads it here, an error that reports one names the number that stands here, and a
-//! test reaches it.
+//! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
+//! a test reaches it.
 
 /// Ceilings on the sound that is analysed and on what is kept of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +14,7 @@ pub struct Limits {
     pub feature_track_seconds_max: f64,
 }
 
-/// The limits that hold.
+/// The limits in force.
 pub const LIMITS: Limits =
     Limits { sample_rate_min: 4_000, sample_rate_max: 768_000, feature_track_seconds_max: 60.0 };
 

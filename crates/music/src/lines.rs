@@ -1,4 +1,4 @@
-//! The spectrum as a curve: heights at many frequencies, in equal ratios.
+//! The spectrum as a curve: heights at many frequencies, spaced in equal ratios.
 
 use super::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, decibels};
 use super::features::LEVEL_FLOOR_DB;
@@ -7,15 +7,14 @@ use super::resolution::Resolution;
 /// Points of the curve.
 pub const SPECTRUM_POINTS: usize = 512;
 
-/// The level that is drawn with height 0, in decibels.
+/// The level drawn with height 0, in decibels.
 const HEIGHT_ZERO_DB: f32 = -84.0;
 
-/// The level that is drawn with height 1, in decibels: single lines of music lie 10 to 20 dB below the band that they
-/// stand in.
+/// The level drawn with height 1, in decibels: single lines of music lie 10 to 20 dB below the level of their band.
 const HEIGHT_ONE_DB: f32 = -12.0;
 
-/// Over the amplitude at a tone's bin that Parseval's scale gives, that of Hann's coherent gain: the noise bandwidth of
-/// 1.5 bins.
+/// The factor from Parseval's scale to Hann's coherent gain, for the power at a tone's bin: the noise bandwidth
+/// of 1.5 bins.
 const NOISE_BANDWIDTH: f32 = 1.5;
 
 /// The frequency at `u` in hertz: 30 Hz at 0, 16 kHz at 1, equal ratios between.
@@ -34,7 +33,7 @@ pub(super) struct Lines {
     points: Vec<Point>,
 }
 
-/// A point takes the shares of two windows at most: their ranges do not meet.
+/// A point takes shares of two windows at most, because the ranges where windows hand over do not meet.
 struct Point {
     parts: [Part; 2],
     /// Whether the frequency is below half the sample rate.
@@ -46,7 +45,7 @@ struct Part {
     window: usize,
     share: f32,
     first_bin: usize,
-    /// Bins whose largest is taken; with two, `between` says where between them the point lies.
+    /// Number of bins whose largest is taken; with two, `between` says where between them the point lies.
     count: usize,
     between: Option<f32>,
 }
@@ -63,7 +62,7 @@ impl Part {
 }
 
 impl Lines {
-    /// For windows of a hop times [`Resolution::hops`] frames at `sample_rate` hertz.
+    /// For windows of [`Resolution::hops`] times `hop` frames at `sample_rate` hertz.
     pub(super) fn new(hop: usize, sample_rate: f64) -> Self {
         let steps = (SPECTRUM_POINTS - 1) as f64;
         let points = (0..SPECTRUM_POINTS).map(|index| {
@@ -76,7 +75,7 @@ impl Lines {
                 let (low, high) = (bin(index as f64 - 0.5).ceil(), bin(index as f64 + 0.5).floor());
                 let here = bin(index as f64);
                 *part = if high > low {
-                    // Several bins in the point's reach: the largest.
+                    // Several bins within the point's reach: take the largest.
                     let count = (high - low) as usize + 1;
                     Part { window, share: share as f32, first_bin: low as usize, count, between: None }
                 } else {
@@ -90,8 +89,8 @@ impl Lines {
     }
 
     /// Writes the height of each point, 0..1, from the power per bin of each window: a tone's amplitude in decibels
-    /// (Hann's coherent gain taken out) plus `gain_db`, from -84 dB to -12 dB. A tone between two bins reads up to 1.4 dB
-    /// less.
+    /// (with Hann's coherent gain taken out) plus `gain_db`, from -84 dB to -12 dB. A tone between two bins reads up
+    /// to 1.4 dB less.
     pub(super) fn heights(
         &self,
         spectra: [&[f32]; Resolution::ALL.len()],

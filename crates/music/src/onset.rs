@@ -2,25 +2,25 @@
 
 use super::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 
-/// Groups of bins whose rise is looked at, in equal ratios from 30 Hz to 16 kHz.
+/// Groups of bins whose rise is measured, in equal ratios from 30 Hz to 16 kHz.
 const GROUPS: usize = 20;
 
-/// How much louder than the mean of what sounded of late a group is told apart: log(1 + this · amplitude).
+/// Strength of the logarithmic compression of a group's amplitude: log(1 + this · amplitude).
 const COMPRESSION: f32 = 20.0;
 
-/// Powers below this (-70 dB) are no sound that could begin.
+/// Powers below this (-70 dB) are too weak for a sound to begin.
 const POWER_MIN: f32 = 1e-7;
 
 /// Moments between the two spectra that are compared: windows of two hops that do not overlap.
 const LAG: usize = 2;
 
-/// Groups below this frequency weigh 1, above less: drums and basses tell the beat, hats fill it.
+/// Groups below this frequency have weight 1, those above have less: drums and basses carry the beat, hats fill it.
 const WEIGHT_HZ: f64 = 300.0;
 
-/// Spectral flux of a moment: the sum over groups of the rise of log(1 + 20·a), where a is the group's amplitude over
-/// that of the loudest moment of late. Falls count nothing. What a group had two moments ago is taken as the largest of
-/// it and its neighbours, so that a tone that glides rises nowhere (Böck and Widmer 2013, "maximum filter vibrato
-/// suppression").
+/// Spectral flux of a moment: the sum over groups of the rise of log(1 + 20·a), where a is the group's amplitude
+/// relative to that of the loudest recent moment. Falls count nothing. A group is compared with the largest value
+/// that it and its neighbours had two moments ago, so that a gliding tone causes no rise (Böck and Widmer 2013,
+/// "maximum filter vibrato suppression").
 pub(super) struct Flux {
     /// First bins of the groups, and the end of the last.
     edges: [usize; GROUPS + 1],
@@ -35,7 +35,7 @@ impl Flux {
         let mut edges = [0; GROUPS + 1];
         let mut least = 1;
         for (group, edge) in edges.iter_mut().enumerate() {
-            // Each group has a bin at least, low ones lie higher than in equal ratios.
+            // Each group has at least one bin, so the low ones lie higher than equal ratios would put them.
             *edge = ((hz(group as f64) / bin_hz).round() as usize).max(least).min(bins);
             least = *edge + 1;
         }
@@ -51,7 +51,7 @@ impl Flux {
         self.last = [[0.0; GROUPS]; LAG];
     }
 
-    /// The flux of the next moment, 0 or more, from its power per bin and the power of the loudest moment of late.
+    /// The flux of the next moment, 0 or more, from its power per bin and the power of the loudest recent moment.
     pub(super) fn follow(&mut self, power: &[f32], loudest: f32) -> f32 {
         let scale = 1.0 / loudest.max(POWER_MIN);
         let now: [f32; GROUPS] = std::array::from_fn(|group| {
@@ -71,19 +71,19 @@ impl Flux {
     }
 }
 
-/// Over which time the flux is compared, in seconds.
+/// How far back the flux is compared, in seconds.
 const THRESHOLD_SECONDS: f64 = 1.5;
 
-/// An onset rises above the mean of that time by this share of the way to the largest.
+/// An onset exceeds the mean flux of that time by this share of the way from the mean to the largest.
 const THRESHOLD_SHARE: f32 = 0.4;
 
-/// Less flux than this is none: noise has up to as much, drums have 5 to 20.
+/// Less flux than this is no onset: noise reaches as much, drums have 5 to 20.
 const FLUX_MIN: f32 = 2.5;
 
-/// No two onsets are nearer than this, in seconds.
+/// Two onsets are never closer than this, in seconds.
 const ONSETS_APART: f64 = 0.1;
 
-/// Finds onsets in the flux by a threshold that adapts to it, at once: nothing that comes later is needed.
+/// Finds onsets in the flux with an adaptive threshold, at once: nothing that comes later is needed.
 pub(super) struct Onsets {
     recent: Vec<f32>,
     next: usize,
@@ -106,13 +106,14 @@ impl Onsets {
         (self.above, self.since) = (false, self.apart);
     }
 
-    /// Takes the flux of a moment. Gives whether a sound begins there, and the flux over the largest of late, 0..1.
+    /// Takes the flux of a moment. Returns whether a sound begins there, and the flux relative to the largest recent
+    /// one, 0..1.
     pub(super) fn follow(&mut self, flux: f32) -> (bool, f32) {
         if let Some(slot) = self.recent.get_mut(self.next) {
             *slot = flux;
         }
         self.next = (self.next + 1) % self.recent.len();
-        // From the oldest on, so that the sum is the same wherever the ring begins.
+        // Summed from the oldest on, so that the sum does not depend on where the ring begins.
         let (newer, older) = self.recent.split_at(self.next);
         let mean = older.iter().chain(newer).sum::<f32>() / self.recent.len() as f32;
         let largest = self.recent.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));

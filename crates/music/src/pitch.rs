@@ -2,10 +2,10 @@
 
 use super::resolution::Resolution;
 
-/// Lines below this power (-80 dB) are no tone.
+/// Lines below this power (-80 dB) are not tones.
 const POWER_MIN: f32 = 1e-8;
 
-/// Up to this frequency tones are looked for in the long window, from the first on in the middle one, in hertz.
+/// In hertz: below the second frequency tones are sought in the long window, above the first in the middle one.
 const BORDER_HZ: (f64, f64) = (400.0, 500.0);
 
 /// A tone between two bins has this much less power at its peak than at a bin (Hann: 1.42 dB).
@@ -18,8 +18,8 @@ struct Line {
     power: f32,
 }
 
-/// The frequency of the strongest tone in hertz, from the power per bin of the long and the middle window of hops times
-/// [`Resolution::hops`] frames; 0 if nothing is that loud.
+/// The frequency of the strongest tone in hertz, from the power per bin of the long and the middle window, each
+/// [`Resolution::hops`] times `hop` frames long; 0 if no tone is loud enough.
 pub(super) fn strongest_hz([long, middle]: [&[f32]; 2], sample_rate: f64, hop: usize) -> f32 {
     let bin_hz = |resolution: Resolution| sample_rate / (hop * resolution.hops()) as f64;
     let (long_hz, middle_hz) = (bin_hz(Resolution::Long), bin_hz(Resolution::Middle));
@@ -37,9 +37,9 @@ pub(super) fn strongest_hz([long, middle]: [&[f32]; 2], sample_rate: f64, hop: u
 
 /// The strongest line among the bins from `first` up to `end`, of a Hann window's power.
 ///
-/// The ratio of the peak's magnitude to that of its larger neighbour, alpha = |X(k±1)| / |X(k)|, tells how far a tone lies
-/// towards that neighbour: (2·alpha - 1) / (alpha + 1) bins. For Hann this is exact but for what other tones, the mirrored
-/// one among them, leak (Jain, Collins and Davis 1979; Grandke 1983).
+/// The ratio of the peak's magnitude to that of its larger neighbour, alpha = |X(k±1)| / |X(k)|, says how far a tone
+/// lies towards that neighbour: (2·alpha - 1) / (alpha + 1) bins. For Hann this is exact except for what other tones,
+/// including the mirrored one, leak (Jain, Collins and Davis 1979; Grandke 1983).
 fn strongest_line(power: &[f32], first: usize, end: usize) -> Option<Line> {
     let end = end.min(power.len().saturating_sub(1));
     let inner = power.get(first..end)?;

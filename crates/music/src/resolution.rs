@@ -1,9 +1,10 @@
-//! Three lengths of window: a long one tells low tones apart, a short one tells when a high sound was.
+//! Three lengths of window: a long one separates low tones, a short one locates high sounds in time.
 //!
-//! **Three windows.** 16 hops tell the tones of the bass apart, 2 hops tell when a high sound was, 4 are between. Where
-//! one hands over to the next, both count by shares along half a cosine, so that a tone keeps its level wherever it
-//! lies. The long window is taken at an eighth of the rate: a tenth of the work. Live input has no future, so its
-//! windows end at the newest sample (`Alignment::Trailing`) and nothing is waited for.
+//! **Three windows.** 16 hops separate the tones of the bass, 2 hops locate a high sound in time, 4 hops are in
+//! between. Where one window hands over to the next they are cross-faded by a raised cosine over frequency, so that a
+//! tone keeps its level wherever it lies. The long window is computed at an eighth of the rate, for a tenth of the
+//! work. Live input has no future, so its windows end at the newest sample (`Alignment::Trailing`) and nothing is
+//! waited for.
 
 /// One of the three windows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,11 +36,12 @@ impl Resolution {
         }
     }
 
-    /// How much of the power at `hz` is taken from this window, 0..1; the three shares are 1 in sum.
+    /// The share of the power at `hz` that is taken from this window, 0..1; the three shares sum to 1.
     ///
-    /// From one window to the next the share passes along half a cosine, over a range many times as wide as the wider of
-    /// both main lobes. Over a lobe it is a straight line then, so that a tone reads its power wherever it lies: at most
-    /// 0.04 dB are missed. With a sharp border a tone beside it would lose what its lobes have beyond.
+    /// Neighbouring windows are cross-faded by a raised cosine, over a range many times as wide as the wider of the
+    /// two main lobes. Within one lobe the share is then nearly a straight line, so that a tone reads its power
+    /// wherever it lies: at most 0.04 dB are lost. With a sharp border a tone next to it would lose the part of its
+    /// lobes beyond.
     pub(super) fn share(self, hz: f64) -> f64 {
         let passed = |(low, high): (f64, f64)| {
             let way = ((hz - low) / (high - low)).clamp(0.0, 1.0);

@@ -1,11 +1,11 @@
 //! Following a measured value with a fast attack and a slow release.
 
-/// Nearer to its target than this, a value arrives: silence becomes exactly 0 and never a denormal number.
+/// A value nearer to its target than this is set to it: silence becomes exactly 0 and never a denormal number.
 const ARRIVED: f32 = 1e-6;
 
-/// A one-pole follower: towards a constant target the distance shrinks by exp(-time / time constant), with one
-/// time constant upwards and one downwards. That is exact for any step, so many short steps or one long one
-/// end at the same value.
+/// A one-pole follower: towards a constant target the distance shrinks by exp(-time / time constant), with one time
+/// constant upwards and one downwards. This is exact for any step, so many short steps and one long step end at the
+/// same value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
     keep_rising: f32,

@@ -1,4 +1,4 @@
-//! What the sound gives to a picture beside single numbers: curves and their history.
+//! What the sound gives to a picture besides single numbers: curves and their history.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ pub const WAVEFORM_POINTS: usize = 4 * WAVE_PER_HOP;
 /// Points of a row of the history, each the mean of four of the spectrum.
 pub const HISTORY_POINTS: usize = SPECTRUM_POINTS / POINTS_PER_COLUMN;
 
-/// Points of the spectrum for one of the history.
+/// Points of the spectrum that are averaged into one point of the history.
 pub(super) const POINTS_PER_COLUMN: usize = 4;
 
 /// Moments from one row of the history to the next: 43 ms at 48 kHz.
@@ -28,15 +28,15 @@ pub const HISTORY_SECONDS: f64 = 10.0;
 pub struct Tables {
     /// [`SPECTRUM_POINTS`] heights, 0..1, from 30 Hz to 16 kHz in equal ratios ([`spectrum_hz`](super::spectrum_hz)).
     pub spectrum: Option<Arc<[f32]>>,
-    /// [`WAVEFORM_POINTS`] samples of both channels' mean times the gain, -1..1, old to new. Of a file the moment is in
-    /// their middle, of live input at their end.
+    /// [`WAVEFORM_POINTS`] samples of the mean of both channels times the gain, -1..1, old to new. For a file the
+    /// moment is in their middle, for live input at their end.
     pub waveform: Option<Arc<[f32]>>,
-    /// Rows of [`HISTORY_POINTS`] heights, the newest first. They stand at fixed moments of the stream, so that pictures
-    /// scroll without flicker.
+    /// Rows of [`HISTORY_POINTS`] heights, the newest first. The rows stand at fixed moments of the stream, so that
+    /// pictures scroll without flicker.
     pub history: Option<Arc<[f32]>>,
-    /// Where the moment lies behind the first row, in rows, 0..1.
+    /// How far the moment lies behind the first row, in rows, 0..1.
     pub history_offset: f32,
-    /// Rows in [`HISTORY_SECONDS`]: age a, 0..1, stands at row `history_offset` + a · `history_span`.
+    /// Rows in [`HISTORY_SECONDS`]: age a, 0..1, is at row `history_offset` + a · `history_span`.
     pub history_span: f32,
 }
 

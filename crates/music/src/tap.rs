@@ -1,17 +1,17 @@
-//! Tempo by hand: what is tapped overrides what was heard.
+//! Tempo by hand: what is tapped overrides what is heard.
 
 use super::features::Features;
 
-/// After so long without a tap, in seconds, the next one begins anew.
+/// After a pause of this many seconds the next tap begins anew.
 const PAUSE: f64 = 2.5;
 
-/// The last taps that count.
+/// How many of the last taps count.
 const TAPS_MAX: usize = 8;
 
 /// A tap that is off by more than this share of a beat begins a new tempo with the one before it.
 const OFF: f64 = 0.35;
 
-/// Shortest beat, in seconds: two taps that are nearer were one.
+/// Shortest beat, in seconds: two taps closer than this count as one.
 const PERIOD_MIN: f64 = 0.15;
 
 /// Tempo and phase from taps. Times are those of the song, in seconds.
@@ -21,7 +21,7 @@ pub struct TapTempo {
 }
 
 impl TapTempo {
-    /// Takes a tap. The second one sets a tempo, further ones make it better; one alone, after a pause, gives the tempo
+    /// Takes a tap. The second one sets a tempo, further ones refine it; a single tap after a pause hands the tempo
     /// back to what is heard. A time that is not finite is ignored.
     pub fn tap(&mut self, time: f64) {
         if !time.is_finite() {
@@ -44,21 +44,21 @@ impl TapTempo {
         self.taps.push(time);
     }
 
-    /// Beats per minute and the way to the next beat, 0 up to 1, at a time; none without two taps.
+    /// Beats per minute and the position between two beats, 0 up to 1, at a time; none without two taps.
     pub fn at(&self, time: f64) -> Option<(f32, f32)> {
         let (origin, period) = self.fit()?;
         let phase = ((time - origin) / period).rem_euclid(1.0) as f32;
         Some(((60.0 / period) as f32, if phase < 1.0 { phase } else { 0.0 }))
     }
 
-    /// Puts what was tapped in place of what was heard at a time.
+    /// Replaces what was heard at a time by what was tapped.
     pub fn apply(&self, time: f64, features: &mut Features) {
         if let Some(tapped) = self.at(time) {
             (features.tempo, features.phase) = tapped;
         }
     }
 
-    /// The time of a beat and the length of one: the line through the taps with the least squares.
+    /// The time of a beat and the length of one: the least-squares line through the taps.
     fn fit(&self) -> Option<(f64, f64)> {
         let count = self.taps.len();
         if count < 2 {
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(tapped(&[1.0]).at(2.0), None);
         assert_eq!(tapped(&[1.0, 1.5]).at(2.25), Some((120.0, 0.5)));
         assert_eq!(tapped(&[1.0, 1.5, 9.0]).at(10.0), None);
-        // After a seek back, too.
+        // Also after a seek back.
         assert_eq!(tapped(&[5.0, 5.5, 1.0]).at(2.0), None);
         assert_eq!(tapped(&[1.0, f64::NAN, 1.05, 1.5]).at(1.5), Some((120.0, 0.0)));
     }

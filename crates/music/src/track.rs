@@ -1,4 +1,4 @@
-//! The features of the last seconds, to be asked for at any moment.
+//! The features of the last seconds, which can be asked for at any moment.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -18,28 +18,28 @@ const DEFAULT_SECONDS: f64 = 20.0;
 /// No analyzer's hop is shorter, in seconds.
 const SHORTEST_HOP: f64 = 0.0075;
 
-/// Most rows of a history: two more than it spans, as a moment lies between two.
+/// Most rows of a history: two more than it spans, because a moment lies between two rows.
 const HISTORY_ROWS: usize = (HISTORY_SECONDS / (MOMENTS_PER_ROW as f64 * SHORTEST_HOP)) as usize + 3;
 
-/// A row of the history: the number of its moment over [`MOMENTS_PER_ROW`], and its heights.
+/// A row of the history: the number of its moment divided by [`MOMENTS_PER_ROW`], and its heights.
 type Row = (u64, [f32; HISTORY_POINTS]);
 
 /// A bounded record of features in order of time.
 ///
-/// Between two moments the features are interpolated linearly, so they are one function of time, whatever the
-/// frame rate at which they are asked for. Nothing is allocated after `new` but the tables that are asked for.
+/// Between two moments the features are interpolated linearly, so they are one function of time, whatever the frame
+/// rate at which they are asked for. After `new` only the tables that are asked for are allocated.
 #[derive(Clone, Debug)]
 pub struct FeatureTrack {
     moments: VecDeque<TimedFeatures>,
     capacity: usize,
-    /// They go further back than the moments, by what a history spans.
+    /// The rows go further back than the moments, by what a history spans.
     rows: VecDeque<Row>,
     rows_capacity: usize,
 }
 
 impl FeatureTrack {
     /// Keeps at least the last `seconds` of an [`Analyzer`](super::Analyzer)'s features (0 up to the limits'
-    /// `feature_track_seconds_max`; others are clamped, no number is 0); the oldest make room for the newest.
+    /// `feature_track_seconds_max`; other numbers are clamped, NaN counts as 0). The oldest make room for the newest.
     pub fn new(seconds: f64) -> Self {
         let seconds =
             if seconds.is_nan() { 0.0 } else { seconds.clamp(0.0, LIMITS.feature_track_seconds_max) };
@@ -49,8 +49,8 @@ impl FeatureTrack {
         Self { moments, capacity, rows, rows_capacity }
     }
 
-    /// Adds a moment. Moments kept at or after its time are dropped first: after a step back in time the newest
-    /// analysis holds. A time that is not finite is ignored.
+    /// Adds a moment. Moments kept at or after its time are dropped first, so that after a step back in time the
+    /// newest analysis holds. A time that is not finite is ignored.
     pub fn push(&mut self, moment: &TimedFeatures) {
         if !moment.time.is_finite() {
             return;
@@ -74,8 +74,8 @@ impl FeatureTrack {
         }
     }
 
-    /// The features at `time` in seconds of stream time. Before the first moment kept they are the first one's, after
-    /// the last the last one's; silence if none is kept or `time` is not a number.
+    /// The features at `time` in seconds of stream time. Before the first moment kept they are those of the first,
+    /// after the last those of the last; silence if none is kept or `time` is not a number.
     pub fn at(&self, time: f64) -> Features {
         match self.around(time) {
             Some((before, Some(after), amount)) => before.features.lerp(&after.features, amount),
@@ -84,7 +84,7 @@ impl FeatureTrack {
         }
     }
 
-    /// The features and the tables at `time`. What was before the first moment kept is silence in them.
+    /// The features and the tables at `time`. In the tables, everything before the first moment kept is silence.
     pub fn sound_at(&self, time: f64) -> Sound {
         let Some((before, after, amount)) = self.around(time) else { return Sound::default() };
         let features = self.at(time);
@@ -105,8 +105,8 @@ impl FeatureTrack {
         Sound { features, tables }
     }
 
-    /// The moment at or before `time`, the one after, and the way from the first to the second, 0..1; outside of what is
-    /// kept the nearest one alone.
+    /// The moment at or before `time`, the one after it, and the position between them, 0..1; outside of what is
+    /// kept, only the nearest one.
     fn around(&self, time: f64) -> Option<(&TimedFeatures, Option<&TimedFeatures>, f32)> {
         if time.is_nan() {
             return None;
@@ -120,7 +120,7 @@ impl FeatureTrack {
         }
     }
 
-    /// Four hops of the waveform that end so much of a hop behind those of moment `number`.
+    /// Four hops of the waveform that end the share `amount` of a hop after those of moment `number`.
     fn waveform(&self, number: u64, amount: f32, scale: f32) -> Arc<[f32]> {
         const HOPS: u64 = (WAVEFORM_POINTS / WAVE_PER_HOP) as u64;
         let skipped = (amount * WAVE_PER_HOP as f32).round() as usize;
@@ -144,11 +144,12 @@ impl FeatureTrack {
             .collect()
     }
 
-    /// The rows around a place so much of a hop behind a moment, the place within them, and how many it spans.
+    /// The rows around a place the share `amount` of a hop after `moment`, the place within them, and how many rows
+    /// it spans.
     fn history(&self, moment: &TimedFeatures, amount: f32) -> (Arc<[f32]>, f32, f32) {
         let next = moment.number / MOMENTS_PER_ROW + 1;
         let offset = 1.0 - ((moment.number % MOMENTS_PER_ROW) as f32 + amount) / MOMENTS_PER_ROW as f32;
-        // The first moment's time is 0 and says nothing of the hop.
+        // The first moment's time is 0 and does not reveal the hop.
         let hop = moment.time / moment.number as f64;
         let hop = if hop.is_finite() { hop.max(SHORTEST_HOP) } else { SHORTEST_HOP };
         let span = HISTORY_SECONDS / (hop * MOMENTS_PER_ROW as f64);
@@ -160,7 +161,7 @@ impl FeatureTrack {
             *line = *heights;
         }
         if let Some(line) = lines.first_mut() {
-            // The row that comes next, or, where it is not known yet, what is newest.
+            // The next row, or the newest heights while it is not known yet.
             *line = match self.rows.get(after).filter(|(row, _)| *row == next) {
                 Some((_, heights)) => *heights,
                 None => column_means(&self.moments.back().unwrap_or(moment).spectrum),

@@ -4,8 +4,8 @@ use super::StereoFrame;
 
 /// Length of the stretch over which the volume is taken, in seconds.
 ///
-/// The thesis (section 5, eq. 1) takes the samples that arrived since the last frame, some 1/60 s. That ties the
-/// volume to the frame rate and to the size of the sound card's blocks. Here the length is fixed and the
+/// The thesis (Abt 2022, section 5, eq. 1) takes the samples that arrived since the last frame, some 1/60 s. That
+/// ties the volume to the frame rate and to the size of the sound card's blocks. Here the length is fixed, and the
 /// stretch is centred on the moment that the features belong to.
 const SECONDS: f64 = 1.0 / 60.0;
 
@@ -14,7 +14,7 @@ pub(super) fn stretch_length(sample_rate: u32) -> usize {
     2 * ((f64::from(sample_rate) * SECONDS / 2.0).round() as usize).max(1)
 }
 
-/// Thesis, section 5, eq. 1, V = (Σ |S_i|) / n, for both channels, what they share and in what they differ.
+/// V = (Σ |S_i|) / n (Abt 2022, section 5, eq. 1), for each channel, for what they share and for how they differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Volumes {
     pub(super) left: f32,
@@ -26,7 +26,7 @@ pub(super) struct Volumes {
 }
 
 impl Volumes {
-    /// No frames are silence.
+    /// An empty stretch is silence.
     pub(super) fn of(frames: &[StereoFrame]) -> Self {
         let mut sums = [0.0_f64; 4];
         for &[left, right] in frames {

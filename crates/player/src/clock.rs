@@ -1,23 +1,23 @@
 //! The clock of the sound: which frame is audible at a moment.
 //!
-//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it handed out and when
-//! the first of them becomes audible (callback time + latency, by the device's timestamps). The last
-//! [`SPANS_KEPT`] spans stay readable. Writing is wait-free; a reader that meets a slot being overwritten looks
-//! again. A slot is a sequence lock: its version is odd while it is written and tells which span it holds.
+//! The callback writes one [`Span`] per stretch of its buffer: which frames of which segment it handed out, and when
+//! the first of them becomes audible (callback time + latency, by the device's timestamps). The last [`SPANS_KEPT`]
+//! spans stay readable. Writing is wait-free; a reader that meets a slot being overwritten looks again. A slot is a
+//! sequence lock: its version is odd while it is being written, and also identifies the span it holds.
 //!
-//! Timestamps of devices jitter by milliseconds. As the device plays at a steady rate, the writer follows them with a
-//! first-order loop (a delay-locked loop without its second integrator; F. Adriaensen, "Using a DLL to filter time",
-//! 2005) and jumps only where they are far off.
+//! Timestamps of devices jitter by milliseconds. Because the device plays at a steady rate, the writer follows them
+//! with a first-order loop (a delay-locked loop without its second integrator; F. Adriaensen, "Using a DLL to filter
+//! time", 2005) and jumps only where they are far off.
 //!
-//! **The song runs on, whatever devices do.** A [`Clock`] tells where it is:
-//! - While spans tell what is audible, that is it.
+//! **The song runs on, whatever devices do.** A [`Clock`] says where it is:
+//! - While spans say what is audible, the song is there.
 //! - A device that falls silent in the middle of moving frames takes no time away: the song goes on at its pace until
-//!   another output sounds. That one is told when its first frame must be audible for the song to be where it would be
-//!   anyway ([`super::output::Segment::due_at`]); what comes too late is dropped.
-//! - What is told never steps. Where it differs from what is heard (a device that went on after a pause of its own,
-//!   another latency), it goes at [`SLOWEST`] to [`FASTEST`] of its pace until both agree.
-//! - Only a seek, a skip or another track is elsewhere at once; a pause and an underrun stand still.
-//! - Where nobody looked for [`AWAY_MAX`] and no device called, the process stood still, and so did the song.
+//!   another output sounds. That output is given the time at which its first frame must be audible so that the song
+//!   is where it would be anyway ([`super::output::Segment::due_at`]); frames that come too late are dropped.
+//! - The reported place never steps. Where it differs from what is heard (a device that went on after a pause of its
+//!   own, another latency), the clock runs at [`SLOWEST`] to [`FASTEST`] of its pace until both agree.
+//! - Only a seek, a skip or another track moves the place at once; a pause and an underrun hold it still.
+//! - If nobody looked for [`AWAY_MAX`] and no device called, the process stood still, and so did the song.
 //!
 //! All times are those of the monotonic clock: the time of day does not matter.
 
@@ -28,7 +28,7 @@ use std::time::{Duration, Instant};
 /// How many spans stay readable: at least 5 s at 512 frames of 48 kHz per callback.
 const SPANS_KEPT: usize = 512;
 
-/// Part of the deviation between expected and reported time that each callback corrects.
+/// Share of the deviation between expected and reported time that each callback corrects.
 const FOLLOW: f64 = 0.1;
 
 /// A larger deviation than this is taken at once, in nanoseconds.
@@ -36,21 +36,22 @@ const JUMP_NS: f64 = 30e6;
 
 const NS_PER_SECOND: f64 = 1e9;
 
-/// The least pace of a clock that is ahead of what is heard.
+/// The slowest pace of a clock that is ahead of what is heard.
 const SLOWEST: f64 = 0.8;
 
-/// The greatest pace of a clock that is behind what is heard.
+/// The fastest pace of a clock that is behind what is heard.
 const FASTEST: f64 = 1.2;
 
-/// If more time than this is between two looks at a clock, in seconds, the process may have been stopped: only what a
-/// device was handed meanwhile counts.
+/// If there is more time than this between two looks at a clock, in seconds, the process may have been stopped. Then
+/// only what was handed to a device meanwhile counts.
 const AWAY_MAX: f64 = 0.5;
 
-/// A clock that is further ahead of what is heard waits for it, in seconds: a device that stalls again and again must
-/// not take it away from the sound.
+/// A clock that is further ahead of what is heard than this, in seconds, waits for it: a device that stalls again and
+/// again must not let the clock run away from the sound.
 const AHEAD_MAX: f64 = 1.5;
 
-/// Two segments that tell places further apart than this are not brought together bit by bit, in seconds.
+/// If two segments report places further apart than this, in seconds, the clock jumps instead of closing the gap
+/// gradually.
 const APART_MAX: f64 = 3.0;
 
 /// No frame was handed out yet.
@@ -80,14 +81,14 @@ pub struct Audible {
     pub frame: f64,
 }
 
-/// Where a song is at a moment, if it goes on in time.
+/// Where a song is at a moment, if it runs on in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Course {
     /// The place.
     pub audible: Audible,
     /// Whether it moves: it is not paused, starved or at its end.
     pub moving: bool,
-    /// How many frames of it nobody was handed out.
+    /// How many frames of it were not handed out to any device.
     beyond: f64,
 }
 
@@ -103,7 +104,7 @@ struct Slot {
 
 const MOVING: u64 = 1 << 32;
 
-/// What the callback handed out lately, readable from any thread without a lock.
+/// What the callback handed out recently, readable from any thread without a lock.
 pub struct SpanHistory {
     epoch: Instant,
     rate: u32,
@@ -165,14 +166,14 @@ impl SpanHistory {
 
     /// The end of what was handed out.
     pub fn end(&self) -> Option<Audible> {
-        // It is read again if the callback was just writing.
+        // Read again if the callback was just writing.
         let newest = || self.read(self.written.load(Ordering::Acquire).checked_sub(1)?);
         let span = (0..4).find_map(|_| newest())?;
         let frame = span.frame + if span.moving { u64::from(span.frames) } else { 0 };
         Some(Audible { segment: span.segment, frame: frame as f64 })
     }
 
-    /// How long it has moved in all, in seconds.
+    /// How long the sound has moved in total, in seconds.
     pub fn moved(&self) -> f64 {
         self.moved.load(Ordering::Relaxed) as f64 / f64::from(self.rate)
     }
@@ -185,7 +186,7 @@ impl SpanHistory {
         Some(Audible { segment: found.span.segment, frame: found.span.frame as f64 + moved })
     }
 
-    /// Where the song is at `moment` if it goes on in time also where the device does not. None before the first
+    /// Where the song is at `moment` if it runs on in time even where the device does not. None before the first
     /// frame is audible.
     pub fn course(&self, moment: Instant) -> Option<Course> {
         let Found { span, passed, first, newest } = self.find(moment)?;
@@ -212,7 +213,7 @@ impl SpanHistory {
 
     fn find(&self, moment: Instant) -> Option<Found> {
         let moment_ns = self.nanoseconds(moment);
-        // Each look fails only if the writer went round the whole history meanwhile.
+        // An attempt fails only if the writer went round the whole history meanwhile.
         (0..4).find_map(|_| self.look(moment_ns))
     }
 
@@ -252,10 +253,10 @@ impl SpanHistory {
     }
 }
 
-/// A span, and what it is to a moment.
+/// A span, and how it lies to a moment.
 struct Found {
     span: Span,
-    /// Frames from its start to the moment; less than 0 if it is later.
+    /// Frames from its start to the moment; negative if the span is later.
     passed: f64,
     /// Nothing was handed out before it.
     first: bool,
@@ -271,8 +272,8 @@ pub struct SpanWriter {
 }
 
 impl SpanWriter {
-    /// When the first of a buffer's `frames` is audible, in nanoseconds since the epoch: the device's word
-    /// (`called_at` + `latency`), smoothed.
+    /// When the first of a buffer's `frames` is audible, in nanoseconds since the epoch: the time that the device
+    /// reports (`called_at` + `latency`), smoothed.
     pub fn place(&mut self, called_at: Instant, latency: Duration, frames: usize) -> u64 {
         self.history.calls.fetch_add(1, Ordering::Relaxed);
         let reported = self.history.nanoseconds(called_at) as f64 + latency.as_nanos() as f64;
@@ -319,22 +320,23 @@ impl SpanWriter {
     }
 }
 
-/// A reader whose song goes on through every change of device. See the module.
+/// A reader whose song runs on through every change of device. See the module.
 #[derive(Default)]
 pub struct Clock {
-    /// What it read last.
+    /// The history it read last.
     history: Option<Arc<SpanHistory>>,
-    /// What it told last, and for which moment.
+    /// The place it reported last, and for which moment.
     last: Option<(Audible, Instant)>,
     delay: f64,
 }
 
 impl Clock {
-    /// Where the song is at `moment` if the sound is heard `delay` seconds (0 or more) later than the device says.
+    /// Where the song is at `moment` if the sound is heard `delay` seconds (0 or more) later than the device reports.
     ///
-    /// `newest` is the history of the output that is open; until its first frame is audible the one before counts.
-    /// `carry` says at which frame of a segment (less than 0: before its start) what was audible in an earlier one is;
-    /// none if they do not belong together. While there is nothing to read: what was last audible.
+    /// `newest` is the history of the output that is open; until its first frame is audible, the history before it
+    /// counts. `carry` maps what was audible in an earlier segment to a frame of a later one (negative: before its
+    /// start); none if they do not belong together. While there is nothing to read, the result is what was last
+    /// audible.
     pub fn at(
         &mut self,
         newest: Option<&Arc<SpanHistory>>,
@@ -343,7 +345,7 @@ impl Clock {
         carry: impl FnOnce(Audible, u64) -> Option<f64>,
     ) -> Option<Audible> {
         if delay != self.delay {
-            // Another delay is another clock: it may start earlier.
+            // A different delay means a different clock: it may start earlier.
             self.last = None;
             self.delay = delay;
         }
@@ -369,13 +371,13 @@ impl Clock {
         Some(told)
     }
 
-    /// The output that is told of.
+    /// The history of the output that is reported on.
     pub fn history(&self) -> Option<&Arc<SpanHistory>> {
         self.history.as_ref()
     }
 }
 
-/// What is told `passed` after `last`, where the song is at `course`.
+/// What is reported `passed` after `last`, where the song is at `course`.
 fn follow(
     course: Course,
     last: Audible,

@@ -1,4 +1,4 @@
-//! Spans and clocks, with times of the tests' own.
+//! Spans and clocks, with times set by the tests.
 
 use super::*;
 use proptest::prelude::*;
@@ -82,7 +82,7 @@ fn apart(_: Audible, _: u64) -> Option<f64> {
     None
 }
 
-/// What a clock tells at `ms`, in frames, where segments are one line.
+/// What a clock reports at `ms`, in frames, where segments form one line.
 fn told(clock: &mut Clock, history: &Arc<SpanHistory>, ms: u64) -> f64 {
     let moment = history.epoch + Duration::from_millis(ms);
     let carry = |from: Audible, _| Some(from.frame);

@@ -13,7 +13,7 @@ use super::error::{DeviceError, Direction};
 use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, monitor_id};
 use super::server_connection::ServerConnection;
 
-/// The rate for which sizes of buffers are meant, in hertz.
+/// The sample rate for which buffer sizes are given, in hertz.
 const BUFFER_RATE: u32 = 48_000;
 
 /// How long a stream's creation may take, where the host can limit it.
@@ -22,13 +22,13 @@ pub(crate) const BUILD_LIMIT: Duration = Duration::from_secs(2);
 /// Which device.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Target {
-    /// The system's default of the direction; followed when it changes.
+    /// The system's default for the direction; followed when it changes.
     Default,
     /// What the default output plays, as an input; followed when the default changes.
     Monitor,
-    /// The one with this id or name, or whose id or name contains it.
+    /// The device with this id or name, or whose id or name contains it.
     Named(String),
-    /// The input that records what such an output plays.
+    /// The input that records what the named output plays.
     MonitorOf(String),
 }
 
@@ -36,9 +36,9 @@ pub enum Target {
 pub(crate) trait Port: Sized + Send + 'static {
     /// The other end of a stream's callback.
     type Link: Send + 'static;
-    /// What readers want to know of what is open.
+    /// What readers want to know about what is open.
     type Note: Clone + Default + Send + 'static;
-    /// What works in the place of a device.
+    /// What takes the place of a device.
     type StandIn: Send + 'static;
 
     /// Which way the sound goes.
@@ -46,15 +46,15 @@ pub(crate) trait Port: Sized + Send + 'static {
     /// What stands in, in words.
     const STAND_IN: &'static str;
 
-    /// What opens and starts a device, on a thread of its own; it may block.
+    /// Returns what opens and starts a device, on a thread of its own; it may block.
     fn opener(&self) -> impl FnOnce(Target, OnFailure) -> OpenResult<Self::Link> + Send + 'static;
     /// The note of a link.
     fn note(link: &Self::Link) -> Self::Note;
-    /// A device is open and its status is told.
+    /// Called when a device is open and its status is published.
     fn ready(&mut self, link: Self::Link);
     /// Starts what stands in for a device.
     fn stand_in(&mut self) -> io::Result<(Option<Self::StandIn>, Self::Note)>;
-    /// It stands in and its status is told.
+    /// Called when the stand-in runs and its status is published.
     fn stood_in(&mut self);
 }
 
@@ -63,37 +63,37 @@ pub(crate) struct Opened<L> {
     pub(crate) link: L,
     pub(crate) entry: ListedDevice,
     pub(crate) description: String,
-    /// How often it has called: its sign of life.
+    /// How often its callback was called: its sign of life.
     pub(crate) calls: Box<dyn Fn() -> u64 + Send>,
-    /// The connection that it alone plays on, to be ended should it not close.
+    /// The connection that only this device plays on; ended if the device does not close.
     pub(crate) connection: Option<ServerConnection>,
 }
 
 /// A stream, to be dropped where it was made.
 pub(crate) struct Running {
-    // In this order: the connection is free when the stream is gone.
+    // Dropped in this order: the connection is free once the stream is gone.
     pub(crate) _stream: cpal::Stream,
     pub(crate) _connection: Option<PlaybackConnection>,
 }
 
-/// A stream and the rest; or why there is none.
+/// A stream and what belongs to it, or why there is none.
 pub(crate) type OpenResult<L> = Result<(Running, Opened<L>), (DeviceError, ErrorKind)>;
 
 /// Why a running stream failed.
 pub(crate) struct Failure {
-    /// What the system says.
+    /// The system's reason.
     pub(crate) reason: String,
     pub(crate) kind: ErrorKind,
 }
 
-/// Is told of the failure of a stream, once.
+/// Called once with the failure of a stream.
 pub(crate) type OnFailure = Arc<dyn Fn(Failure) + Send + Sync>;
 
-/// How long to wait after an error before the device is tried again, if nothing changes meanwhile: a change of the
-/// devices that are there is answered at once.
+/// How long to wait after an error before the device is tried again, if nothing changes meanwhile; a change in the
+/// device list is answered at once.
 pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
     match kind {
-        // It only has to be built anew, for another rate for instance.
+        // The stream only has to be built anew, for example for another rate.
         ErrorKind::StreamInvalidated | ErrorKind::DeviceChanged => Duration::ZERO,
         ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable | ErrorKind::Xrun => {
             Duration::from_millis(500)
@@ -101,13 +101,13 @@ pub(crate) fn wait_before_retry(kind: ErrorKind) -> Duration {
         ErrorKind::DeviceBusy | ErrorKind::RealtimeDenied => Duration::from_secs(1),
         // The system is short of something, or does not say what is wrong.
         ErrorKind::ResourceExhausted | ErrorKind::BackendError => Duration::from_secs(2),
-        // Somebody has to do something about it.
+        // The user has to do something about it.
         _ => Duration::from_secs(5),
     }
 }
 
-/// The callback for errors of a running stream: what the stream survives is counted or ignored, the first of the rest
-/// is told.
+/// The callback for errors of a running stream: errors that the stream survives are counted or ignored, and the first
+/// of the others is reported.
 pub(crate) fn error_callback(
     on_failure: OnFailure,
     xruns: impl Fn() + Send + 'static,
@@ -123,12 +123,12 @@ pub(crate) fn error_callback(
     }
 }
 
-/// What the system says, to be put into a sentence.
+/// The system's message, in a form that fits into a sentence.
 pub(crate) fn sentence(error: &cpal::Error) -> String {
     error.to_string().trim_end_matches('.').to_owned()
 }
 
-/// What an error at opening means for the user.
+/// What an error while opening means for the user.
 pub(crate) fn refusal(
     direction: Direction,
     device: &str,
@@ -175,7 +175,7 @@ pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device
     }
 }
 
-/// The one whose id or name is `wanted`, or else contains it: those that are no monitors first.
+/// The one whose id or name is `wanted`, or else contains it; devices that are not monitors come first.
 fn best_match<T>(devices: Vec<T>, wanted: &str, entry_of: impl Fn(&T) -> ListedDevice) -> Option<T> {
     let wanted = wanted.to_lowercase();
     let rank = |device: &T| {
@@ -207,7 +207,7 @@ fn monitor() -> Option<cpal::Device> {
     if cfg!(target_os = "linux") { None } else { host(*hosts.first()?).ok()?.default_output_device() }
 }
 
-/// Whether the device is the sound server's, which converts to whatever is asked for.
+/// Whether the device belongs to the sound server, which converts to whatever is asked for.
 pub(crate) fn converts(device: &cpal::Device) -> bool {
     device.id().is_ok_and(|id| is_server(id.host()))
 }
@@ -219,8 +219,8 @@ pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
-/// Frames per callback to ask for: `frames` at 44.1 and 48 kHz, scaled by the nearest power of two at other rates, within
-/// what the device supports.
+/// Frames per callback to ask for: `frames` at 44.1 and 48 kHz, scaled by the nearest power of two at other rates,
+/// within what the device supports.
 pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSize) -> u32 {
     let scale = (f64::from(rate.max(1)) / f64::from(BUFFER_RATE)).log2().round().clamp(-3.0, 4.0);
     let frames = (f64::from(frames) * scale.exp2()) as u32;
@@ -230,7 +230,7 @@ pub(crate) fn buffer_frames(frames: u32, rate: u32, supported: SupportedBufferSi
     }
 }
 
-/// Calls a function that is generic over the type of samples with the type of a format; none for a format that is no
+/// Calls a function that is generic over the sample type with the type of a format; none for a format that is not a
 /// plain number.
 macro_rules! with_sample_type {
     ($format:expr, $function:ident($($argument:expr),*)) => {{
@@ -325,7 +325,7 @@ mod tests {
             }
             assert!(wait_before_retry(kind) <= Duration::from_secs(5), "{kind:?}");
         }
-        // What only has to be built anew is back within a second.
+        // A stream that only has to be built anew is back within a second.
         assert_eq!(wait_before_retry(StreamInvalidated), Duration::ZERO);
     }
 

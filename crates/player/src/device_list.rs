@@ -1,6 +1,6 @@
-//! Which devices there are right now, looked at several times a second on a thread of its own.
+//! Which devices there are right now, polled several times a second on a thread of its own.
 //!
-//! The sound servers tell of changes, but cpal passes no such news on. A look is four questions to the server.
+//! The sound servers announce changes, but cpal does not pass them on. A poll is four questions to the server.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -11,10 +11,10 @@ use cpal::traits::{DeviceTrait, HostTrait};
 use super::hosts::{self, hosts_by_preference, hush_sound_library, is_server, monitored_output};
 use super::worker::Worker;
 
-/// Time between two looks at a sound server.
+/// Time between two polls of a sound server.
 const LOOK_PERIOD: Duration = Duration::from_millis(250);
 
-/// How long the end of the thread is waited for: a look at a server that hangs takes for ever.
+/// How long to wait for the end of the thread: a poll of a server that hangs takes forever.
 const END_LIMIT: Duration = Duration::from_millis(100);
 
 /// A device in one direction.
@@ -27,7 +27,7 @@ pub struct ListedDevice {
 }
 
 impl ListedDevice {
-    /// Of a device.
+    /// The entry of a device.
     pub(crate) fn of(device: &cpal::Device) -> Self {
         let id = device.id().map(|id| id.to_string()).unwrap_or_default();
         let name = device.description().map_or_else(|_| id.clone(), |about| about.name().to_owned());
@@ -43,7 +43,8 @@ impl ListedDevice {
 /// The devices of the sound server, or of the system where there is none.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct DeviceList {
-    /// Whether the sound system answered: without an answer nothing is known, which is not to say that nothing is there.
+    /// Whether the sound system answered. Without an answer nothing is known, which does not mean that there are no
+    /// devices.
     pub known: bool,
     /// What sound can be played on.
     pub outputs: Vec<ListedDevice>,
@@ -69,7 +70,7 @@ impl DeviceList {
     /// Asks the sound system. May block as long as it likes.
     fn look() -> Self {
         hush_sound_library();
-        // Listing the devices of ALSA takes long and prints; who wants to know waits for `mariana devices`.
+        // Listing ALSA's devices takes long and prints; `mariana devices` does it on demand.
         let watched =
             hosts_by_preference().into_iter().find(|id| is_server(*id) || cfg!(not(target_os = "linux")));
         let Some(host) = watched.and_then(|id| hosts::host(id).ok()) else { return Self::default() };
@@ -95,13 +96,13 @@ impl DeviceList {
 #[derive(Default)]
 struct Shared {
     device_list: Mutex<Arc<DeviceList>>,
-    /// Grows with each change of the device_list; 0 before the first look.
+    /// Grows with each change of the device list; 0 before the first poll.
     generation: AtomicU64,
     looks: AtomicU64,
     stop: AtomicBool,
 }
 
-/// The thread that looks. There is one for the program, as long as anybody holds it.
+/// The thread that polls. There is one for the program, which lives as long as anybody holds it.
 pub struct DeviceWatch {
     shared: Arc<Shared>,
     worker: Mutex<Worker>,
@@ -110,7 +111,7 @@ pub struct DeviceWatch {
 static WATCH: Mutex<Weak<DeviceWatch>> = Mutex::new(Weak::new());
 
 impl DeviceWatch {
-    /// The program's watch; it starts when the first asks for it.
+    /// The program's watch; it starts when it is first asked for.
     ///
     /// # Errors
     /// The thread cannot be started.
@@ -133,12 +134,12 @@ impl DeviceWatch {
         Ok(watch)
     }
 
-    /// How many looks have ended. What happened before now is seen when two more have.
+    /// How many polls have ended. Anything that happened before now is seen once two more have ended.
     pub fn looks(&self) -> u64 {
         self.shared.looks.load(Ordering::Acquire)
     }
 
-    /// What was there at the last look, and the number of that state: another one means that something changed.
+    /// The state at the last poll, and its number: a different number means that something changed.
     pub fn latest(&self) -> (u64, Arc<DeviceList>) {
         let generation = self.shared.generation.load(Ordering::Acquire);
         (generation, self.shared.device_list.lock().unwrap_or_else(PoisonError::into_inner).clone())

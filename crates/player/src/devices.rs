@@ -17,7 +17,7 @@ const HOST_LIMIT: Duration = Duration::from_secs(3);
 /// All hosts of this system.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DeviceReport {
-    /// The one that is tried first stands first.
+    /// The one that is tried first comes first.
     pub hosts: Vec<HostReport>,
 }
 
@@ -45,9 +45,9 @@ pub struct DeviceEntry {
     pub default: bool,
     /// Id of the output whose sound it records, for an input that is a monitor.
     pub monitor_of: Option<String>,
-    /// What is used unless asked otherwise, if the device tells.
+    /// The format used by default, if the device reports one.
     pub usual: Option<FormatReport>,
-    /// Everything that is supported, alike entries joined.
+    /// Everything that is supported, with similar entries joined.
     pub supported: Vec<FormatReport>,
 }
 
@@ -60,12 +60,12 @@ pub struct FormatReport {
     pub channels: (u16, u16),
     /// Lowest and highest rate, in hertz.
     pub sample_rate: (u32, u32),
-    /// Smallest and largest buffer in frames, if the device tells.
+    /// Smallest and largest buffer in frames, if the device reports them.
     pub buffer_frames: Option<(u32, u32)>,
 }
 
 /// Asks all hosts at once, each within a limit of 3 s. Without devices or servers the lists are empty. Standard error
-/// is silent meanwhile: the sound libraries of the system print what does not answer.
+/// is silenced meanwhile, because the system's sound libraries print every failure there.
 pub fn list_devices() -> DeviceReport {
     #[cfg(target_os = "linux")]
     let _quiet = super::quiet_stderr::QuietStderr::new();
@@ -73,7 +73,7 @@ pub fn list_devices() -> DeviceReport {
         .into_iter()
         .map(|host| {
             let (answer, answers) = channel();
-            // A host that does not answer keeps its thread; what it says later is not heard.
+            // A host that does not answer keeps its thread; a late answer is ignored.
             let worker = Worker::spawn("device list", move || drop(answer.send(report_host(host))));
             (host.name(), worker, answers)
         })
@@ -169,7 +169,8 @@ fn buffer_frames(size: SupportedBufferSize) -> Option<(u32, u32)> {
     }
 }
 
-/// One entry per range of rates: hosts list every format and number of channels on its own, hundreds of them.
+/// One entry per range of rates: hosts list every combination of format and channel count separately, hundreds of
+/// them.
 fn join(entries: impl Iterator<Item = FormatReport>) -> Vec<FormatReport> {
     let mut joined: Vec<FormatReport> = Vec::new();
     for mut entry in entries {

@@ -5,16 +5,16 @@ use thiserror::Error;
 /// Why a song cannot be played at all.
 #[derive(Debug, Error)]
 pub enum PlayerError {
-    /// The source's sample rate is beyond what the program takes.
+    /// The source's sample rate is outside what the program accepts.
     #[error(
         "the sound has {rate} samples per second, but only {min} to {max} are supported; convert it, for example to 48000"
     )]
     SampleRate {
         /// The source's rate, in hertz.
         rate: u32,
-        /// Lowest rate taken, in hertz.
+        /// Lowest accepted rate, in hertz.
         min: u32,
-        /// Highest rate taken, in hertz.
+        /// Highest accepted rate, in hertz.
         max: u32,
     },
     /// A thread could not be started.
@@ -23,7 +23,7 @@ pub enum PlayerError {
 }
 
 impl From<std::io::Error> for PlayerError {
-    // Not as its source: the sentence has it, and sources are told after it.
+    // Not as its source: the sentence contains it, and sources are printed after the sentence.
     fn from(error: std::io::Error) -> Self {
         Self::Thread(error)
     }
@@ -34,7 +34,7 @@ impl From<std::io::Error> for PlayerError {
 pub enum Direction {
     /// It is played.
     Output,
-    /// It is listened to.
+    /// It is recorded.
     Input,
 }
 
@@ -47,10 +47,10 @@ impl std::fmt::Display for Direction {
     }
 }
 
-/// Why no sound goes through a device. The show then goes on over silence.
+/// Why no sound goes through a device. The show then goes on in silence.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum DeviceError {
-    /// Nothing to play on, or to listen to.
+    /// There is no device to play on, or to listen to.
     #[error("there is no sound {0} device; connect one or start the sound server")]
     NoDevice(Direction),
     /// The device asked for is not there.
@@ -64,7 +64,7 @@ pub enum DeviceError {
         /// What was asked for.
         name: String,
     },
-    /// The device was there and is not any more.
+    /// The device was there and no longer is.
     #[error("the sound {direction} '{name}' is gone; connect it again, or choose another with --device")]
     Gone {
         /// Which way the sound went.
@@ -88,7 +88,7 @@ pub enum DeviceError {
         /// The device's name.
         device: String,
     },
-    /// The system keeps the program from it.
+    /// The system does not permit it.
     #[error(
         "the system denies access to the sound {direction} {device}; allow it in the privacy settings, or add your user to \
          the group 'audio'"
@@ -99,7 +99,7 @@ pub enum DeviceError {
         /// The device's name.
         device: String,
     },
-    /// The device takes or gives none of the sample formats that are understood.
+    /// The device supports none of the sample formats that the program understands.
     #[error(
         "the sound {direction} {device} has only {format} samples, which are not supported; choose another with --device"
     )]
@@ -141,7 +141,7 @@ pub enum DeviceError {
     Timeout {
         /// Which way the sound should go.
         direction: Direction,
-        /// How long was waited.
+        /// How long the program waited.
         seconds: u64,
     },
     /// The device reported a failure while it ran.
@@ -152,10 +152,10 @@ pub enum DeviceError {
         /// What the system said.
         reason: String,
     },
-    /// The device stopped asking for samples, or giving any.
+    /// The device stopped asking for samples, or delivering any.
     #[error("the sound {0} stands still; check the device or the sound server")]
     Stalled(Direction),
-    /// The system gave no thread.
+    /// The system could not start a thread.
     #[error("no thread could be started for the sound {direction} ({reason}); close other programs")]
     Thread {
         /// Which way the sound should go.

@@ -1,8 +1,8 @@
 //! The sound systems of this machine, and the connections to a sound server.
 //!
-//! A connection to PulseAudio is a socket and a thread that end with the server, not with the host that opened them, and
-//! a server takes 64 of them. So connections are kept: one for questions and inputs, and one for each stream that plays,
-//! as cpal makes all that play on a connection one group, which PulseAudio keeps on one device.
+//! A connection to PulseAudio is a socket and a thread. It ends with the server and not with the host that opened it,
+//! and a server accepts only 64. So connections are kept and reused: one for questions and inputs, and one for each
+//! stream that plays, because cpal groups all streams of a connection and PulseAudio keeps a group on one device.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -16,10 +16,10 @@ const MONITOR_SUFFIX: &str = ".monitor";
 /// The kept connection for questions and inputs.
 static SERVER: Mutex<Option<Arc<cpal::Host>>> = Mutex::new(None);
 
-/// A connection, and how the server knows it, if it told.
+/// A connection, and the server's number for it, if the server gave one.
 type Connected = (Arc<cpal::Host>, Option<ServerConnection>);
 
-/// Connections without a stream that plays.
+/// Connections on which no stream plays.
 static IDLE: Mutex<Vec<Connected>> = Mutex::new(Vec::new());
 
 /// The hosts of this system, the sound server first: it reports failures best, and it shares the device.
@@ -50,7 +50,7 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     if !is_server(id) {
         return Ok(Arc::new(cpal::host_from_id(id)?));
     }
-    // Nobody holds the lock while asking: a server that hangs holds up only who asks.
+    // The lock is not held while asking, so that a server that hangs holds up only the one who asks.
     let kept = lock().clone();
     let alive = kept.as_ref().is_some_and(|host| answers(host));
     if let Some(host) = kept.as_ref().filter(|_| alive) {
@@ -62,7 +62,7 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
         (now, _) => now.is_some(),
     };
     if let Some(host) = slot.as_ref().filter(|_| renewed) {
-        // Another thread was sooner.
+        // Another thread was faster.
         return Ok(host.clone());
     }
     *slot = None;
@@ -71,11 +71,11 @@ pub(crate) fn host(id: cpal::HostId) -> Result<Arc<cpal::Host>, cpal::Error> {
     Ok(host)
 }
 
-/// A connection that no other stream plays on, as long as it is held.
+/// A connection that no other stream plays on while this is held.
 pub(crate) struct PlaybackConnection(Option<Connected>);
 
 impl PlaybackConnection {
-    /// How the server knows it, if it is known.
+    /// The server's number for it, if it is known.
     pub(crate) fn at_server(&self) -> Option<ServerConnection> {
         self.0.as_ref()?.1
     }
@@ -89,8 +89,8 @@ impl Drop for PlaybackConnection {
     }
 }
 
-/// The same device on a connection of its own, to be held as long as a stream plays on it; on other hosts than sound
-/// servers just the device.
+/// The same device on a connection of its own, to be held as long as a stream plays on it; on hosts other than sound
+/// servers, just the device.
 ///
 /// # Errors
 /// What the sound system says.

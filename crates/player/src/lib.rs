@@ -16,14 +16,14 @@
 //! | [`output`] | the callback itself, devices, the silent clock, the supervisor | |
 //! | [`devices`] | the list of devices | caller |
 //!
-//! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change
-//! of device. A loop does not end it, nor does the track that follows: within a segment each track is a **passage**. Everything that flows is keyed by the segment's number, so nothing of
-//! before a seek is ever taken for what comes after.
+//! A **segment** is an unbroken run of frames in one ring: from the start or a seek until the next seek or change of
+//! device. A loop does not end it, and neither does the track that follows: within a segment each track is a
+//! **passage**.
 //!
-//! **Segments.** A seek, or another device, starts a new segment with its own ring; the callback fades the old one out,
-//! takes the new one and hands the old one back to be freed elsewhere. Everything is keyed by the segment, so features
-//! and positions of before a seek cannot be taken for those after it. A loop, or the track that follows, stays in its
-//! segment and is gapless.
+//! **Segments.** A seek, or another device, starts a new segment with its own ring; the callback fades the old one
+//! out, takes the new one and hands the old one back to be freed elsewhere. Everything is keyed by the segment's
+//! number, so features and positions from before a seek cannot be taken for those after it. A loop, or the track that
+//! follows, stays in its segment and is gapless.
 
 pub mod clock;
 pub mod decode;

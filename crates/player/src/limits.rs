@@ -1,7 +1,7 @@
 //! Every ceiling of this crate, in one place.
 //!
-//! A limit is data: code that meets one reads it here, an error that reports one names the number that stands here, and a
-//! test reaches it.
+//! A limit is data: code that obeys a limit reads it here, an error that reports one names the number from here, and
+//! a test reaches it.
 
 /// Ceilings on files of sound, lists of them, and delays.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,21 +14,22 @@ pub struct Limits {
     pub packet_frames_max: usize,
     /// Most tracks of a playlist; further ones are left out.
     pub playlist_tracks_max: usize,
-    /// Most bytes of the file of a list of tracks.
+    /// Most bytes of a playlist file.
     pub playlist_bytes_max: u64,
-    /// Most lists that are read for one playlist, nested ones counted.
+    /// Most lists that are read for one playlist, including nested ones.
     pub playlist_lists_max: usize,
     /// Deepest nesting of lists and folders.
     pub playlist_depth_max: usize,
-    /// Most entries of lists and folders that are looked at for one playlist.
+    /// Most entries of lists and folders that are examined for one playlist.
     pub playlist_looks_max: usize,
-    /// Longest duration of a stream, in seconds, that a container's claim is believed (a year); beyond, it is unknown.
+    /// Longest stream duration, in seconds, that is believed when a container claims it (a year); beyond, it is
+    /// unknown.
     pub claimed_duration_max: f64,
     /// Largest shift of the picture against the sound, in milliseconds, either way.
     pub latency_ms_max: f64,
 }
 
-/// The limits that hold.
+/// The limits in force.
 pub const LIMITS: Limits = Limits {
     channels_max: 32,
     bad_packets_in_a_row: 256,

@@ -1,10 +1,10 @@
-//! Where no PulseAudio is, none of its connections has to be ended.
+//! Stands in where there is no PulseAudio: none of its connections has to be ended.
 
 /// A connection as the server knows it: there is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ServerConnection {}
 
-/// What `open` makes.
+/// The result of `open`.
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {

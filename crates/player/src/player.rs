@@ -1,13 +1,13 @@
 //! Playback of tracks: the handle that the window holds.
 //!
-//! Every method returns at once: what takes time happens on the threads that [`Player::start`] starts.
+//! Every method returns at once: whatever takes time happens on the threads that [`Player::start`] starts.
 //!
-//! **Tracks join in the stream.** The track that follows is opened by the list thread (`audio::player::listing`) while
-//! the one before plays, so neither a slow disk nor a list of missing files keeps the sound waiting. Its frames go into
-//! the same ring of the same segment, by the same resampler if it has the same rate: not a sample is added or lost, and
-//! a filter never sees an edge that is not in the music. Another rate flushes the resampler and goes on with a new one.
-//! What is ahead in the ring counts as not played: a seek is within the track that is heard, whose decoder is kept
-//! until then.
+//! **Tracks join in the stream.** The list thread (`player::listing`) opens the next track while the current one
+//! plays, so neither a slow disk nor a list of missing files keeps the sound waiting. The frames of the next track go
+//! into the same ring of the same segment, through the same resampler if the rate is the same: not a sample is added
+//! or lost, and a filter never sees an edge that is not in the music. For another rate the resampler is flushed and a
+//! new one goes on. Frames still waiting in the ring count as not played: a seek is within the track that is heard,
+//! whose decoder is kept until then.
 
 mod analysis;
 mod decoding;
@@ -38,7 +38,7 @@ use mariana_music::{Features, Gain, Sound};
 pub use unheard::Unheard;
 use unheard::UnheardWatch;
 
-/// How long the end of each thread is waited for.
+/// How long to wait for the end of each thread.
 const END_LIMIT: Duration = Duration::from_secs(1);
 
 /// Pieces that may wait for the analysis.
@@ -47,11 +47,11 @@ const ANALYSIS_QUEUE: usize = 32;
 /// How to play.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerOptions {
-    /// Id or name (or a part of one) of the output device; none is the default device.
+    /// Id or name (or a part of one) of the output device; none means the default device.
     pub device: Option<String>,
-    /// What follows the last track, and each one; the list must know.
+    /// What follows the last track and each track; the list must be told the same.
     pub repeat: Repeat,
-    /// Whether the order is random; the list must know.
+    /// Whether the order is random; the list must be told the same.
     pub shuffled: bool,
     /// 0 to 1.
     pub volume: f32,
@@ -77,24 +77,24 @@ impl Default for PlayerOptions {
     }
 }
 
-/// How playback stands.
+/// The state of playback.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerStatus {
     /// The audible track.
     pub track: Arc<TrackInfo>,
-    /// Audible place of it, in seconds.
+    /// The audible position in it, in seconds.
     pub position: f64,
     /// What follows the last track, and each one.
     pub repeat: Repeat,
     /// Whether the order is random.
     pub shuffled: bool,
-    /// Stands still on demand.
+    /// Whether playback is paused.
     pub paused: bool,
     /// 0 to 1.
     pub volume: f32,
-    /// Runs without sound on demand.
+    /// Whether it is muted: it runs without sound.
     pub muted: bool,
-    /// The last frame was heard (and shown, with a shift) and nothing follows.
+    /// Whether the last frame was heard (and shown, if the picture is shifted) and nothing follows.
     pub ended: bool,
     /// The output in words.
     pub output: String,
@@ -106,26 +106,26 @@ pub struct PlayerStatus {
     pub underruns: u64,
     /// Calls of the callback.
     pub callbacks: u64,
-    /// Longest call relative to the duration of its buffer: 0.1 is a tenth.
+    /// The longest call relative to the duration of its buffer: 0.1 is a tenth.
     pub worst_callback_load: f64,
-    /// What all but one of a thousand calls stay below, in steps of 0.01.
+    /// The load that all but one in a thousand calls stay below, in steps of 0.01.
     pub usual_callback_load: f64,
     /// What went wrong with tracks.
     pub troubles: Troubles,
-    /// What of the song nobody heard, as devices went and came.
+    /// Parts of the song that nobody heard because devices went and came.
     pub unheard: Unheard,
 }
 
 /// What is audible at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Place of the track, in seconds.
+    /// Position in the track, in seconds.
     pub song_time: f64,
     /// Its features.
     pub features: Features,
-    /// Grows with each seek and each change of device; the song time goes on through the latter.
+    /// Grows with each seek and each change of device; the song time goes on through a change of device.
     pub segment: u64,
-    /// How often a track began within the segment before.
+    /// How often a track has begun earlier within the segment.
     pub lap: u32,
 }
 
@@ -146,21 +146,21 @@ pub struct Player {
     repeat: Repeat,
     shuffled: bool,
     troubles: SharedTroubles,
-    /// For the position, and for the picture, which may be shifted.
+    /// One clock for the position, and one for the picture, which may be shifted.
     position_clock: Clock,
     picture_clock: Clock,
     unheard: UnheardWatch,
     position: f64,
     moment: Moment,
-    /// What was audible then, and how far ahead of it that is, in seconds.
+    /// What was audible then, and how far ahead of that the picture is, in seconds.
     heard: Option<(Audible, f64)>,
-    /// How much later the sound was said to be heard, in seconds, when the picture last asked.
+    /// The latency shift given when the picture last asked, in seconds.
     shift: f64,
 }
 
 impl Player {
-    /// Starts to play `first`, and then what `list` gives. The device opens meanwhile; should it fail, the song runs on
-    /// the silent clock and [`PlayerStatus::silent`] says why.
+    /// Starts to play `first`, and then what `list` gives. The device opens meanwhile; if that fails, the song runs
+    /// on the silent clock and [`PlayerStatus::silent`] says why.
     ///
     /// # Errors
     /// If the track's rate is beyond the limits or a thread cannot be started.
@@ -217,7 +217,7 @@ impl Player {
         })
     }
 
-    /// Starts to play a source that is not of a list.
+    /// Starts to play a source that does not belong to a list.
     ///
     /// # Errors
     /// See [`Player::start`].
@@ -225,13 +225,13 @@ impl Player {
         Self::start(Track::alone(source), Box::new(OneTrack(options.repeat)), options)
     }
 
-    /// Pauses (true) or goes on (false).
+    /// Pauses (true) or resumes (false).
     pub fn set_paused(&self, paused: bool) {
         self.controls.set_paused(paused);
     }
 
-    /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet; not beyond the
-    /// track's start. Past the end is what follows. What is not finite is ignored.
+    /// Seeks by `seconds` from what is audible, or from the target of a seek that is not heard yet, but not before
+    /// the track's start. Past the end the next track follows. A value that is not finite is ignored.
     pub fn seek_by(&self, seconds: f64) {
         self.send(Command::SeekBy(seconds));
     }
@@ -241,28 +241,28 @@ impl Player {
         self.send(Command::SeekTo(seconds));
     }
 
-    /// Goes to the next track, or to the one before; later than 3 s in a track back to its own start.
+    /// Goes to the next track or to the previous one; going back later than 3 s into a track leads to its own start.
     pub fn skip(&self, forward: bool) {
         self.send(Command::Skip { forward });
     }
 
-    /// Plays these files, folders or lists instead of what is played, if something in them can be.
+    /// Plays these files, folders or lists instead of the current list, if something in them can be played.
     pub fn play_files(&self, files: Vec<PathBuf>) {
         self.send(Command::Files(files));
     }
 
-    /// Changes what follows what.
+    /// Changes the order and the repeating of tracks.
     pub fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
         (self.repeat, self.shuffled) = (repeat, shuffled);
         self.send(Command::Order(repeat, shuffled));
     }
 
-    /// Changes the volume by `delta`; it stays within 0 to 1.
+    /// Changes the volume by `delta`; the result is clamped to 0 to 1.
     pub fn change_volume(&self, delta: f32) {
         self.controls.set_volume(self.controls.volume() + delta);
     }
 
-    /// Sets the volume, 0 to 1; it stays within.
+    /// Sets the volume, clamped to 0 to 1.
     pub fn set_volume(&self, volume: f32) {
         self.controls.set_volume(volume);
     }
@@ -272,14 +272,14 @@ impl Player {
         self.controls.set_muted(!self.controls.muted());
     }
 
-    /// How playback stands now.
+    /// The present state of playback.
     pub fn status(&mut self) -> PlayerStatus {
         let output = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let timeline = self.timeline.lock();
         let now = Instant::now();
         let carry = |from, to| timeline.carry(from, to);
         let audible = self.position_clock.at(output.history.as_ref(), now, 0.0, carry);
-        // The picture ends the song: with a shift it is later than the device.
+        // The song ends with the picture, which is later than the device if it is shifted.
         let shown = self.picture_clock.at(output.history.as_ref(), now, self.shift, carry);
         let ended = shown.is_some_and(|shown| timeline.is_end(shown));
         if let Some(history) = self.position_clock.history() {
@@ -312,7 +312,7 @@ impl Player {
     }
 
     /// What is audible now. `latency_shift` seconds (within the limits' `latency_ms_max`) are added to the latency
-    /// that the device tells: more than 0 where the sound is heard later than the device knows. Less than 0
+    /// that the device reports: a positive shift where the sound is heard later than the device knows. A negative one
     /// looks ahead, as far as is decoded (0.3 to 0.4 s).
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         let limit = LIMITS.latency_ms_max / 1000.0;
@@ -333,7 +333,7 @@ impl Player {
         self.moment
     }
 
-    /// The sound of what [`Player::now`] told last, with its tables.
+    /// The sound, with its tables, of the moment that [`Player::now`] returned last.
     pub fn sound(&self) -> Sound {
         let sound = self.heard.and_then(|(audible, ahead)| self.timeline.lock().sound(audible, ahead));
         sound.unwrap_or_else(|| self.moment.features.into())

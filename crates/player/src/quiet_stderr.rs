@@ -4,13 +4,13 @@
 use std::fs::OpenOptions;
 use std::os::fd::OwnedFd;
 
-/// While it lives, what this process writes to standard error goes nowhere.
+/// While this lives, what the process writes to standard error is discarded.
 pub(super) struct QuietStderr {
     saved: OwnedFd,
 }
 
 impl QuietStderr {
-    /// None if standard error cannot be put aside; then it stays as it is.
+    /// None if standard error cannot be redirected; then it stays as it is.
     pub(super) fn new() -> Option<Self> {
         let saved = rustix::io::dup(rustix::stdio::stderr()).ok()?;
         let nowhere = OpenOptions::new().write(true).open("/dev/null").ok()?;
@@ -21,7 +21,7 @@ impl QuietStderr {
 
 impl Drop for QuietStderr {
     fn drop(&mut self) {
-        // It was standard error before, so it can be again.
+        // It was standard error before, so this cannot fail.
         let _ = rustix::stdio::dup2_stderr(&self.saved);
     }
 }

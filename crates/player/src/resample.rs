@@ -3,10 +3,10 @@
 //! The filter's delay is cut off at the start and drained at the end, so output frame `m` is the signal at
 //! input time `m * from / to`, and `n` input frames become `round(n * to / from)` output frames.
 //!
-//! Rates with a large common divisor (all usual ones) go through rubato's FFT resampler. Its block spans an
-//! even number of periods of the ratio, so its delay is a whole number of frames on both sides. For odd
-//! ratios such a block would hold seconds of sound; they go through the windowed-sinc resampler, whose delay
-//! is made up for to within half an output frame.
+//! Rates with a large common divisor (all usual ones) go through rubato's FFT resampler. Its block spans an even
+//! number of periods of the ratio, so its delay is a whole number of frames on both sides. For odd ratios such a
+//! block would hold seconds of sound, so they go through the windowed-sinc resampler, whose delay is compensated to
+//! within half an output frame.
 
 use rubato::audioadapter_buffers::direct::InterleavedSlice;
 use rubato::{
@@ -16,7 +16,7 @@ use rubato::{
 
 use mariana_music::StereoFrame;
 
-/// Input frames per FFT block that are aimed at: long enough for a steep filter, short enough to stay quick
+/// Target length of an FFT block in input frames: long enough for a steep filter, short enough to respond quickly
 /// after a seek (23 ms at 44.1 kHz).
 const BLOCK_FRAMES: usize = 1024;
 
@@ -37,14 +37,14 @@ pub enum ResampleError {
         /// Rate of the output, in hertz.
         to: u32,
     },
-    /// The library refused; this is a bug here, not in the input.
+    /// The library refused. This is a bug here, not in the input.
     #[error("the conversion from {from} Hz to {to} Hz failed: {message}; please report it")]
     Library {
         /// Rate of the input, in hertz.
         from: u32,
         /// Rate of the output, in hertz.
         to: u32,
-        /// What the library said.
+        /// The library's message.
         message: String,
     },
 }
@@ -93,7 +93,7 @@ impl Resampler {
         self.engine.is_none()
     }
 
-    /// Takes `input` and appends to `output` what is ready.
+    /// Takes `input` and appends the output that is ready to `output`.
     pub fn process(
         &mut self,
         input: &[StereoFrame],
@@ -111,8 +111,8 @@ impl Resampler {
         Ok(())
     }
 
-    /// Appends what the filter still holds, so that the output is as long as the input was, and starts
-    /// afresh for the next stream.
+    /// Appends what the filter still holds, so that the output is as long as the input was, and starts afresh for the
+    /// next stream.
     pub fn finish(&mut self, output: &mut Vec<StereoFrame>) -> Result<(), ResampleError> {
         let (from, to) = (self.from, self.to);
         if let Some(engine) = &mut self.engine {
@@ -147,7 +147,7 @@ impl Engine {
             to,
             message: e.to_string(),
         };
-        // Two periods of the ratio are the shortest block whose half is whole on both sides.
+        // The shortest block whose half is whole on both sides is two periods of the ratio.
         let unit = 2 * (from / gcd(from, to)) as usize;
         let (inner, delay): (Box<dyn rubato::Resampler<f32>>, usize) = if unit <= BLOCK_FRAMES_MAX {
             let chunk = unit * BLOCK_FRAMES.div_ceil(unit);
@@ -169,7 +169,7 @@ impl Engine {
             let sinc = Async::<f32>::new_sinc(ratio, 1.0, &parameters, BLOCK_FRAMES, 2, FixedAsync::Input)
                 .map_err(library)?;
             // Measured: the first output lies one output frame into the filter, and the delay that the library
-            // tells is cut to a whole number.
+            // reports is truncated to a whole number.
             let delay = (SINC_LENGTH as f64 / 2.0 * ratio - 1.0).round().max(0.0);
             (Box::new(sinc), delay as usize)
         };
@@ -197,8 +197,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Converts one block from `waiting[offset..]` (`partial` frames, then silence, where given), drops what
-    /// is left of the delay and what lies past `total`, and returns the input frames that were taken.
+    /// Converts one block from `waiting[offset..]` (`partial` frames, then silence, if given), drops what is left of
+    /// the delay and what lies past `total`, and returns the number of input frames taken.
     fn convert(
         &mut self,
         offset: usize,

@@ -1,8 +1,8 @@
-//! The server's side of connections to PulseAudio, to end one that cpal cannot end.
+//! The server's side of connections to PulseAudio, used to end one that cpal cannot end.
 //!
-//! When an output is pulled out and no other is left, PulseAudio kills the stream that played on it. cpal's thread waits
-//! for ever for a last word of that stream, and dropping the stream waits for the thread. What the thread does notice is
-//! the end of its connection, and that the server can be asked for.
+//! When an output is unplugged and no other is left, PulseAudio kills the stream that played on it. cpal's thread
+//! then waits forever for a last message of that stream, and dropping the stream waits for the thread. But the thread
+//! does notice the end of its connection, and the server can be asked to end it.
 
 use std::collections::BTreeSet;
 use std::ffi::CString;
@@ -11,19 +11,20 @@ use std::sync::{Mutex, PoisonError};
 use futures_executor::block_on;
 use pulseaudio::{Client, ClientError};
 
-/// The connection on which the server is asked about the others. It is kept: a connection ends with the server alone.
+/// The connection on which the server is asked about the others. It is kept, because a connection ends only with the
+/// server.
 static ASKING: Mutex<Option<Client>> = Mutex::new(None);
 
 /// A connection as the server knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ServerConnection {
-    /// What tells one run of the server from another.
+    /// Distinguishes one run of the server from another.
     server: u32,
     client: u32,
 }
 
-/// What `open` makes, and the connection that it made for that; none if the server does not say, or if there is more
-/// than one that it could be. May block as long as the server likes.
+/// The result of `open`, and the connection that it made; none if the server does not say, or if it could be more
+/// than one connection. May block as long as the server likes.
 pub(super) fn opened_by<T, E>(
     open: impl FnOnce() -> Result<T, E>,
 ) -> Result<(T, Option<ServerConnection>), E> {
@@ -40,7 +41,8 @@ pub(super) fn opened_by<T, E>(
 }
 
 impl ServerConnection {
-    /// Asks the server to end it; whoever waits on it hears that it is closed. May block as long as the server likes.
+    /// Asks the server to end it; whoever waits on it learns that it is closed. May block as long as the server
+    /// likes.
     pub(crate) fn end(self) {
         let mut asking = ASKING.lock().unwrap_or_else(PoisonError::into_inner);
         let is_there = own_connections(&mut asking)
@@ -60,7 +62,7 @@ fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> 
     {
         return Some(answer);
     }
-    // The first question, or the server was started anew.
+    // The first question, or the server has restarted.
     let client = Client::from_env(c"mariana").ok()?;
     let answer = ask(&client).ok();
     *asking = Some(client);
@@ -68,7 +70,7 @@ fn own_connections(asking: &mut Option<Client>) -> Option<(u32, BTreeSet<u32>)> 
 }
 
 fn ask(client: &Client) -> Result<(u32, BTreeSet<u32>), ClientError> {
-    // So cpal calls itself.
+    // The name that cpal gives to its connections.
     let name = CString::new(format!("cpal-pulseaudio-{}", std::process::id())).unwrap_or_default();
     let server = block_on(client.server_info())?.cookie;
     let all = block_on(client.list_clients())?;

@@ -9,7 +9,7 @@ use super::decode::{DecodeError, Decoder};
 pub enum Song {
     /// A track inside the program.
     Embedded {
-        /// What a file of it would be called.
+        /// The name that a file of it would have.
         name: &'static str,
         /// Its encoded bytes.
         bytes: &'static [u8],
@@ -22,7 +22,7 @@ impl Song {
     /// Opens it for decoding from its start.
     ///
     /// # Errors
-    /// What [`Decoder::open`] says about the file.
+    /// The errors of [`Decoder::open`].
     pub fn open(&self) -> Result<Decoder, DecodeError> {
         match self {
             Song::Embedded { name, bytes } => Decoder::from_bytes(name, bytes),
@@ -31,13 +31,13 @@ impl Song {
     }
 }
 
-/// What a song is called: artist and title where the file tells them, else the file's name.
+/// The name of a song: artist and title if the file gives them, else the file's name.
 pub fn display_name(decoder: &Decoder) -> String {
     let info = decoder.info();
     track_name(info.artist.as_deref(), info.title.as_deref(), &info.name)
 }
 
-/// What to call a track of that artist and title in a file of that name.
+/// The name of a track with that artist and title, in a file of that name.
 pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) -> String {
     let tag = |tag: Option<&str>| tag.map(one_line).filter(|tag| !tag.is_empty());
     match (tag(artist), tag(title)) {
@@ -47,7 +47,7 @@ pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) 
     }
 }
 
-/// The text without control characters, which files may hold: a title with a NUL stops window systems.
+/// The text without the control characters that files may hold: a title with a NUL stops window systems.
 pub(super) fn one_line(text: &str) -> String {
     let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     plain.split_whitespace().collect::<Vec<_>>().join(" ")

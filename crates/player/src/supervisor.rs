@@ -1,16 +1,16 @@
-//! Keeps the sound going, in one direction: opens the device, watches it, follows the default device, puts something
-//! else in its place when it fails, and opens it again as soon as it can be.
+//! Keeps the sound going in one direction: opens the device, watches it, follows the default device, puts something
+//! else in its place when it fails, and opens it again as soon as possible.
 //!
-//! Each device lives on a thread of its own, that opens, holds and drops its stream. None of these calls is trusted to
-//! return: a thread that does not answer in time is left behind. Nothing is opened while another opening is on its way,
-//! so that a sound server that hangs costs one thread, not one for each attempt.
+//! Each device lives on a thread of its own that opens, holds and drops its stream. None of these calls is trusted to
+//! return: a thread that does not answer in time is left behind. Nothing is opened while another opening is in
+//! progress, so that a sound server that hangs costs one thread and not one for each attempt.
 //!
-//! **One supervisor for a direction** (`audio::supervisor`, with a `Port` for outputs and one for inputs). It opens
-//! devices on threads of their own, counts their callbacks, and compares what is open with the roster of devices, which
-//! another thread asks for four times a second: cpal passes on no news of devices, and a sound server moves the stream
-//! of a device that is pulled out to another one without a word. What is open goes on until its successor is. Each kind
-//! of cpal's errors has its wait before the next attempt; a change of the roster is answered at once. As the default
-//! may change and change back between two looks, what was opened is looked at once more afterwards.
+//! **One supervisor for each direction** (with a `Port` for outputs and one for inputs). It opens devices on threads
+//! of their own, counts their callbacks, and compares what is open with the device list, which another thread polls
+//! four times a second. Polling is needed because cpal passes on no news of devices, and a sound server silently
+//! moves the stream of an unplugged device to another one. What is open goes on until its successor is open. Each
+//! kind of cpal's errors has its own wait before the next attempt; a change in the device list is answered at once.
+//! Because the default may change and change back between two polls, what was opened is checked once more afterwards.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -27,17 +27,17 @@ use super::worker::Worker;
 /// How long a device may take to open before silence takes its place.
 const OPEN_LIMIT: Duration = Duration::from_secs(3);
 
-/// How often devices are looked at.
+/// How often devices are checked.
 const WATCH_PERIOD: Duration = Duration::from_millis(100);
 
-/// A device that did not call for so many looks in a row has stalled. Looks are counted, not time: if the whole
-/// machine stood still, the device is not to blame.
+/// A device that did not call during this many checks in a row has stalled. Checks are counted, not time: if the
+/// whole machine stood still, the device is not to blame.
 const SILENT_LOOKS: u32 = 10;
 
-/// How long the end of a device's thread is waited for.
+/// How long to wait for the end of a device's thread.
 const CLOSE_LIMIT: Duration = Duration::from_millis(500);
 
-/// How one direction of sound stands.
+/// The state of one direction of sound.
 #[derive(Clone, Default)]
 pub(crate) struct StreamStatus<N> {
     /// In words.
@@ -46,7 +46,7 @@ pub(crate) struct StreamStatus<N> {
     pub(crate) device: Option<ListedDevice>,
     /// Why there is no sound, if there is none.
     pub(crate) silent: Option<String>,
-    /// Why what was chosen is not there, while what was there before goes on.
+    /// Why the choice is not open, while the previous device goes on.
     pub(crate) refused: Option<String>,
     /// What the port notes of what is open.
     pub(crate) note: N,
@@ -72,7 +72,7 @@ pub(crate) struct Supervisor<P: Port> {
 }
 
 impl<P: Port> Supervisor<P> {
-    /// Starts; without a target there is silence on purpose.
+    /// Starts the supervisor; without a target there is silence on purpose.
     pub(crate) fn start(port: P, target: Option<Target>) -> io::Result<Self> {
         let (events, inbox) = channel();
         let status = StreamStatus { description: "opening".into(), ..StreamStatus::default() };
@@ -97,7 +97,7 @@ impl<P: Port> Supervisor<P> {
         Ok(Self { events, status, worker })
     }
 
-    /// How it stands now.
+    /// The present state.
     pub(crate) fn status(&self) -> StreamStatus<P::Note> {
         lock(&self.status).clone()
     }
@@ -130,7 +130,7 @@ struct DeviceThread {
     number: u64,
     _hold: Sender<()>,
     worker: Worker,
-    /// What to end should it not close.
+    /// The connection to end if the device does not close.
     connection: Option<ServerConnection>,
 }
 
@@ -141,7 +141,7 @@ impl DeviceThread {
         if worker.join_within(CLOSE_LIMIT) {
             return;
         }
-        // On a thread of its own, as the server need not answer either.
+        // On a thread of its own, because the server need not answer either.
         let ending = connection.map(|connection| Worker::spawn("sound connection", move || connection.end()));
         if ending.is_none_or(|ending| ending.is_err()) || !worker.join_within(CLOSE_LIMIT) {
             tracing::warn!("a sound device does not close; it is left behind");
@@ -165,7 +165,7 @@ enum Current<P: Port> {
 struct Opening {
     thread: DeviceThread,
     since: Instant,
-    /// It took too long; should it succeed later it is welcome.
+    /// The opening took too long; if it succeeds later it is welcome.
     overdue: bool,
 }
 
@@ -173,10 +173,10 @@ struct Watch<P: Port> {
     port: P,
     target: Option<Target>,
     device_list: Option<Arc<DeviceWatch>>,
-    /// The state of the device_list that was seen last.
+    /// The state of the device list that was seen last.
     generation: u64,
-    /// After so many looks the device_list has seen what was opened last. The default device may have changed and changed back
-    /// between two looks, and what was opened in between is no longer it.
+    /// After this many polls the device list has seen what was opened last. The default device may have changed and
+    /// changed back between two polls, so that what was opened in between is no longer the default.
     settled_after: Option<u64>,
     status: Arc<Mutex<StreamStatus<P::Note>>>,
     events: Sender<Numbered<P::Link>>,
@@ -185,9 +185,9 @@ struct Watch<P: Port> {
     opening: Option<Opening>,
     /// When to try again, while there is no device.
     retry_at: Option<Instant>,
-    /// The device of the target that was open last.
+    /// The target's device that was open last.
     had: Option<ListedDevice>,
-    /// What is open was chosen before the target was.
+    /// What is open was chosen before the present target.
     superseded: bool,
 }
 
@@ -231,7 +231,7 @@ impl<P: Port> Watch<P> {
             match opener(target, on_failure) {
                 Ok((stream, opened)) => {
                     if events.send((number, Event::Opened(opened))).is_ok() {
-                        // Nothing is ever sent: it returns when the other end is dropped.
+                        // Nothing is ever sent: this returns when the other end is dropped.
                         let _ = held.recv();
                     }
                     drop(stream);
@@ -263,7 +263,7 @@ impl<P: Port> Watch<P> {
                 if self.device_list.is_none() {
                     self.device_list = DeviceWatch::shared().ok();
                 }
-                // What was on its way is not wanted any more; should it hang, it is left behind.
+                // The pending opening is no longer wanted; if it hangs, it is left behind.
                 if let Some(opening) = self.opening.take() {
                     opening.thread.close();
                 }
@@ -288,12 +288,13 @@ impl<P: Port> Watch<P> {
             Event::Failed(Failure { reason, kind }) if is_current => {
                 self.lose(&DeviceError::Lost { direction: P::DIRECTION, reason }, kind);
             }
-            // What a device says that was given up is void. One that fails while it opens stalls, and is seen to.
+            // Events of a device that was given up are void. A device that fails while it opens will stall, and that
+            // is handled.
             _ => {}
         }
     }
 
-    /// Puts a device in the place of what is there.
+    /// Replaces what is there by a device.
     fn take(&mut self, thread: DeviceThread, opened: Opened<P::Link>) {
         let Opened { link, entry, description, calls, .. } = opened;
         tracing::info!("sound {}: {description}", P::DIRECTION);
@@ -320,10 +321,10 @@ impl<P: Port> Watch<P> {
         close::<P>(before);
     }
 
-    /// There is no device, or a new one could not be had: silence takes the place of one that failed.
+    /// There is no device, or a new one could not be opened: silence takes the place of one that failed.
     fn lose(&mut self, error: &DeviceError, kind: cpal::ErrorKind) {
         let stands = match &self.current {
-            // It still plays: the default device changed to one that cannot be opened.
+            // The present device still plays: the default changed to one that cannot be opened.
             Current::Device { silent_looks, .. } => {
                 *silent_looks < SILENT_LOOKS
                     && !matches!(
@@ -366,14 +367,14 @@ impl<P: Port> Watch<P> {
         if self.retry_at.is_some_and(|at| at <= Instant::now()) {
             self.retry_at = None;
             match self.current {
-                // It plays, on a device that was the default: look again which one is.
+                // The present device plays, but it was the default: check again which one is.
                 Current::Device { .. } => self.generation = 0,
                 _ => self.open(),
             }
         }
     }
 
-    /// Compares what is open with what the device_list says.
+    /// Compares what is open with the device list.
     fn follow(&mut self) {
         let Some(watch) = self.device_list.as_ref().filter(|_| self.opening.is_none()) else { return };
         let (generation, device_list) = watch.latest();
@@ -411,22 +412,22 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// A device that was asked for by name and is no longer there: sound servers move its stream to another one without
-    /// a word.
+    /// Whether a device that was asked for by name is no longer there: sound servers move its stream to another one
+    /// silently.
     fn has_gone(&self, device_list: &DeviceList, entry: &ListedDevice) -> Option<DeviceError> {
         let named = matches!(self.target, Some(Target::Named(_) | Target::MonitorOf(_)));
         let list = match P::DIRECTION {
             Direction::Output => &device_list.outputs,
             Direction::Input => &device_list.inputs,
         };
-        // Only what the device_list can know of: a device of another host stands in no device_list.
+        // Only devices that the list can know: a device of another host is in no list.
         let same_host = |other: &ListedDevice| other.id.split(':').next() == entry.id.split(':').next();
         let hosts_differ = !device_list.outputs.iter().chain(&device_list.inputs).any(same_host);
         let gone = named && !hosts_differ && !list.iter().any(|other| other.id == entry.id);
         gone.then(|| DeviceError::Gone { direction: P::DIRECTION, name: entry.name.clone() })
     }
 
-    /// Puts silence in the place of what is there.
+    /// Replaces what is there by silence.
     fn go_silent(&mut self, reason: String) {
         let told = lock(&self.status).silent.replace(reason.clone());
         if told.as_ref() != Some(&reason) {

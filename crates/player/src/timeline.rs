@@ -1,7 +1,7 @@
-//! What stands behind the frames that were handed out: song time and features, by segment.
+//! What the frames that were handed out stand for: song time and features, by segment.
 //!
-//! The decoding and the analysis thread write it, the window reads it; each holds it for moments only, and
-//! the callback never touches it.
+//! The decoding and the analysis thread write it, the window reads it; each holds it only briefly, and the callback
+//! never touches it.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,10 +14,11 @@ use mariana_music::{FeatureTrack, Features, Sound, TimedFeatures};
 /// Segments remembered: the newest and those that may still sound behind it.
 const SEGMENTS_KEPT: usize = 8;
 
-/// Passages of a segment remembered, however short they are: more would only be memory.
+/// Passages of a segment remembered, however short they are: more would only cost memory.
 const PASSAGES_KEPT: usize = 8;
 
-/// What a passage's track of features holds beyond the largest delay of the picture, in seconds: the ring and a reserve.
+/// What a passage's track of features holds beyond the largest delay of the picture, in seconds: the ring and a
+/// reserve.
 const TRACK_RESERVE: f64 = 2.0;
 
 /// From this time of the segment on, the song runs from this time.
@@ -28,13 +29,13 @@ struct Anchor {
     lap: u32,
 }
 
-/// A track within a segment, with its laps: what is analysed in one go.
+/// A track within a segment, with its laps: what is analysed in one run.
 struct Passage {
     id: u64,
     track: Arc<TrackInfo>,
     /// Time of the segment at which it begins.
     segment_time: f64,
-    /// Time of the track there; the features count from there on and go on over laps.
+    /// Time of the track at that point; the features count from there and go on over laps.
     start: f64,
     /// Never empty; in order of time.
     anchors: VecDeque<Anchor>,
@@ -49,7 +50,7 @@ struct SegmentNotes {
     rate: u32,
     /// Never empty; in order of time.
     passages: VecDeque<Passage>,
-    /// Times that something began anew within the segment.
+    /// How often something began anew within the segment.
     laps: u32,
     end_frame: Option<u64>,
 }
@@ -59,11 +60,11 @@ struct SegmentNotes {
 pub struct SongPlace {
     /// Seconds since the track's start.
     pub song_time: f64,
-    /// How often a track began within the segment before.
+    /// How often a track has begun earlier within the segment.
     pub lap: u32,
     /// The passage that it is in.
     pub passage: u64,
-    /// The sound of that place.
+    /// The features of that place.
     pub features: Features,
 }
 
@@ -78,7 +79,7 @@ pub struct Timeline {
 pub struct SharedTimeline(Arc<Mutex<Timeline>>);
 
 impl SharedTimeline {
-    /// Access, for moments only. A thread that failed while it held the timeline leaves it usable.
+    /// Locks the timeline, for moments only. A thread that failed while it held the timeline leaves it usable.
     pub fn lock(&self) -> MutexGuard<'_, Timeline> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -116,8 +117,8 @@ impl Timeline {
         }
     }
 
-    /// Notes that at `segment_time` (seconds since the segment's start) the track begins anew. `played` is the segment
-    /// time that is surely past: what lies before it is forgotten.
+    /// Notes that at `segment_time` (seconds since the segment's start) the track begins anew. `played` is the
+    /// segment time that is certainly past: whatever lies before it is forgotten.
     pub fn begin_lap(&mut self, id: u64, segment_time: f64, played: f64) {
         let Some(segment) = self.find_mut(id) else { return };
         segment.laps = segment.laps.wrapping_add(1);
@@ -162,15 +163,15 @@ impl Timeline {
         first.is_some_and(|passage| passage.features.span().is_some_and(|(_, last)| last >= passage.start))
     }
 
-    /// Adds the features of a moment of a passage; its time counts from the track's start on and goes on over laps.
+    /// Adds the features of a moment of a passage; its time counts from the track's start and goes on over laps.
     pub fn push_features(&mut self, passage: u64, moment: &TimedFeatures) {
         if let Some(passage) = self.passage_mut(passage) {
             passage.features.push(moment);
         }
     }
 
-    /// Where `audible` is in its track, `ahead` seconds later (never after the segment's end). None for a segment that is
-    /// not remembered.
+    /// Where `audible` is in its track, `ahead` seconds later (never after the segment's end). None for a segment
+    /// that is not remembered.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
         let (passage, time) = self.passage_at(audible, ahead)?;
         let index = passage.anchors.partition_point(|anchor| anchor.segment_time <= time).saturating_sub(1);
@@ -183,7 +184,7 @@ impl Timeline {
         })
     }
 
-    /// Which frame of segment `to` is at the same time of the same track as `from`, less than 0 before that segment's
+    /// The frame of segment `to` that is at the same time of the same track as `from`, negative before that segment's
     /// start. None if there was a seek, a skip or another track between them.
     pub fn carry(&self, from: Audible, to: u64) -> Option<f64> {
         let (passage, _) = self.passage_at(from, 0.0)?;
@@ -201,7 +202,7 @@ impl Timeline {
         Some(self.passage_at(audible, 0.0)?.0.track.clone())
     }
 
-    /// The passage that is audible `ahead` seconds after `audible`, and that time of the segment.
+    /// The passage that is audible `ahead` seconds after `audible`, and the segment time at that point.
     fn passage_at(&self, audible: Audible, ahead: f64) -> Option<(&Passage, f64)> {
         let segment = self.find(audible.segment)?;
         let rate = f64::from(segment.rate);
@@ -218,7 +219,7 @@ impl Timeline {
         Some(passage.features.sound_at(passage.start + time - passage.segment_time))
     }
 
-    /// Whether `audible` is the end of a segment after which nothing comes.
+    /// Whether `audible` is the end of a segment that nothing follows.
     pub fn is_end(&self, audible: Audible) -> bool {
         let newest = self.segments.back();
         newest.is_some_and(|segment| {
@@ -326,7 +327,7 @@ mod tests {
             let features = Features { volume: [volume; 2], ..Features::default() };
             TimedFeatures::new(time, (100.0 * time) as u64, features)
         };
-        // The analysis comes after the decoding: what is still told of the first track stays with it.
+        // The analysis comes after the decoding: late features of the first track stay with it.
         timeline.push_features(1, &moment(19.0, 0.25));
         timeline.push_features(2, &moment(0.0, 0.5));
         timeline.push_features(1, &moment(20.0, 0.75));

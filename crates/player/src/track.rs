@@ -10,7 +10,7 @@ use mariana_music::StereoFrame;
 
 /// Rate of [`Track::silence`], in hertz.
 const SILENCE_RATE: u32 = 48_000;
-/// Frames of silence that come at a time.
+/// Frames of silence per block.
 const SILENCE_BLOCK: usize = 1024;
 
 /// What is known about a track.
@@ -20,15 +20,15 @@ pub struct TrackInfo {
     pub entry: usize,
     /// How many tracks that list has.
     pub count: usize,
-    /// What to call it: artist and title, or the file's name.
+    /// Its name: artist and title, or the file's name.
     pub name: String,
-    /// Title, where the file tells one.
+    /// Title, if the file gives one.
     pub title: Option<String>,
-    /// Who made it, where the file tells.
+    /// Who made it, if the file says.
     pub artist: Option<String>,
     /// Length in seconds, if known.
     pub duration: Option<f64>,
-    /// What its samples are multiplied by before they are analysed, so that quiet and loud tracks drive a scene alike.
+    /// The factor for its samples before they are analysed, so that quiet and loud tracks drive a scene alike.
     pub scene_gain: f32,
 }
 
@@ -70,7 +70,7 @@ impl Track {
         Self { source, info: Arc::new(info) }
     }
 
-    /// Silence without end, in place of entry `entry` of `count`: what is played when nothing can be.
+    /// Endless silence in place of entry `entry` of `count`, played when nothing else can be.
     pub fn silence(entry: usize, count: usize) -> Self {
         let mut track = Self::alone(Box::new(Silence { position: 0 }));
         let info = Arc::make_mut(&mut track.info);
@@ -111,7 +111,7 @@ impl FrameSource for Silence {
     }
 }
 
-/// What follows the last track, and each one.
+/// What follows the last track, and each track.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Repeat {
     /// After the last track the first one.
@@ -123,17 +123,17 @@ pub enum Repeat {
     Off,
 }
 
-/// What is wanted of a list.
+/// What is asked of a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wanted {
-    /// What comes when entry `after` has played to its end. `anew`: it cannot begin again as it is open.
+    /// What comes when entry `after` has played to its end. `anew`: the open track cannot begin again as it is.
     Following {
         /// The entry.
         after: usize,
         /// Whether the entry itself would have to be opened again.
         anew: bool,
     },
-    /// So many tracks forward from entry `from`, or back.
+    /// This many tracks forward from entry `from`, or back.
     Skip {
         /// The entry.
         from: usize,
@@ -148,9 +148,9 @@ pub enum Wanted {
 pub enum Found {
     /// This track.
     Track(Track),
-    /// The same track once more, which is open already.
+    /// The same track once more; it is open already.
     Again,
-    /// Nothing comes: it was the last track.
+    /// Nothing follows: it was the last track.
     End,
     /// There are tracks, but none of them can be played.
     Nothing,
@@ -158,14 +158,14 @@ pub enum Found {
 
 /// A list of tracks. It is asked on a thread of its own, so it may take its time.
 pub trait TrackList: Send {
-    /// Finds and opens a track. What had to be skipped is told to `tell`, a sentence each.
+    /// Finds and opens a track. Every entry that had to be skipped is reported to `tell`, one sentence each.
     fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found;
 
-    /// Changes what follows what. A new random order begins with entry `current`.
+    /// Changes the order and the repeating of tracks. A new random order begins with entry `current`.
     fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: usize);
 }
 
-/// A list of the one track that is open, which repeats in any way but [`Repeat::Off`].
+/// A list of the one open track, which repeats in every mode but [`Repeat::Off`].
 pub struct OneTrack(pub Repeat);
 
 impl TrackList for OneTrack {
@@ -174,7 +174,7 @@ impl TrackList for OneTrack {
             Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
             Wanted::Following { anew: false, .. } => Found::End,
             Wanted::Skip { .. } => Found::Again,
-            // It is known by nothing but its source.
+            // Only its source is known.
             Wanted::Following { .. } | Wanted::Files(_) => Found::Nothing,
         }
     }

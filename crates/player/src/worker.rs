@@ -1,4 +1,4 @@
-//! A thread whose end is waited for, but never longer than a limit.
+//! A thread whose end is awaited, but never longer than a limit.
 
 use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
@@ -30,7 +30,7 @@ impl Worker {
         }
     }
 
-    /// The thread, to be woken by others. None once its end was waited for.
+    /// The thread, for others to wake. None once its end was awaited.
     pub(crate) fn thread(&self) -> Option<&Thread> {
         self.handle.as_ref().map(JoinHandle::thread)
     }
@@ -40,7 +40,7 @@ impl Worker {
         matches!(self.done.try_recv(), Err(TryRecvError::Disconnected))
     }
 
-    /// Waits for the thread's end, `limit` at most; true if it ended. After that it is left to itself.
+    /// Waits for the thread's end, at most `limit`; true if it ended. After that the thread is left to itself.
     pub(crate) fn join_within(&mut self, limit: Duration) -> bool {
         let ended = matches!(self.done.recv_timeout(limit), Err(RecvTimeoutError::Disconnected));
         if let Some(handle) = self.handle.take().filter(|_| ended)

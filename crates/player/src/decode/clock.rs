@@ -4,7 +4,7 @@
 
 use symphonia::core::units::TimeBase;
 
-/// How the time stamps of one track translate.
+/// How the time stamps of one track translate to frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Clock {
     /// Seconds per tick, as a fraction.
@@ -12,7 +12,7 @@ pub(super) struct Clock {
     denom: u32,
     /// Time stamp of the first packet, in ticks.
     first: Option<i64>,
-    /// Every packet begins at a multiple of so many raw frames, where the codec has such a grid.
+    /// Every packet begins at a multiple of this many raw frames, if the codec has such a grid.
     grid: Option<u32>,
 }
 
@@ -32,13 +32,13 @@ impl Clock {
         u64::from(self.numer) * u64::from(rate) == u64::from(self.denom)
     }
 
-    /// True where [`raw_frame`](Self::raw_frame) can tell.
+    /// True where [`raw_frame`](Self::raw_frame) has an answer.
     pub(super) fn is_usable(&self, rate: u32) -> bool {
         self.is_exact(rate) || (self.numer > 0 && self.grid.is_some())
     }
 
-    /// The raw frame that a packet with this time stamp begins with. A tick that is coarser than a frame (Matroska
-    /// counts milliseconds) is put right by the codec's grid.
+    /// The raw frame with which a packet of this time stamp begins. Where a tick is coarser than a frame (Matroska
+    /// counts milliseconds), the codec's grid corrects it.
     pub(super) fn raw_frame(&self, ticks: i64, rate: u32) -> Option<i64> {
         let frames = self.frames(ticks.checked_sub(self.first?)?, rate)?;
         if self.is_exact(rate) {
@@ -48,13 +48,14 @@ impl Clock {
         Some((frames / grid).round() as i64 * i64::from(self.grid?))
     }
 
-    /// A number of ticks in frames, as exact as the clock is.
+    /// A number of ticks in frames, as exact as the clock allows.
     pub(super) fn frames(&self, ticks: i64, rate: u32) -> Option<f64> {
         let frames = i128::from(ticks) * i128::from(self.numer) * i128::from(rate);
         (self.numer > 0).then(|| frames as f64 / f64::from(self.denom))
     }
 
-    /// A time stamp at or before a raw frame, by a packet of the grid and two ticks where the clock is coarse.
+    /// A time stamp at or before a raw frame; where the clock is coarse, earlier by a packet of the grid and two
+    /// ticks.
     pub(super) fn ticks_before(&self, raw: i64, rate: u32) -> Option<i64> {
         let exact = self.is_exact(rate);
         let raw = if exact { raw } else { raw.checked_sub(i64::from(self.grid?))? };
@@ -64,7 +65,7 @@ impl Clock {
         Some(if exact { ticks } else { ticks.saturating_sub(2) })
     }
 
-    /// Frames before time zero, where the first packet lies there.
+    /// Frames before time zero, if the first packet lies there.
     pub(super) fn lead_in(&self, rate: u32) -> u64 {
         let first = self.first.unwrap_or(0);
         if first >= 0 {

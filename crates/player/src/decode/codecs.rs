@@ -1,4 +1,4 @@
-//! The codecs: which decoder serves which, what they are called, and what a jump into the middle needs.
+//! The codecs: which decoder serves which codec, what they are called, and what a jump into the middle needs.
 
 use std::sync::LazyLock;
 
@@ -27,8 +27,8 @@ pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn 
     let channels = params.channels.as_ref().map_or(1, |channels| channels.count());
     let mut params = params.clone();
     if params.codec == id::CODEC_ID_OPUS {
-        // Matroska may tell the rate of what was encoded. The head is taken away because the decoder would
-        // drop the pre-skip itself, and again after every jump.
+        // Matroska may give the rate of the sound before encoding. The head is removed because the decoder would drop
+        // the pre-skip itself, and again after every jump.
         params.sample_rate = Some(OPUS_RATE);
         params.extra_data = None;
     }
@@ -72,8 +72,8 @@ fn codec_name(codec: AudioCodecId) -> &'static str {
     }
 }
 
-/// Packets of these codecs begin at multiples of so many frames, which puts coarse time stamps right. Opus frames last
-/// at least 2.5 ms.
+/// Packets of these codecs begin at multiples of this many frames, which corrects coarse time stamps. Opus frames
+/// last at least 2.5 ms.
 pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     match codec {
         id::CODEC_ID_AAC => Some(1024),
@@ -83,7 +83,7 @@ pub(super) fn grid(codec: AudioCodecId) -> Option<u32> {
     }
 }
 
-/// True for the layers of MPEG audio, whose packets begin with a header that may change in mid-stream.
+/// True for the layers of MPEG audio, whose packets begin with a header that may change mid-stream.
 pub(super) fn is_mpeg_audio(codec: AudioCodecId) -> bool {
     matches!(codec, id::CODEC_ID_MP1 | id::CODEC_ID_MP2 | id::CODEC_ID_MP3)
 }
@@ -93,17 +93,17 @@ pub(super) fn is_opus(codec: AudioCodecId) -> bool {
     codec == id::CODEC_ID_OPUS
 }
 
-/// Frames that must be decoded ahead of the target of a jump until the decoder's state is that of a straight run. Half
-/// a second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6 asks for with
-/// Opus.
+/// Frames that must be decoded before the target of a jump until the decoder's state equals that of an uninterrupted
+/// run. Half a second covers the overlap of all lossy codecs, MP3's bit reservoir and the 80 ms that RFC 7845, 4.6
+/// asks for with Opus.
 pub(super) fn pre_roll(codec: AudioCodecId, rate: u32) -> i64 {
     let lossless = (id::CODEC_ID_PCM_S32LE..=id::CODEC_ID_PCM_MULAW).contains(&codec)
         || matches!(codec, id::CODEC_ID_FLAC | id::CODEC_ID_ALAC);
     if lossless { 0 } else { i64::from(rate / 2) }
 }
 
-/// The encoder delay nearest to one that a container tells in coarse ticks: AAC encoders prime with 1024 or 2048 frames
-/// or with Apple's 2112, LAME's MP3 with 1105.
+/// The known encoder delay nearest to one that a container gives in coarse ticks: AAC encoders prime with 1024 or
+/// 2048 frames, or Apple's 2112; LAME's MP3 with 1105.
 pub(super) fn known_delay(codec: AudioCodecId, about: u64, rate: u32) -> u64 {
     let known: &[u64] = match codec {
         id::CODEC_ID_AAC => &[1024, 2048, 2112],

@@ -1,4 +1,4 @@
-//! Codec libraries are run so that a panic in one is an error of the file, not the end of the program.
+//! Codec libraries run contained, so that a panic in one is an error of the file and not the end of the program.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
@@ -24,8 +24,8 @@ pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, Dec
     })
 }
 
-/// Keeps panics that become errors from being printed as panics; all others are printed as ever. To be called once
-/// by the program.
+/// Keeps panics that become errors from being printed as panics; all others are printed as usual. The program calls
+/// this once.
 pub fn quiet_contained_panics() {
     let print = take_hook();
     set_hook(Box::new(

@@ -6,7 +6,7 @@
 //! with 1/2. LFE channels are dropped, as the recommendation allows. The weights of both sides are divided
 //! by the larger of their sums, so full scale in all channels is full scale in the mix and never more.
 //!
-//! Which channel is which is told by the container. Where it is not told, the order of WAVE files holds:
+//! The container says which channel is which. Where it does not, the order of WAVE files holds:
 //! 3: L R C; 4: L R Ls Rs; 5: L R C Ls Rs; 6: L R C LFE Ls Rs; 7: L R C LFE Cs Ls Rs;
 //! 8: L R C LFE Lb Rb Ls Rs. Beyond eight unknown channels, even ones (counted from 0) go to the left and odd
 //! ones to the right, in equal parts.
@@ -60,8 +60,8 @@ impl Downmix {
         self.weights.len()
     }
 
-    /// Mixes the planes (one per channel, of equal length) and appends the frames to `out`. What is not
-    /// finite becomes silence.
+    /// Mixes the planes (one per channel, of equal length) and appends the frames to `out`. Samples that are not
+    /// finite become silence.
     pub(super) fn mix(&self, planes: &[Vec<f32>], frames: usize, out: &mut Vec<StereoFrame>) {
         let start = out.len();
         match planes {
@@ -128,9 +128,9 @@ const RIGHT: Position = Position::REAR_RIGHT
     .union(Position::BOTTOM_FRONT_RIGHT)
     .union(Position::FRONT_RIGHT_WIDE);
 
-/// Readers that know only the number of channels set the first positions of the list, whatever they mean. A
-/// left without its right (or the other way round) gives that away; so do the first four positions, which
-/// would be a 3.1 layout that nobody writes.
+/// Readers that know only the number of channels set the first positions of the list, whatever the channels are. A
+/// left without its right (or the other way round) gives that away; so do the first four positions, which would be a
+/// 3.1 layout that nobody writes.
 fn is_placeholder(mask: Position) -> bool {
     let first_positions = (mask.bits() & (mask.bits() + 1)) == 0;
     let lefts = (mask & (LEFT | Position::FRONT_LEFT)).bits().count_ones();

@@ -45,10 +45,10 @@ pub enum DecodeError {
     Read {
         /// The file's name.
         name: String,
-        /// What the system said. (Not its source: the sentence has it, and sources are told after it.)
+        /// The system's reason. (Not a source: the sentence contains it, and sources are printed after the sentence.)
         reason: std::io::Error,
     },
-    /// The bytes are no sound in any form, or not in a form that can be recognised.
+    /// The bytes are not sound, or not in a form that can be recognised.
     #[error(
         "{name} is not an audio file: {what}; choose a wav, aiff, flac, mp3, ogg, opus, m4a, caf, mkv or webm file"
     )]
@@ -58,7 +58,7 @@ pub enum DecodeError {
         /// What was seen instead.
         what: String,
     },
-    /// The container is a known one that is not supported here.
+    /// The container is known but not supported here.
     #[error("{name} is {what}, which is not supported; convert it, for example to flac")]
     UnsupportedFormat {
         /// The file's name.
@@ -66,7 +66,7 @@ pub enum DecodeError {
         /// The container.
         what: String,
     },
-    /// The container can be read, what is in it cannot be decoded.
+    /// The container can be read, but its content cannot be decoded.
     #[error("{name} holds sound in {codec}, which cannot be decoded; convert it, for example to flac")]
     UnsupportedCodec {
         /// The file's name.

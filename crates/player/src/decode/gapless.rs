@@ -1,5 +1,5 @@
-//! Encoder delay that the demuxers do not tell: the edit list and the `iTunSMPB` tag of MP4 files, and the
-//! header of Opus.
+//! Encoder delay that the demuxers do not report: the edit list and the `iTunSMPB` tag of MP4 files, and the header
+//! of Opus.
 //!
 //! Sources: ISO/IEC 14496-12, 8.2 to 8.6 (boxes, edit list); RFC 7845, 5.1 (`OpusHead`).
 
@@ -22,8 +22,8 @@ pub(super) struct TrackEdit {
     pub(super) media_time: u64,
 }
 
-/// The edits of all tracks of an MP4 file; empty where the source is none or has none. `is_fragmented` files
-/// are told by the second value.
+/// The edits of all tracks of an MP4 file; empty where the source is not MP4 or has no edits. The second value says
+/// whether the file is fragmented.
 pub(super) fn track_edits(source: &mut (impl Read + Seek)) -> (Vec<TrackEdit>, bool) {
     let mut walk = Walk { source, edits: Vec::new(), fragmented: false, boxes: 0 };
     let end = walk.source.seek(SeekFrom::End(0)).unwrap_or(0);
@@ -91,7 +91,7 @@ impl<S: Read + Seek> Walk<'_, S> {
         Ok(())
     }
 
-    /// The first edit that is not empty (an empty one has the media time -1) tells where the sound begins.
+    /// The first edit that is not empty (an empty one has the media time -1) says where the sound begins.
     fn edit_list(&mut self) -> io::Result<()> {
         let version = self.u32()? >> 24;
         let entries = self.u32()?.min(16);
@@ -125,7 +125,7 @@ impl<S: Read + Seek> Walk<'_, S> {
     }
 }
 
-/// Delay and number of playable frames from the text of an `iTunSMPB` tag: hexadecimal words, of which the
+/// Delay and number of playable frames from the text of an `iTunSMPB` tag. It consists of hexadecimal words: the
 /// second is the delay, the third the padding and the fourth the length.
 pub(super) fn parse_itun_smpb(text: &str) -> Option<(u64, u64)> {
     let mut words = text.split_whitespace().skip(1).map(|word| u64::from_str_radix(word, 16).ok());
@@ -171,7 +171,7 @@ mod tests {
             .concat();
         let wanted = TrackEdit { track_id: 7, timescale: 44_100, media_time: 1024 };
         assert_eq!(track_edits(&mut Cursor::new(&file)), (vec![wanted], false));
-        // No cut and no nonsense makes it fail or hang.
+        // Neither truncation nor nonsense makes it fail or hang.
         for end in 0..file.len() {
             track_edits(&mut Cursor::new(&file[..end]));
         }

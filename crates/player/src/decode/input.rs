@@ -26,7 +26,7 @@ pub(super) enum Input {
     File {
         /// Where it lay when it was opened.
         path: PathBuf,
-        /// Kept open, so that a song that is moved or deleted while it plays goes on.
+        /// Kept open, so that a song goes on if its file is moved or deleted while it plays.
         file: Arc<File>,
     },
     /// Bytes in the program.
@@ -38,14 +38,14 @@ pub(super) enum Input {
     },
 }
 
-/// A demuxer and what was learnt beside it.
+/// A demuxer and what was learnt besides.
 pub(super) struct Opened {
     pub(super) format: Box<dyn FormatReader>,
     pub(super) edits: Vec<TrackEdit>,
     pub(super) fragmented: bool,
 }
 
-/// The file again, at its first byte. Both share one position: the one before must not be read any more.
+/// The file again, at its first byte. Both handles share one position: the earlier one must no longer be read.
 fn from_start(file: &File) -> io::Result<File> {
     let mut again = file.try_clone()?;
     again.rewind()?;
@@ -65,7 +65,7 @@ fn path_error(path: &Path, source: io::Error) -> DecodeError {
 }
 
 impl Input {
-    /// A file that exists, is one, and is not empty.
+    /// A path that exists, is a regular file, and is not empty.
     pub(super) fn file(path: &Path) -> Result<Self, DecodeError> {
         let failed = |error| path_error(path, error);
         let metadata = std::fs::metadata(path).map_err(failed)?;
@@ -145,8 +145,8 @@ impl Input {
             .iter()
             .any(|(offset, mark)| head.get(*offset..).is_some_and(|rest| rest.starts_with(mark)));
         if recognised && probed.is_err() {
-            // Many demuxers look for more at the end, or hold lengths against that of the file, which fails where
-            // it is cut short; without the means to jump they do not.
+            // Many demuxers look for more data at the end, or compare lengths with that of the file, and fail if it
+            // is cut short. If the source cannot jump, they do not.
             let source: Box<dyn MediaSource> = match self {
                 Self::File { file, .. } => {
                     Box::new(ReadOnlySource::new(from_start(file).map_err(|e| self.read_error(e))?))

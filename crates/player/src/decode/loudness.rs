@@ -1,23 +1,24 @@
 //! How loud a file says it is.
 //!
-//! ReplayGain 2.0 tells the gain in decibels that brings a track to -18 LUFS (EBU R128); Opus files tell it as
+//! ReplayGain 2.0 gives the gain in decibels that brings a track to -18 LUFS (EBU R128); Opus files give it as
 //! `R128_TRACK_GAIN`, a whole number of 1/256 dB towards -23 LUFS (RFC 7845, 5.2.1). Either becomes one factor.
 //!
 //! **Loudness is the scene's alone.** A track's ReplayGain (or R128) tag multiplies its frames before they are
-//! analysed, live and offline by the same function, towards -14 LUFS. It is known before the first frame, as a measured
-//! loudness would not be; what has no tag is left to the analysis. The sound stays as it was mastered: whoever listens
-//! has a volume of his own for it, a scene has none, and a gain above 1 could clip.
+//! analysed, towards -14 LUFS, by the same function live and offline. A tag is known before the first frame, which a
+//! measured loudness would not be; tracks without a tag are left to the analysis. The sound stays as it was mastered,
+//! because listeners have a volume control for it, a scene has none, and a gain above 1 could clip.
 
-/// The loudness at which scenes are driven as untagged music does, in LUFS: what streaming services bring music to.
+/// The loudness in LUFS at which tagged tracks drive scenes as untagged music does: streaming services normalise to
+/// it.
 const SCENE_LUFS: f64 = -14.0;
 const REPLAY_GAIN_LUFS: f64 = -18.0;
 const R128_LUFS: f64 = -23.0;
 
-/// Gains beyond these, in decibels, are not believed: -51 dB is the lowest and +64 dB the highest that ReplayGain's own
-/// text knows, but no music is that far off.
+/// Gains beyond these, in decibels, are not believed. ReplayGain's own text mentions -51 dB as the lowest and +64 dB
+/// as the highest, but no music is that far off.
 const GAIN_DB: std::ops::RangeInclusive<f64> = -40.0..=40.0;
 
-/// The gains that a file tells, in decibels towards -18 LUFS.
+/// The gains that a file gives, in decibels towards -18 LUFS.
 #[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub(super) struct Loudness {
     track: Option<f64>,
@@ -38,12 +39,12 @@ impl Loudness {
     }
 
     fn set(&mut self, of_album: bool, db: Option<f64>) {
-        // What is not a number is in no range.
+        // A value that is not a number is in no range.
         let Some(db) = db.filter(|db| GAIN_DB.contains(db)) else { return };
         *(if of_album { &mut self.album } else { &mut self.track }) = Some(db);
     }
 
-    /// What samples are multiplied by so that this track drives a scene like every other; 1 without a tag.
+    /// The factor for samples so that this track drives a scene like every other; 1 without a tag.
     pub(super) fn scene_gain(self) -> f32 {
         let towards_scene = self.track.or(self.album).map(|db| db + SCENE_LUFS - REPLAY_GAIN_LUFS);
         towards_scene.map_or(1.0, |db| 10_f64.powf(db / 20.0) as f32)
@@ -72,7 +73,7 @@ mod tests {
             (&[("track", "-4.00 dB")][..], 0.0),
             (&[("album", "+2.0 dB"), ("track", " -24 db ")], -20.0),
             (&[("album", "2")], 6.0),
-            // The same loudness in Opus' way: 5 dB less towards -23 LUFS.
+            // The same loudness in the form of Opus: 5 dB less, towards -23 LUFS.
             (&[("r128", "-2304")], 0.0),
         ] {
             let found = 20.0 * gain(tags).log10();

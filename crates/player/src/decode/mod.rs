@@ -5,18 +5,18 @@
 //!
 //! - Containers: WAV, AIFF, FLAC, MP3, Ogg, MP4, CAF, Matroska/WebM, ADTS. Codecs: PCM (integer and float), ADPCM, FLAC,
 //!   ALAC, MP1-3, Vorbis, Opus (mono and stereo), AAC-LC.
-//! - Encoder delay and padding are cut off where the file tells them, so frame 0 is the first frame that went into the
-//!   encoder.
-//! - A seek lands on the exact frame. Where the container cannot jump, or its clock is too coarse for the codec, the file
-//!   is decoded again from its start. Samples after a seek equal those of a straight run: bit for bit with lossless
-//!   codecs; with lossy ones half a second is decoded ahead, which makes their state the same (AAC's substituted noise
-//!   excepted, which is drawn at random).
-//! - Damaged packets are skipped and counted; where the clock tells how long they were, silence takes their place, so
-//!   that the rest stays in time. What is cut short plays as far as it goes (not CAF, and not MP4 with its
-//!   tables at the end).
-//! - Chained streams (Ogg) play one after the other. A change of channels changes the down-mix; a change of rate is
-//!   resampled to the first rate.
-//! - Nothing of a file's claims sizes a buffer, and a panic in a codec library becomes an error.
+//! - Encoder delay and padding are cut off where the file reports them, so frame 0 is the first frame that went into
+//!   the encoder.
+//! - A seek lands on the exact frame. Where the container cannot jump, or its clock is too coarse for the codec, the
+//!   file is decoded again from its start. Samples after a seek equal those of an uninterrupted run. With lossless
+//!   codecs they are equal bit for bit; with lossy ones half a second before the target is decoded first, which
+//!   brings the decoder to the same state (except for AAC's substituted noise, which is drawn at random).
+//! - Damaged packets are skipped and counted. Where the clock says how long they were, silence takes their place, so
+//!   that the rest stays in time. A truncated file plays as far as it goes (but not CAF, and not MP4 with its tables
+//!   at the end).
+//! - Chained streams (Ogg) play one after the other. A change of channels changes the down-mix; a stream with another
+//!   rate is resampled to the first rate.
+//! - No buffer is sized by what a file claims, and a panic in a codec library becomes an error.
 
 mod clock;
 mod codecs;
@@ -42,8 +42,8 @@ pub use error::DecodeError;
 use input::Input;
 use packets::{Block, PacketReader};
 
-/// Most silence that fills holes in the container's clock, in seconds from one seek to the next; more is taken for a
-/// broken clock.
+/// Longest silence that fills holes in the container's clock, in seconds from one seek to the next. More than this
+/// means that the clock is broken.
 const HOLE_SECONDS_MAX: i64 = 10;
 
 /// A forward seek by no more than this many seconds decodes on instead of jumping.
@@ -62,13 +62,13 @@ pub struct StreamInfo {
     pub sample_rate: u32,
     /// Channels before the down-mix.
     pub source_channels: usize,
-    /// Length in seconds, as the container claims it; of MP3 files without a header an estimate.
+    /// Length in seconds, as the container claims it; an estimate for MP3 files without a header.
     pub duration: Option<f64>,
     /// Title of the track.
     pub title: Option<String>,
     /// Who made it.
     pub artist: Option<String>,
-    /// What its samples are multiplied by before they are analysed, by its ReplayGain; 1 if it tells none.
+    /// The factor for its samples before they are analysed, by its ReplayGain; 1 without a tag.
     pub scene_gain: f32,
 }
 
@@ -79,9 +79,9 @@ pub struct Decoder {
     info: StreamInfo,
     /// Raw frames before the first one that is heard.
     delay: i64,
-    /// Frames that are heard, where the container is exact about it.
+    /// Number of frames that are heard, where the container is exact about it.
     length: Option<i64>,
-    /// The next raw frame; not settled until the first packet after a start or a jump told it.
+    /// The next raw frame; not settled until the first packet after a start or a jump has given it.
     raw: i64,
     settled: bool,
     /// True from the start until the first packet.
@@ -92,12 +92,12 @@ pub struct Decoder {
     filled: i64,
     /// Frames to drop at the start of a further stream.
     drop_next: usize,
-    /// Decoded and not fetched yet; begins at `position`.
+    /// Frames decoded but not fetched yet; the first is at `position`.
     pending: Vec<StereoFrame>,
     position: i64,
-    /// For what has another rate than the stream began with.
+    /// For streams whose rate differs from the first one's.
     resampler: Option<Resampler>,
-    /// True once the rate changed or another stream began: the clock then tells nothing.
+    /// True once the rate changed or another stream began: from then on the clock means nothing.
     uneven: bool,
     ended: bool,
     /// Packets skipped by readers that were opened before.
@@ -185,7 +185,7 @@ impl Decoder {
     /// Moves to the frame nearest to `seconds` (clamped to the stream) and returns the time reached, in seconds.
     pub fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
         let rate = f64::from(self.info.sample_rate);
-        // The conversion saturates and takes what is no number for 0; a quarter leaves room for sums.
+        // The conversion saturates and turns NaN into 0; a quarter of the range leaves room for sums.
         let target = ((seconds * rate).round() as i64).clamp(0, i64::MAX / 4);
         let near = i64::from(self.info.sample_rate) * NEAR_SECONDS;
         let ahead = !self.ended && (self.position..self.position + near).contains(&target);
@@ -203,13 +203,13 @@ impl Decoder {
         Ok(self.position as f64 / rate)
     }
 
-    /// Decodes until something is there to be fetched, or to the end.
+    /// Decodes until there is something to fetch, or to the end.
     fn fill(&mut self) -> Result<(), DecodeError> {
         while self.pending.is_empty() && self.advance()? {}
         Ok(())
     }
 
-    /// Begins again at the first frame.
+    /// Starts again at the first frame.
     fn restart(&mut self) -> Result<(), DecodeError> {
         self.forget();
         self.skipped_before = 0;
@@ -233,7 +233,7 @@ impl Decoder {
             return Ok(false);
         }
         let rate = self.info.sample_rate;
-        // A target past the end is approached from a second before it, so that the end is met and known.
+        // A target past the end is approached from a second before the end, so that the end is reached and known.
         let claimed_end = self.info.duration.map_or(i64::MAX / 4, |s| ((s - 1.0) * f64::from(rate)) as i64);
         let skipped = self.reader.skipped();
         if !self.reader.jump(target.min(claimed_end) + self.delay, rate)? {
@@ -241,11 +241,11 @@ impl Decoder {
         }
         self.forget();
         self.from = target;
-        // What fails here is tried again from the start.
+        // If this fails, the seek is tried again from the start.
         if self.fill().is_err() || !self.settled || self.uneven {
             return Ok(false);
         }
-        // Packets of the pre-roll may miss what came before them; that is no damage.
+        // Packets of the pre-roll may lack what came before them; that is not damage.
         let by_jump = self.reader.skipped() - skipped;
         self.skipped_before = self.skipped_before.saturating_sub(by_jump);
         Ok(self.pending.is_empty() || self.position == target)
@@ -275,7 +275,7 @@ impl Decoder {
         }
     }
 
-    /// Takes the block in `scratch` to its place in time.
+    /// Puts the block in `scratch` at its place in time.
     fn take(&mut self, block: Block) -> Result<(), DecodeError> {
         let padding = block.padding.min(self.scratch.len());
         self.scratch.truncate(self.scratch.len() - padding);
@@ -313,7 +313,7 @@ impl Decoder {
         Ok(())
     }
 
-    /// The first block after a start or a jump tells where the stream is.
+    /// The first block after a start or a jump says where the stream is.
     fn settle(&mut self, block: &Block) {
         self.settled = true;
         match block.start {
@@ -329,7 +329,7 @@ impl Decoder {
         self.at_start = false;
     }
 
-    /// Puts silence where packets were lost.
+    /// Inserts silence where packets were lost.
     fn fill_hole(&mut self, frames: i64) {
         let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.filled;
         if (1..=room).contains(&frames) {
@@ -339,7 +339,7 @@ impl Decoder {
         }
     }
 
-    /// Brings the frames in `scratch` to the rate that the stream began with.
+    /// Converts the frames in `scratch` to the rate that the stream began with.
     fn equalise(&mut self, rate: u32) -> Result<(), DecodeError> {
         let wanted = self.info.sample_rate;
         if self.resampler.as_ref().map_or(wanted, Resampler::from_hz) == rate {
@@ -368,14 +368,14 @@ impl Decoder {
         Ok(())
     }
 
-    /// Nothing more comes until the next seek.
+    /// Nothing more is decoded until the next seek.
     fn end(&mut self) {
         if self.ended {
             return;
         }
         self.ended = true;
         if let Some(mut resampler) = self.resampler.take() {
-            // What the filter holds is at most a block; an error here would only cut it off.
+            // The filter holds at most one block; an error here would only cut that off.
             let mut tail = Vec::new();
             let _ = resampler.finish(&mut tail);
             let first = self.raw - self.delay;

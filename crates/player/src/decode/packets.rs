@@ -23,7 +23,7 @@ use super::input::Input;
 use super::loudness::Loudness;
 use super::{codecs, contained, sniff};
 
-/// Failures of the demuxer in a row after which the stream ends: what lies behind cannot be found again.
+/// After this many failures of the demuxer in a row the stream ends: what follows cannot be found again.
 const DEMUXER_FAILURES_MAX: u32 = 16;
 
 /// One decoded packet.
@@ -33,7 +33,7 @@ pub(super) struct Block {
     pub(super) rate: u32,
     /// Its first raw frame by the container's clock.
     pub(super) start: Option<i64>,
-    /// True where `start` is to the frame without help of the codec's grid.
+    /// True if `start` is exact to the frame without help from the codec's grid.
     pub(super) exact: bool,
     /// Frames at its end that are the encoder's padding.
     pub(super) padding: usize,
@@ -41,7 +41,7 @@ pub(super) struct Block {
     pub(super) new_link: Option<u64>,
 }
 
-/// What the file tells about itself.
+/// What the file says about itself.
 #[derive(Debug, Default)]
 pub(super) struct Tags {
     pub(super) title: Option<String>,
@@ -167,7 +167,7 @@ impl PacketReader {
         }
     }
 
-    /// Another stream begins in the same file; false where it cannot be decoded.
+    /// Starts the next stream in the same file; false if it cannot be decoded.
     fn begin_link(&mut self) -> Result<bool, DecodeError> {
         let Ok((track, params, codec)) = choose_track(&self.name, self.format.as_ref()) else {
             return Ok(false);
@@ -179,13 +179,13 @@ impl PacketReader {
         Ok(true)
     }
 
-    /// Decodes one packet and returns its rate; `None` where it is undecodable and skipped.
+    /// Decodes one packet and returns its rate; `None` if the packet cannot be decoded and is skipped.
     fn decode(&mut self, packet: &Packet, out: &mut Vec<StereoFrame>) -> Result<Option<u32>, DecodeError> {
         if codecs::is_mpeg_audio(self.params.codec) {
             self.follow_mpeg_header(&packet.data)?;
         }
         let mut bare = packet.as_packet_ref();
-        // Trimming is done by the owner, who also knows of what the demuxer does not tell.
+        // Trimming is done by the owner, who also knows what the demuxer does not report.
         bare.trim_start = Duration::ZERO;
         bare.trim_end = Duration::ZERO;
         let codec = &mut self.codec;
@@ -205,8 +205,8 @@ impl PacketReader {
         }
     }
 
-    /// The MPEG decoder keeps to the rate and channels of its first packet; a stream that changes them needs
-    /// a new one.
+    /// The MPEG decoder keeps the rate and channels of its first packet, so a stream that changes them needs a new
+    /// decoder.
     fn follow_mpeg_header(&mut self, data: &[u8]) -> Result<(), DecodeError> {
         if let [_, version, rate, mode, ..] = data {
             // Version and layer, rate, and whether it is mono.
@@ -218,8 +218,8 @@ impl PacketReader {
         Ok(())
     }
 
-    /// Padding at the end of a packet, in frames. MPEG streams without a LAME tag have an estimated length, which must not
-    /// cut anything off.
+    /// Padding at the end of a packet, in frames. MPEG streams without a LAME tag have only an estimated length,
+    /// which must not cut anything off.
     fn padding(&self, packet: &Packet, rate: u32) -> usize {
         if codecs::is_mpeg_audio(self.params.codec) && self.track.delay.is_none() {
             return 0;
@@ -228,7 +228,7 @@ impl PacketReader {
         self.clock.frames(ticks, rate).map_or(0, |frames| frames.round() as usize)
     }
 
-    /// Raw frames at the start that are not to be heard. Known once the first packet was read.
+    /// Raw frames at the start that must not be heard. Known once the first packet was read.
     pub(super) fn delay(&self, rate: u32) -> u64 {
         let edit = self.edits.iter().find(|edit| edit.track_id == self.track.id && edit.timescale > 0);
         if codecs::is_opus(self.params.codec)
@@ -250,7 +250,8 @@ impl PacketReader {
         }
     }
 
-    /// Frames that are to be heard, where the container is exact about it, and that or the best guess in seconds.
+    /// Number of frames to be heard, where the container is exact about it; and the length in seconds, exact or the
+    /// best guess.
     pub(super) fn length(&mut self, rate: u32) -> (Option<u64>, Option<f64>) {
         let format = self.format.format_info().format;
         let delay = self.delay(rate) as i64;
@@ -309,7 +310,7 @@ impl PacketReader {
                 }
             }
         };
-        // Oldest first, so that the newest word counts.
+        // Oldest first, so that the newest entry counts.
         loop {
             if let Some(revision) = metadata.current() {
                 revision
@@ -326,11 +327,11 @@ impl PacketReader {
         tags
     }
 
-    /// Moves to a packet at or before a raw frame, by the pre-roll of the codec. False where the container or its clock
-    /// cannot; the reader is then of no more use than to be opened again.
+    /// Moves to a packet at or before a raw frame, earlier by the codec's pre-roll. False where the container or its
+    /// clock cannot; then the reader can only be opened again.
     pub(super) fn jump(&mut self, raw: i64, rate: u32) -> Result<bool, DecodeError> {
         let early = raw - codecs::pre_roll(self.params.codec, rate);
-        // The Ogg demuxer never returns from a jump among several streams.
+        // The Ogg demuxer never returns from a jump in a file of several streams.
         let lost = self.format.format_info().format == FORMAT_ID_OGG && self.format.tracks().len() > 1;
         if early <= 0 || lost || self.links > 0 || !self.clock.is_usable(rate) {
             return Ok(false);
@@ -341,7 +342,7 @@ impl PacketReader {
         if contained(&self.name, || format.seek(SeekMode::Accurate, to))?.is_err() {
             return Ok(false);
         }
-        // A new decoder instead of a reset one: AAC's noise generator lives on through a reset, and the same jump must always
+        // A new decoder instead of a reset one: AAC's noise generator survives a reset, and the same jump must always
         // give the same samples.
         self.codec = codecs::make(&self.name, &self.params)?;
         self.demuxer_failures = 0;
@@ -407,7 +408,7 @@ fn choose_track(name: &str, format: &dyn FormatReader) -> Result<Chosen, DecodeE
     for track in tracks {
         let made = match &track.codec_params {
             Some(CodecParameters::Audio(params)) => codecs::make(name, params).map(|codec| (params, codec)),
-            // A codec that the demuxer does not know may be one of sound.
+            // A codec that the demuxer does not know may still be an audio codec.
             None => Err(DecodeError::UnsupportedCodec {
                 name: name.into(),
                 codec: "a codec that is not known here".into(),

@@ -1,4 +1,4 @@
-//! A look at the first bytes of what the demuxers refuse, so that the error can say what it is.
+//! Looks at the first bytes of files that the demuxers refuse, so that the error can say what they are.
 
 use crate::limits::LIMITS;
 
@@ -25,7 +25,7 @@ const FOREIGN_MEDIA: &[(usize, &[u8], &str)] = &[
     (0, b"\x00\x00\x01\xBA", "an MPEG program stream"),
 ];
 
-/// Other files that are often taken for sound by mistake.
+/// Other files that are often mistaken for sound.
 const OTHER_FILES: &[(usize, &[u8], &str)] = &[
     (0, b"\x89PNG", "it is a PNG picture"),
     (0, b"\xFF\xD8\xFF", "it is a JPEG picture"),
@@ -45,7 +45,7 @@ fn marked(head: &[u8], marks: &[(usize, &[u8], &'static str)]) -> Option<&'stati
         .map(|(_, _, name)| *name)
 }
 
-/// The error for a stream that begins like something that is no supported sound.
+/// The error for a stream that begins like a format that is not supported sound.
 pub(super) fn foreign(name: &str, head: &[u8]) -> Option<DecodeError> {
     if let Some(what) = marked(head, FOREIGN_MEDIA) {
         return Some(DecodeError::UnsupportedFormat { name: name.into(), what: what.into() });
@@ -59,7 +59,7 @@ pub(super) fn over_limit(name: &str, head: &[u8]) -> Option<DecodeError> {
     check(name, channels, rate).err()
 }
 
-/// Holds a channel count and a sample rate against the limits.
+/// Checks a channel count and a sample rate against the limits.
 pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), DecodeError> {
     let over = |what: String, limit: String| DecodeError::OverLimit { name: name.into(), what, limit };
     if channels > usize::from(LIMITS.channels_max) {

@@ -1,6 +1,6 @@
 //! What the audio callback of an input does: copy frames into a ring and count them.
 //!
-//! It never locks, allocates, frees, logs or panics. It wakes the listening thread, which no lock is needed for.
+//! It never locks, allocates, frees, logs or panics. It wakes the listening thread, which needs no lock.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,19 +15,19 @@ use mariana_music::StereoFrame;
 /// Frames handled at a time.
 const CHUNK: usize = 256;
 
-/// What the ring holds, in seconds: as long as the listening thread may be kept from working.
+/// Length of the ring, in seconds: the longest time for which the listening thread may be held up.
 const RING: f64 = 0.5;
 
 /// What the callback counts.
 #[derive(Default)]
 pub struct InputCounters {
-    /// Calls.
+    /// Number of calls.
     pub calls: AtomicU64,
     /// Frames taken from the device.
     pub frames: AtomicU64,
-    /// Frames that found no room in the ring, and glitches that the device told.
+    /// Frames that found no room in the ring, and glitches reported by the device.
     pub lost: AtomicU64,
-    /// How old the first frame of the last buffer was when it came, in nanoseconds, as the device tells.
+    /// Age of the first frame of the last buffer on arrival, in nanoseconds, as the device reports it.
     pub age_ns: AtomicU64,
 }
 
@@ -50,7 +50,7 @@ pub struct InputCallback {
 }
 
 impl InputCallback {
-    /// A tap of a device with `rate` frames per second, and its link. `listener` is woken after each buffer.
+    /// The callback of a device with `rate` frames per second, and its link. `listener` is woken after each buffer.
     pub fn new(rate: u32, listener: Thread) -> (Self, InputCallbackLink) {
         let (producer, ring) = RingBuffer::new(((RING * f64::from(rate)) as usize).max(CHUNK));
         let counters = Arc::new(InputCounters::default());
@@ -58,10 +58,11 @@ impl InputCallback {
         (Self { counters, ring: producer, listener, chunk: [[0.0; 2]; CHUNK] }, link)
     }
 
-    /// A device's callback: takes `data` (`channels` interleaved), whose first frame is `age` old if the device tells.
+    /// A device's callback: takes `data` (`channels` interleaved), whose first frame is `age` old if the device
+    /// reports it.
     ///
-    /// One channel is left and right at once; of more than two the first two are left and right. A rest that is no whole
-    /// frame is left out. Frames that find no room are lost and counted.
+    /// A single channel goes to both left and right; of more than two channels the first two are left and right. An
+    /// incomplete frame at the end is ignored. Frames that find no room are lost and counted.
     pub fn take<T: Sample>(&mut self, data: &[T], channels: usize, age: Option<Duration>)
     where
         f32: FromSample<T>,
@@ -114,7 +115,7 @@ mod tests {
         assert_eq!(heard(&mut link), [[-1.0, 0.5]]);
         tap.take(&[0_u8, 128], 2, Some(Duration::from_millis(3)));
         assert_eq!(heard(&mut link), [[-1.0, 0.0]]);
-        // No device has none.
+        // Without a single channel: no device has that.
         tap.take(&[0.5_f32], 0, None);
         assert_eq!(heard(&mut link), [[0.5; 2]]);
         assert_eq!(link.counters.frames.load(Ordering::Relaxed), 7);
@@ -123,7 +124,7 @@ mod tests {
     }
 
     proptest! {
-        /// Frames come out once and in order, whatever the sizes, and what finds no room is counted.
+        /// Frames come out once and in order, whatever the sizes, and frames that find no room are counted.
         #[test]
         fn nothing_is_lost_without_being_counted(sizes in prop::collection::vec((0_usize..3000, any::<bool>()), 1..40)) {
             let (mut tap, mut link) = tap(8_000);

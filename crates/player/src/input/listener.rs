@@ -1,4 +1,4 @@
-//! The listening thread: frames of the input in, moments for the window out.
+//! The listening thread: takes frames of the input and gives moments to the window.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,13 +13,13 @@ use mariana_music::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
 /// How long the thread sleeps if no callback wakes it.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// When no frames have come for so long, silence takes their place, in seconds.
+/// When no frames have come for this long, in seconds, silence takes their place.
 const GAP: f64 = 0.1;
 
 /// How much silence is analysed after the last frame, in seconds: until every feature has come to rest.
 const REST: f64 = 20.0;
 
-/// A signal moves by more than this within a batch of frames: -80 dB. An offset is no signal.
+/// A signal moves by more than this within a batch of frames: -80 dB. A constant offset is not a signal.
 pub(super) const FLAT: f32 = 1e-4;
 
 /// The features of a moment of the input.
@@ -30,16 +30,17 @@ pub(super) struct Heard {
     /// Number of the sample in the stream.
     #[cfg_attr(not(test), expect(dead_code, reason = "tests tell the moments apart by it"))]
     pub(super) position: u64,
-    /// At the time when that sample came in, in seconds since the listener's epoch. Its number grows over all streams.
+    /// Stamped with the time at which that sample came in, in seconds since the listener's epoch. Its number grows
+    /// over all streams.
     pub(super) heard: TimedFeatures,
 }
 
-/// What the listening thread tells besides.
+/// What the listening thread reports besides moments.
 pub(super) struct Ear {
     /// What times count from.
     pub(super) epoch: Instant,
     pub(super) stop: AtomicBool,
-    /// When something was last heard that is a signal, and when the present stream began, in nanoseconds since the epoch.
+    /// When a signal was last heard, and when the present stream began, in nanoseconds since the epoch.
     signal_ns: AtomicU64,
     began_ns: AtomicU64,
 }
@@ -74,18 +75,18 @@ pub(super) struct Listener {
     analyzer: Analyzer,
     gain: Gain,
     stream: u64,
-    /// Added to the numbers of the stream's moments: so many hops had passed when it began.
+    /// Added to the numbers of the stream's moments: the number of hops that had passed when the stream began.
     first_number: u64,
     last_number: u64,
     /// When the last frames came, or the last silence was made, in seconds since the epoch.
     last: f64,
     /// How much silence is still to be analysed, in seconds.
     rest: f64,
-    /// Of the last moment.
+    /// Time of the last moment.
     last_time: f64,
     /// Frames of the stream that have come.
     position: u64,
-    /// Nothing is analysed: there is no signal, and every feature has come to rest.
+    /// True while nothing is analysed: there is no signal, and every feature has come to rest.
     resting: bool,
     batch: Vec<StereoFrame>,
 }
@@ -140,7 +141,7 @@ impl Listener {
         self.link = link;
     }
 
-    /// Analyses what has come.
+    /// Analyses the frames that have come.
     fn listen(&mut self) {
         let now = self.ear.now();
         self.batch.clear();
@@ -159,7 +160,7 @@ impl Listener {
             }
             (self.last, self.rest) = (now, REST);
         } else if now - self.last > GAP && self.rest > 0.0 {
-            // Nothing comes: the picture sinks into silence as it would after a song.
+            // No frames come: the picture sinks into silence as it would after a song.
             let missing = now - self.last;
             self.batch.resize((missing * f64::from(self.analyzer.sample_rate())) as usize, [0.0; 2]);
             self.rest -= missing;
@@ -183,12 +184,12 @@ impl Listener {
         analyzer.push(batch, &mut |moment| {
             let position = (moment.time * rate).round() as u64;
             let age = end.saturating_sub(position) as f64 / rate;
-            // Batches come unevenly; time does not step back for that.
+            // Batches arrive unevenly, but time must not step back.
             let time = (now - age).max(*last_time + 1e-6);
             *last_time = time;
             *last_number = *first_number + moment.number;
             let heard = TimedFeatures { time, number: *last_number, ..moment.clone() };
-            // Full while nobody looks: then nobody misses it.
+            // The ring is full only while nobody looks, and then nobody misses the moment.
             let _ = moments.push(Heard { stream: *stream, position, heard });
         });
     }
@@ -257,7 +258,7 @@ mod tests {
         listener.listen();
         assert!(all(&mut heard).last().is_some_and(|last| last.heard.features.volume[0] > 0.1));
         listener.attach(None);
-        // As if time had passed.
+        // Act as if time had passed.
         let mut made = 0;
         for _ in 0..2 * REST as usize {
             listener.last -= 0.6;
@@ -279,7 +280,7 @@ mod tests {
         listener.attach(Some(link));
         tap.take(&tone(1_000), 1, None);
         listener.listen();
-        // As if that had been long ago.
+        // Act as if that had been long ago.
         listener.ear =
             Arc::new(Ear { epoch: Instant::now() - Duration::from_secs_f64(REST + 7.0), ..Ear::new() });
         assert!(!all(&mut heard).is_empty());

@@ -1,11 +1,11 @@
 //! Live input: the handle that the window holds.
 //!
-//! Every method returns at once: what takes time happens on the threads that [`Live::start`] starts.
+//! Every method returns at once: whatever takes time happens on the threads that [`Live::start`] starts.
 //!
-//! **Live features are the newest ones.** The window of a live moment ends at its newest sample, buffers are half a hop
-//! long, and nothing waits for a rhythm: moments go by a wait-free ring to the window, which keeps the last seconds of
-//! them and shows the newest, or those of before for a shift. Scene time is then the clock's. Silence takes the place
-//! of what does not come, so that the picture sinks as after a song.
+//! **Live features are the newest ones.** The window of a live moment ends at its newest sample, buffers are a hop
+//! long, and nothing waits for a rhythm. Moments go through a wait-free ring to the window, which keeps those of the
+//! last seconds and shows the newest, or earlier ones if the picture is shifted. Scene time is then the clock's.
+//! Where no sound comes silence takes its place, so that the picture sinks as after a song.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -32,10 +32,10 @@ const MOMENTS: usize = 256;
 /// What the track holds beyond the largest shift, in seconds.
 const TRACK_RESERVE: f64 = 1.0;
 
-/// An input without signal for so long is told, in seconds.
+/// An input without signal for this long, in seconds, is reported.
 const FLAT_LIMIT: f64 = 2.0;
 
-/// How long the end of the listening thread is waited for.
+/// How long to wait for the end of the listening thread.
 const END_LIMIT: Duration = Duration::from_millis(500);
 
 /// How to listen.
@@ -47,7 +47,7 @@ pub struct LiveOptions {
     pub gain: Gain,
 }
 
-/// How listening stands.
+/// The state of listening.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LiveStatus {
     /// What is listened to, in words.
@@ -58,17 +58,17 @@ pub struct LiveStatus {
     pub description: String,
     /// Why there is no sound, if there is none.
     pub silent: Option<String>,
-    /// Why what was chosen last is not there, while what was there before goes on.
+    /// Why the last choice is not open, while the previous input goes on.
     pub refused: Option<String>,
     /// What is wrong with an input that gives nothing but silence, and what to do.
     pub flat: Option<String>,
-    /// The input that would have signal, then.
+    /// In that case, the input that would have signal.
     pub suggestion: Option<ListedDevice>,
     /// Frames that were lost, and glitches.
     pub lost: u64,
     /// Calls of the callback.
     pub callbacks: u64,
-    /// How old a buffer's first frame was when it came, in seconds, as the device tells.
+    /// Age of a buffer's first frame on arrival, in seconds, as the device reports it.
     pub age: f64,
     /// How often a device was opened.
     pub openings: u64,
@@ -88,17 +88,17 @@ pub struct Live {
     prober: Prober,
     /// When it was paused, in seconds since the epoch.
     paused: Option<f64>,
-    /// How long it has been paused in all, in seconds.
+    /// How long it has been paused in total, in seconds.
     paused_for: f64,
-    /// The time in the track that was told last.
+    /// The time in the track that was reported last.
     heard_at: f64,
-    /// The sound of the moment at which it was paused: the track forgets it.
+    /// The sound of the moment at which it was paused, kept because the track forgets it.
     paused_at: Sound,
     moment: Moment,
 }
 
 impl Live {
-    /// Starts to listen. The device opens meanwhile; should it fail, [`LiveStatus::silent`] says why.
+    /// Starts to listen. The device opens meanwhile; if that fails, [`LiveStatus::silent`] says why.
     ///
     /// # Errors
     /// A thread cannot be started.
@@ -130,7 +130,7 @@ impl Live {
         })
     }
 
-    /// Listens to something else; the present input goes on until the other is there.
+    /// Listens to something else; the present input goes on until the other is open.
     pub fn choose(&mut self, target: Target) {
         self.prober.reset();
         self.target = target.clone();
@@ -144,7 +144,7 @@ impl Live {
         &self.target
     }
 
-    /// The picture stands still (true) or goes on (false).
+    /// Holds the picture still (true) or lets it go on (false).
     pub fn set_paused(&mut self, paused: bool) {
         let now = self.ear.now();
         match (self.paused, paused) {
@@ -160,8 +160,9 @@ impl Live {
         }
     }
 
-    /// What is heard now; more than 0 `latency_shift` seconds (within the limits' `latency_ms_max`) later than it came in:
-    /// for sound that is heard later than it is recorded. Less than 0 cannot be had: the future is not known.
+    /// What is heard now. A positive `latency_shift` in seconds (within the limits' `latency_ms_max`) delays the
+    /// picture, for sound that is heard later than it is recorded. A negative one has no effect: the future is not
+    /// known.
     pub fn now(&mut self, latency_shift: f64) -> Moment {
         while let Ok(heard) = self.moments.pop() {
             self.track.push(&heard.heard);
@@ -181,7 +182,7 @@ impl Live {
         self.moment
     }
 
-    /// The sound of what [`Live::now`] told last, with its curves.
+    /// The sound, with its curves, of the moment that [`Live::now`] returned last.
     pub fn sound(&self) -> Sound {
         match self.paused {
             Some(_) => self.paused_at.clone(),
@@ -189,7 +190,7 @@ impl Live {
         }
     }
 
-    /// How listening stands now. Looks for an input with signal if the present one has none.
+    /// The present state of listening. Looks for an input with signal if the present one has none.
     pub fn status(&mut self) -> LiveStatus {
         let status = self.supervisor.as_ref().map(Supervisor::status).unwrap_or_default();
         let (_, device_list) = self.watch.latest();
@@ -243,8 +244,8 @@ impl Drop for Live {
     }
 }
 
-/// Where signal is looked for: in the monitors, and beside a microphone in the other ones too. Nobody who shows what the
-/// computer plays expects microphones to be opened.
+/// Where a signal is sought: in the monitors, and if the present input is a microphone, in the other microphones too.
+/// Whoever shows what the computer plays does not expect microphones to be opened.
 fn candidates(device_list: &DeviceList, present: &ListedDevice) -> Vec<ListedDevice> {
     let others = || device_list.inputs.iter().filter(|entry| entry.id != present.id);
     let monitors = others().filter(|entry| entry.is_monitor());

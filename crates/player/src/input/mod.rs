@@ -4,8 +4,8 @@
 //! device ─► InputCallback (the callback) ─► ring of frames ─► listening thread ─► ring of moments ─► Live::now
 //! ```
 //!
-//! Both rings are wait-free at both ends, and a moment carries the number of its sample and its time. The window keeps
-//! the moments of the last seconds, so that a picture can be shown later than the sound came in.
+//! Both rings are wait-free at both ends, and a moment carries the number of its sample and its time. The window
+//! keeps the moments of the last seconds, so that the picture can be delayed against the incoming sound.
 
 mod input_callback;
 mod listener;

@@ -1,4 +1,4 @@
-//! Looks for an input that has signal, while the present one has none.
+//! Looks for an input that has a signal while the present one has none.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -10,16 +10,16 @@ use crate::device::Target;
 use crate::device_list::ListedDevice;
 use crate::worker::Worker;
 
-/// How long an input is listened to.
+/// How long each input is listened to.
 const LISTENING: Duration = Duration::from_millis(400);
 
-/// How long an answer is waited for, opening included.
+/// How long to wait for an answer, opening included.
 const ANSWER_LIMIT: Duration = Duration::from_millis(1500);
 
 /// Most inputs that are listened to at once.
 const CANDIDATES_MAX: usize = 8;
 
-/// Time to the next search after one without success; it doubles up to [`PAUSE_MAX`].
+/// Time until the next search after one without success; it doubles up to [`PAUSE_MAX`].
 const PAUSE: Duration = Duration::from_secs(2);
 
 /// See [`PAUSE`].
@@ -29,7 +29,7 @@ const PAUSE_MAX: Duration = Duration::from_secs(30);
 pub(super) struct Prober {
     search: Option<(Worker, Receiver<Option<ListedDevice>>)>,
     found: Option<ListedDevice>,
-    /// Whether the answer of the search does not count any more.
+    /// Whether the answer of the running search no longer counts.
     stale: bool,
     next: Option<Instant>,
     pause: Duration,
@@ -42,7 +42,7 @@ impl Prober {
 
     /// Forgets what was found.
     pub(super) fn reset(&mut self) {
-        // The answer of a search that is on its way is for what was listened to before.
+        // The answer of a running search is about the previous input.
         self.stale = self.search.is_some();
         (self.found, self.next, self.pause) = (None, None, PAUSE);
     }
@@ -70,8 +70,8 @@ impl Prober {
     }
 }
 
-/// Answers with the first of the inputs that has signal. Ends when all that it opened is closed again: one that hangs holds
-/// up the next search, so that they do not pile up.
+/// Answers with the first of the inputs that has a signal. Ends when everything it opened is closed again: an input
+/// that hangs holds up the next search, so that searches do not pile up.
 fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>>) {
     candidates.truncate(CANDIDATES_MAX);
     let (answer, answers) = channel();
@@ -91,7 +91,7 @@ fn search(mut candidates: Vec<ListedDevice>, found: &Sender<Option<ListedDevice>
             best = Some(index);
         }
     }
-    // Who asked may be gone.
+    // The asker may be gone.
     let _ = found.send(best.and_then(|index| candidates.into_iter().nth(index)));
     for worker in &mut workers {
         while !worker.has_ended() {
@@ -123,6 +123,6 @@ fn probe(id: &str, index: usize, answer: &Sender<(usize, bool)>) {
             false
         }
     };
-    // Too late is too late.
+    // A late answer is ignored.
     let _ = answer.send((index, heard));
 }

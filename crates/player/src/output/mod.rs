@@ -1,4 +1,5 @@
-//! Where the sound goes: the callback's work ([`OutputCallback`]), the devices, and the silent clock that stands in for them.
+//! Where the sound goes: the work of the callback ([`OutputCallback`]), the devices, and the silent clock that stands
+//! in for them.
 
 mod null_output;
 mod output_callback;

@@ -1,11 +1,11 @@
 //! The silent clock: takes frames in real time as a device would, and throws them away.
 //!
-//! What it takes is stamped with the moment at which it was due, so that the song's pace does not depend on when its
-//! thread has its turn.
+//! Frames are stamped with the moment at which they were due, so that the song's pace does not depend on when the
+//! thread is scheduled.
 //!
 //! **The silent clock.** Without a usable device the song runs in real time on a thread that calls the same
-//! `OutputCallback` and throws the samples away. Losing a device is the same: the position goes on and the status says
-//! why.
+//! `OutputCallback` and throws the samples away. When a device is lost the same happens: the position goes on and the
+//! status says why.
 
 use std::io;
 use std::sync::Arc;
@@ -18,8 +18,8 @@ use crate::worker::Worker;
 /// Time between two takes.
 const PERIOD: Duration = Duration::from_millis(10);
 
-/// After a longer gap (the machine slept, the process was stopped) the clock starts anew instead of catching up: no more
-/// than this is surely in the ring.
+/// After a longer gap (the machine slept, or the process was stopped) the clock starts anew instead of catching up:
+/// only this much is certain to be in the ring.
 const GAP_MAX: Duration = Duration::from_millis(250);
 
 /// A running silent clock. Ends when dropped.
@@ -39,7 +39,7 @@ impl NullOutput {
             let mut taken = 0_u64;
             while !stopped.load(Ordering::Relaxed) {
                 let passed = start.elapsed();
-                // Counted from the start, so that errors of the sleep do not add up.
+                // Counted from the start, so that the errors of each sleep do not add up.
                 let due = (passed.as_nanos() * u128::from(rate) / 1_000_000_000) as u64;
                 let frames = due.saturating_sub(taken);
                 if frames > (GAP_MAX.as_secs_f64() * f64::from(rate)) as u64 {

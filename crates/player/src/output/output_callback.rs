@@ -1,11 +1,12 @@
 //! What the audio callback does: copy frames from a ring into the device's buffer.
 //!
 //! It never locks, allocates, frees, logs or panics. Every change of what is heard is ramped, so that nothing clicks:
-//! volume and mute over 10 ms, pause, seeks and underruns over 5 ms.
+//! volume and mute over 10 ms; pause, seeks and underruns over 5 ms.
 //!
-//! A seek hands over a new [`Segment`] through a small ring; the output_callback fades the old one out, takes the new one
-//! and gives the old one back through another ring, to be freed elsewhere. A segment that takes over from another device
-//! is told when it is due: frames that come too late for that are dropped, so that the song is where it would be anyway.
+//! A seek hands over a new [`Segment`] through a small ring; the callback fades the old one out, takes the new one
+//! and gives the old one back through another ring, to be freed elsewhere. A segment that takes over from another
+//! device says when it is due: frames that come too late for that are dropped, so that the song is where it would be
+//! anyway.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
@@ -26,10 +27,11 @@ const VOLUME_RAMP: f32 = 0.010;
 /// Time of a fade in or out, in seconds.
 const FADE: f32 = 0.005;
 
-/// After an underrun the sound goes on when this much is there, in seconds (or a quarter of the ring if less).
+/// After an underrun the sound goes on when this much is in the ring, in seconds (or a quarter of the ring if that is
+/// less).
 const REFILL: f64 = 0.020;
 
-/// What comes later than this after it was due is played nevertheless, in seconds: the process stood still.
+/// Frames that are late by more than this, in seconds, are played nevertheless: the process stood still.
 const LATE_MAX: f64 = 3.0;
 
 /// Longest latency of a device that is believed.
@@ -46,7 +48,7 @@ pub struct Controls {
 }
 
 impl Controls {
-    /// `volume` is 0 to 1; others are clamped.
+    /// `volume` is 0 to 1; other values are clamped.
     pub fn new(volume: f32, paused: bool) -> Self {
         let controls = Self {
             volume: AtomicU32::new(0),
@@ -62,7 +64,7 @@ impl Controls {
         f32::from_bits(self.volume.load(Ordering::Relaxed))
     }
 
-    /// Sets the volume, clamped to 0 to 1; not a number is 0.
+    /// Sets the volume, clamped to 0 to 1; NaN becomes 0.
     pub fn set_volume(&self, volume: f32) {
         let volume = if volume.is_nan() { 0.0 } else { volume.clamp(0.0, 1.0) };
         self.volume.store(volume.to_bits(), Ordering::Relaxed);
@@ -83,31 +85,31 @@ impl Controls {
         self.paused.load(Ordering::Relaxed)
     }
 
-    /// Stops or lets run.
+    /// Pauses the sound or lets it run.
     pub fn set_paused(&self, paused: bool) {
         self.paused.store(paused, Ordering::Relaxed);
     }
 
-    /// Factor of the samples. The third power makes equal steps of the volume sound about equal; 1 stays 1.
+    /// Factor for the samples. The third power makes equal steps of the volume sound about equal; 1 stays 1.
     fn gain(&self) -> f32 {
         if self.muted() { 0.0 } else { self.volume().powi(3) }
     }
 }
 
-/// Places of the histogram of loads, a percent each.
+/// Bins of the histogram of loads, one per percent.
 const LOADS: usize = 64;
 
 /// What the callback counts, over all outputs of a playback.
 pub struct Counters {
-    /// Calls.
+    /// Number of calls.
     pub callbacks: AtomicU64,
     /// Frames written to devices.
     pub frames: AtomicU64,
-    /// Stretches of silence because decoding, or the device's own thread, came too late.
+    /// Stretches of silence because decoding, or the device's own thread, was too late.
     pub underruns: AtomicU64,
     /// Longest time of a call relative to the duration of its buffer, in millionths.
     pub worst_load_millionths: AtomicU64,
-    /// How many calls took so many percent of their buffer's duration; the last place holds all above.
+    /// How many calls took each percentage of their buffer's duration; the last bin holds all above.
     loads: [AtomicU64; LOADS],
 }
 
@@ -124,8 +126,8 @@ impl Default for Counters {
 }
 
 impl Counters {
-    /// What a share of the calls (0.999 is all but one of a thousand) stays below: the time of a call relative to the
-    /// duration of its buffer, in steps of 0.01. Infinite if that is beyond what is counted.
+    /// The load that the given share of the calls (0.999 is all but one in a thousand) stays below: the time of a
+    /// call relative to the duration of its buffer, in steps of 0.01. Infinite if it is beyond the histogram.
     pub fn load_of(&self, share: f64) -> f64 {
         let counts = self.loads.each_ref().map(|count| count.load(Ordering::Relaxed));
         let wanted = share * counts.iter().sum::<u64>() as f64;
@@ -138,15 +140,15 @@ impl Counters {
     }
 }
 
-/// An unbroken run of frames; see [`crate::audio`].
+/// An unbroken run of frames; see [the crate](crate).
 pub struct Segment {
     id: u64,
     ring: Consumer<StereoFrame>,
     /// Index of the next frame to be played.
     next: u64,
-    /// Number of its frames once no more come, before that `u64::MAX`.
+    /// Number of its frames once no more will come; before that `u64::MAX`.
     end: Arc<AtomicU64>,
-    /// When its first frame is due; none if that does not matter, or no more.
+    /// When its first frame is due; none if that does not matter, or no longer does.
     due: Option<Instant>,
 }
 
@@ -158,19 +160,19 @@ impl Segment {
         (producer, end.clone(), Self { id, ring, next: 0, end, due: None })
     }
 
-    /// The same, whose first frame is to be audible at `moment`: it begins with the frame that is due when it is first
-    /// played, or after silence if that is early.
+    /// The same, but its first frame is to be audible at `moment`: it begins with the frame that is due when it is
+    /// first played, or after silence if that is too early.
     pub fn due_at(self, moment: Instant) -> Self {
         Self { due: Some(moment), ..self }
     }
 
     fn drained(&self) -> bool {
-        // The end is read first: what is seen of it was pushed before.
+        // The end is read first, so that everything up to it has been pushed already.
         let end = self.end.load(Ordering::Acquire);
         self.next >= end
     }
 
-    /// Whether there is enough for a device that takes all at once what it was said to take.
+    /// Whether there is enough for a device that takes a full buffer, of the size it announced, at once.
     fn is_well_fed(&self) -> bool {
         let ended = self.end.load(Ordering::Acquire) != u64::MAX;
         ended || self.ring.slots() >= self.ring.buffer().capacity() / 4
@@ -184,11 +186,11 @@ impl Segment {
     }
 }
 
-/// The decoding thread's end of a [`OutputCallback`].
+/// The decoding thread's end of an [`OutputCallback`].
 pub struct OutputCallbackLink {
     /// Frames per second of the device.
     pub rate: u32,
-    /// Frames that one call may ask for, as far as the device tells.
+    /// Frames that one call may ask for, as far as the device reports it.
     pub buffer_frames: usize,
     /// What is audible.
     pub history: Arc<SpanHistory>,
@@ -198,7 +200,8 @@ pub struct OutputCallbackLink {
 }
 
 impl OutputCallbackLink {
-    /// Hands over a segment to follow the present one; gives it back while the one before is not taken yet.
+    /// Hands over a segment to follow the present one; gives it back if the one handed over before has not been taken
+    /// yet.
     pub fn offer(&mut self, segment: Segment) -> Result<(), Segment> {
         self.incoming.push(segment).map_err(|rtrb::PushError::Full(segment)| segment)
     }
@@ -210,7 +213,7 @@ impl OutputCallbackLink {
 }
 
 impl Drop for OutputCallbackLink {
-    /// Without its link a output_callback falls silent, should its device come back to life.
+    /// Without its link a callback falls silent, even if its device comes back to life.
     fn drop(&mut self) {
         self.retired.store(true, Ordering::Relaxed);
     }
@@ -226,10 +229,10 @@ pub struct OutputCallback {
     incoming: Consumer<Segment>,
     outgoing: Producer<Segment>,
     segment: Option<Segment>,
-    /// No frames are there: sounds when it is fed again.
+    /// No frames are there; the sound goes on once more arrive.
     starved: bool,
     gain: f32,
-    /// Place in a fade, in frames: 0 is silence, `fade_frames` is full.
+    /// Position in a fade, in frames: 0 is silence, `fade_frames` is full.
     fade: u32,
     fade_frames: u32,
     last: StereoFrame,
@@ -239,7 +242,7 @@ pub struct OutputCallback {
 }
 
 impl OutputCallback {
-    /// A output_callback of a device with `rate` frames per second and calls of about `buffer_frames`, and its link.
+    /// The callback of a device with `rate` frames per second and calls of about `buffer_frames`, and its link.
     pub fn new(
         rate: u32,
         buffer_frames: usize,
@@ -285,15 +288,15 @@ impl OutputCallback {
         !self.incoming.is_empty()
     }
 
-    /// Whether as much is there for the next call as usual, or about to be.
+    /// Whether as much as usual is ready for the next call, or about to be.
     #[cfg(test)]
     pub(crate) fn is_fed(&self) -> bool {
         let is_half_full = |segment: &Segment| segment.ring.slots() >= segment.ring.buffer().capacity() / 2;
         self.is_offered() || self.segment.as_ref().is_some_and(is_half_full)
     }
 
-    /// A device's callback: fills `data` (`channels` interleaved) and keeps the figures. `latency` is the time from
-    /// now until the buffer's first frame is heard, if the device tells one that can be believed.
+    /// A device's callback: fills `data` (`channels` interleaved) and updates the counters. `latency` is the time
+    /// from now until the buffer's first frame is heard, if the device reports a believable one.
     pub fn serve<T: Sample + FromSample<f32>>(
         &mut self,
         data: &mut [T],
@@ -320,7 +323,7 @@ impl OutputCallback {
         if frames > 0 {
             let load = begun.elapsed().as_nanos() as f64 / self.spans.duration_ns(frames);
             counters.worst_load_millionths.fetch_max((load * 1e6) as u64, Ordering::Relaxed);
-            // Never out of range; asked for in a way that cannot panic.
+            // Never out of range, but accessed in a way that cannot panic.
             if let Some(count) = counters.loads.get(((load * 100.0) as usize).min(LOADS - 1)) {
                 count.fetch_add(1, Ordering::Relaxed);
             }
@@ -329,7 +332,7 @@ impl OutputCallback {
 
     /// Fills `data` as a call at `called_at`. See [`OutputCallback::serve`].
     ///
-    /// One channel gets the mean of left and right; of more than two the first two get left and right, the others
+    /// One channel gets the mean of left and right; of more than two, the first two get left and right, the others
     /// silence. Samples are finite and within -1..1.
     pub fn fill<T: Sample + FromSample<f32>>(
         &mut self,
@@ -345,7 +348,7 @@ impl OutputCallback {
         if frames == 0 {
             return;
         }
-        // Without the device's word: it still plays what it was given last.
+        // If the device reports no latency: it is still playing the buffer it was given last.
         let of_one_buffer = Duration::from_nanos(self.spans.duration_ns(frames) as u64);
         let latency = latency.filter(|&latency| latency < LATENCY_MAX);
         let start_ns = self.spans.place(called_at, latency.unwrap_or(of_one_buffer), frames);
@@ -362,8 +365,8 @@ impl OutputCallback {
         self.close_span();
     }
 
-    /// Makes up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on, and returns
-    /// how many (at least 1).
+    /// Makes up to `wanted` frames in `chunk`, at `offset` of a buffer that is audible from `start_ns` on, and
+    /// returns how many (at least 1).
     fn next_run(&mut self, wanted: usize, start_ns: u64, offset: usize) -> usize {
         let switching = !self.incoming.is_empty() && !self.outgoing.is_full();
         if switching && (self.fade == 0 || self.segment.is_none()) {
@@ -390,7 +393,7 @@ impl OutputCallback {
         let run = if fading == 0 { wanted } else { wanted.min(fading) };
         let taken = self.take_frames(run);
         if taken == 0 {
-            // Nothing is there: the last frame is held while it fades out.
+            // No frames are there: the last one is held while it fades out.
             self.chunk[..run].fill(self.last);
         }
         let count = if taken == 0 { run } else { taken };
@@ -412,9 +415,9 @@ impl OutputCallback {
         count
     }
 
-    /// Brings a segment that is due at some moment to the frame that is due now, at `offset` of a buffer that is
-    /// audible from `start_ns` on. How many frames of silence take its place, if it cannot be played yet; nothing of
-    /// it is noted until then.
+    /// Advances a segment that is due at some moment to the frame that is due now, at `offset` of a buffer that is
+    /// audible from `start_ns` on. Returns how many frames of silence take its place if it cannot be played yet;
+    /// until then none of its frames is noted for the clock.
     fn await_due(&mut self, wanted: usize, start_ns: u64, offset: usize) -> Option<usize> {
         let halted = self.controls.paused();
         let segment = self.segment.as_mut()?;
@@ -451,7 +454,7 @@ impl OutputCallback {
     /// Takes up to `count` frames of the segment into `chunk`; notices where it runs dry or ends.
     fn take_frames(&mut self, count: usize) -> usize {
         let Some(segment) = self.segment.as_mut().filter(|_| !self.starved) else { return 0 };
-        // Read before the ring: frames seen after it cannot be missed.
+        // Read before the ring, so that no frame pushed before the end is missed.
         let drained = segment.drained();
         let (filled, _) = segment.ring.pop_partial_slice(&mut self.chunk[..count]);
         let taken = filled.len();
@@ -468,7 +471,8 @@ impl OutputCallback {
     fn take_segment(&mut self) {
         let Ok(next) = self.incoming.pop() else { return };
         if let Some(old) = self.segment.replace(next) {
-            // There is room: it was asked for before. Were there none, forgetting is the one way not to free here.
+            // There is room, because it was checked before. If there were none, forgetting the segment is the only
+            // way not to free it here.
             if let Err(rtrb::PushError::Full(old)) = self.outgoing.push(old) {
                 std::mem::forget(old);
             }
@@ -482,7 +486,7 @@ impl OutputCallback {
     fn note(&mut self, start_ns: u64, offset: usize, taken: usize, frames: usize) {
         let Some(segment) = &self.segment else { return };
         let moving = taken > 0;
-        // The song goes on elsewhere.
+        // The song goes on on another output.
         if !moving && self.retired.load(Ordering::Relaxed) {
             return;
         }

@@ -1,4 +1,4 @@
-//! The callback's core, called by hand.
+//! The core of the callback, called by hand.
 
 use super::*;
 use cpal::I24;
@@ -44,7 +44,7 @@ impl Bench {
     }
 }
 
-/// Frames whose samples tell their index exactly.
+/// Frames whose samples give their index exactly.
 fn ramp(range: std::ops::Range<usize>) -> Vec<StereoFrame> {
     range.map(|n| [n as f32 / (1 << 24) as f32, -(n as f32) / (1 << 24) as f32]).collect()
 }
@@ -215,7 +215,7 @@ fn the_share_of_slow_calls_is_counted() {
 }
 
 proptest! {
-    /// A constant signal makes every click a step that is larger than the ramps allow.
+    /// With a constant signal every click is a step that is larger than the ramps allow.
     #[test]
     fn whatever_happens_nothing_clicks(events in prop::collection::vec((0_u8..8, 0_usize..2000), 1..80)) {
         let mut bench = Bench::new();

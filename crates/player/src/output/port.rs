@@ -1,4 +1,5 @@
-//! The output's side of the supervisor: opens devices for a [`OutputCallback`], and puts the silent clock in their place.
+//! The output's side of the supervisor: opens devices for an [`OutputCallback`], and puts the silent clock in their
+//! place.
 
 use std::io;
 use std::sync::Arc;
@@ -36,7 +37,7 @@ pub enum OutputChoice {
 pub struct OutputRequest {
     /// What to play on.
     pub choice: OutputChoice,
-    /// A device's id or name; none is the default device.
+    /// A device's id or name; none means the default device.
     pub device: Option<String>,
     /// Frames per second of the silent clock.
     pub silent_rate: u32,
@@ -51,7 +52,7 @@ pub struct OutputStatus {
     pub device: Option<ListedDevice>,
     /// Why there is no sound, if there is none.
     pub silent: Option<String>,
-    /// What is audible; none while nothing is open yet.
+    /// The history of what is audible; none while nothing is open yet.
     pub history: Option<Arc<SpanHistory>>,
     /// How often a device was opened.
     pub openings: u64,
@@ -61,7 +62,8 @@ pub struct OutputStatus {
 pub struct Supervisor(Watching<OutputPort>);
 
 impl Supervisor {
-    /// Starts. Each output that becomes ready is handed to `deliver`; the one before is given up then.
+    /// Starts the supervisor. Each output that becomes ready is handed to `deliver`, and the previous one is then
+    /// given up.
     ///
     /// # Errors
     /// A thread cannot be started.
@@ -89,7 +91,7 @@ impl Supervisor {
         OutputStatus { description, device, silent, history, openings }
     }
 
-    /// What is audible of the present output; none while nothing is open yet.
+    /// The history of the present output; none while nothing is open yet.
     pub fn history(&self) -> Option<Arc<SpanHistory>> {
         self.0.note()
     }
@@ -100,7 +102,7 @@ struct OutputPort {
     counters: Arc<Counters>,
     silent_rate: u32,
     deliver: Box<dyn FnMut(OutputCallbackLink) + Send>,
-    /// The silent clock's link until its status is told.
+    /// The silent clock's link until its status is published.
     waiting: Option<OutputCallbackLink>,
 }
 
@@ -143,8 +145,8 @@ impl Port for OutputPort {
     }
 }
 
-/// Opens and starts an output. Blocks as long as the sound system likes. The buffer's size is always asked for, as the
-/// default of PulseAudio is two seconds.
+/// Opens and starts an output. Blocks as long as the sound system likes. A buffer size is always requested, because
+/// PulseAudio's default is two seconds.
 fn open(
     target: &Target,
     controls: &Arc<Controls>,

@@ -1,8 +1,9 @@
 //! The analysis thread: frames in, features into the timeline.
 //!
 //! **Each track is analysed by itself.** The analysis begins anew with each track, as a passage of its own in the
-//! timeline. So the picture of a moment of a track is the same however one came to it, bit for bit that of `still` and
-//! `analyze`. A track that repeats is one passage, as its end and its start belong together for the ear.
+//! timeline. So the picture of a moment of a track is the same whichever way it was reached, and bit for bit that of
+//! `still` and `analyze`. A track that repeats is one passage, because its end and its start belong together for the
+//! ear.
 
 use std::sync::mpsc::Receiver;
 
@@ -12,8 +13,8 @@ use mariana_music::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
 
 /// What the decoding thread sends, in order.
 pub(crate) enum AnalysisInput {
-    /// A passage begins at the rate `sample_rate`; `position` is the index of the next frame in its track. Its samples
-    /// count `gain` times.
+    /// A passage begins at the rate `sample_rate`; `position` is the index of the next frame in its track. Its
+    /// samples are multiplied by `gain`.
     Begin { passage: u64, sample_rate: u32, position: u64, gain: f32 },
     /// The next frames.
     Frames(Vec<StereoFrame>),

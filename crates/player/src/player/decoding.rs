@@ -2,14 +2,15 @@
 //!
 //! A seek makes a new segment. The old one goes on sounding until the new one has [`PREFILL`] seconds in its ring.
 //! The frames of the last [`PREROLL`] seconds before the target go to the analysis alone, so that after a seek the
-//! features and their history are those of an uninterrupted playback, but for what longer memories still hold.
+//! features and their history are those of an uninterrupted playback, except for what longer memories still hold.
 //!
-//! A track that follows another stays in its segment: its frames go into the same ring, by the same resampler if it has
-//! the same rate. The list thread opens it while the one before plays. For the analysis it begins anew, so that its
+//! A track that follows another stays in its segment: its frames go into the same ring, through the same resampler if
+//! the rate is the same. The list thread opens it while the one before plays. The analysis begins anew, so that the
 //! features are those of the track alone, whatever came before. A skip by hand makes a new segment.
 //!
-//! Another output makes a new segment, too, but the song does not wait for it: it runs on from where it was audible, and
-//! the segment is due from the moment on at which the output came. What passes until its first frame is heard is not heard.
+//! Another output also makes a new segment, but the song does not wait for it: it runs on from where it was audible,
+//! and the segment is due from the moment at which the output came. Whatever passes until its first frame is heard is
+//! lost to the ear.
 
 mod place;
 
@@ -36,29 +37,30 @@ const RING: f64 = 0.4;
 /// See [`RING`].
 const RING_BUFFERS: usize = 4;
 
-/// How much of a segment is there before it is heard, in seconds: more than the analysis looks ahead.
+/// How much of a segment must be ready before it is heard, in seconds: more than the analysis looks ahead.
 const PREFILL: f64 = 0.15;
 
-/// What the analysis hears before a seek's target, in seconds: what a history spans, and the time in which all but the
-/// beat and the bass drive forget. Near the song's start it is less, and the history is silent before it.
+/// How much the analysis hears before a seek's target, in seconds: what a history spans, and the time in which
+/// everything but the beat and the bass drive is forgotten. Near the song's start it is less, and the history before
+/// it is silent.
 const PREROLL: f64 = 13.0;
 
 /// Frames that are analysed and resampled at a time.
 const CHUNK: usize = 4096;
 
-/// Time between two looks whether the ring has room.
+/// Time between two checks whether the ring has room.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// A wait of [`WAIT`] that took longer than this means that the process stood still.
+/// If a wait of [`WAIT`] took longer than this, the process stood still.
 const WAIT_MAX: Duration = Duration::from_millis(500);
 
 /// Later than this in a track, in seconds, a step back leads to its own start.
 const STEP_BACK_WITHIN: f64 = 3.0;
 
-/// After so many tracks in a row without a frame there is silence.
+/// After this many tracks in a row without a frame, silence is played.
 const EMPTY_TRACKS_MAX: u32 = 64;
 
-/// What the window, the supervisor and the list thread ask for or bring.
+/// What the window, the supervisor and the list thread ask for or deliver.
 pub(crate) enum Command {
     /// Play on this output from `at` on.
     Output {
@@ -78,7 +80,7 @@ pub(crate) enum Command {
     },
     /// Play these files instead of the list.
     Files(Vec<std::path::PathBuf>),
-    /// Change what follows what.
+    /// Change the order and the repeating of tracks.
     Order(Repeat, bool),
     /// The list thread's answer to request `id`.
     Found {
@@ -94,14 +96,14 @@ pub(crate) enum Command {
 /// What comes after the track that is being decoded.
 enum Next {
     Unasked,
-    /// The list thread looks for it, as this request.
+    /// The list thread is looking for it, as this request.
     Asked(u64),
     Again,
     Track(Track),
     End,
 }
 
-/// A track, and the passage that it is played in.
+/// A track, and the passage in which it is played.
 struct Playing {
     passage: u64,
     track: Track,
@@ -110,12 +112,12 @@ struct Playing {
 /// The thread's state.
 pub(crate) struct Decoding {
     current: Playing,
-    /// Tracks before it in the segment whose ends may still sound.
+    /// Earlier tracks of the segment whose ends may still sound.
     before: VecDeque<Playing>,
     next: Next,
-    /// A skip that the list thread looks for.
+    /// A skip for which the list thread is searching.
     skipping: Option<u64>,
-    /// Steps of skips that were asked for meanwhile.
+    /// Steps of further skips that were asked for meanwhile.
     steps: i32,
     /// Tracks without a frame, in a row.
     empty_tracks: u32,
@@ -130,9 +132,9 @@ pub(crate) struct Decoding {
     last_id: u64,
     /// Grows with each seek and each skip.
     run: u64,
-    /// When the first frame of the segment is due, if it is.
+    /// When the first frame of the segment is due, if it has to meet a time.
     due: Option<Instant>,
-    /// How often the output had called when the process stood still last.
+    /// How many calls the output had made when the process last stood still.
     stood_still: Option<u64>,
     /// Where to start once there is an output, in seconds.
     start: f64,
@@ -207,7 +209,7 @@ impl Decoding {
         }
     }
 
-    /// Carries out `first` and what waits behind it, many seeks as one. True to end.
+    /// Carries out `first` and the commands waiting behind it, merging many seeks into one. True to end.
     fn obey(&mut self, first: Command, inbox: &Receiver<Command>) -> bool {
         let mut goal: Option<Goal> = None;
         for command in std::iter::once(first).chain(inbox.try_iter()) {
@@ -219,7 +221,7 @@ impl Decoding {
                     goal = Some(Goal::seek((from + seconds).max(0.0)));
                 }
                 Command::Output { link, at } => {
-                    // A seek that waits is done on the new output, and another output takes nothing from the place.
+                    // A pending seek is done on the new output, and a further output does not change the place.
                     if goal.is_none() {
                         let (passage, on_course) = self.course(at);
                         self.go_back_to(passage);
@@ -262,7 +264,7 @@ impl Decoding {
         false
     }
 
-    /// Takes an answer of the list thread. True if another track is to begin, by a skip.
+    /// Takes an answer of the list thread. True if another track is to begin because of a skip.
     fn take(&mut self, id: u64, found: Found) -> bool {
         if self.skipping == Some(id) {
             self.skipping = None;
@@ -273,16 +275,16 @@ impl Decoding {
                     self.troubles.tell("the list ends here; press the key for repeating to go round".into());
                     return false;
                 }
-                // What is wrong was told.
+                // What is wrong has been reported already.
                 Found::Nothing => return false,
             }
             return true;
         }
         if !matches!(self.next, Next::Asked(asked) if asked == id) {
-            // Something was asked for that is not wanted any more.
+            // The answer is no longer wanted.
             return false;
         }
-        // The list had ended and goes on after all, as repeating was asked for.
+        // The list had ended but goes on after all, because repeating was asked for.
         let ended = self.filling.as_ref().is_some_and(|filling| filling.finished);
         self.next = match found {
             Found::Track(track) if ended => {
@@ -303,17 +305,18 @@ impl Decoding {
         Track::silence(info.entry, info.count)
     }
 
-    /// Puts another track in the place of all that is open.
+    /// Replaces everything that is open by another track.
     fn replace(&mut self, track: Track) {
         self.before.clear();
-        // Of a passage that begins with the segment to come; until then nothing of it is audible.
+        // The passage begins with the segment to come; until then nothing of it is audible.
         self.last_passage += 1;
         self.current = Playing { passage: self.last_passage, track };
         self.empty_tracks = 0;
         self.ask(false);
     }
 
-    /// Asks the list thread for what follows the current track; `anew` if that cannot begin again as it is open.
+    /// Asks the list thread for what follows the current track; `anew` if that track would have to be opened again to
+    /// repeat.
     fn ask(&mut self, anew: bool) {
         let after = self.current.track.info.entry;
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
@@ -349,7 +352,7 @@ impl Decoding {
             Ok(resampler) => resampler,
             Err(error) => return self.report(&error),
         };
-        // If it cannot be reached: stay, or begin anew.
+        // If the target cannot be reached: stay, or begin anew.
         let reached = [target, place, 0.0].into_iter().find_map(|goal| match self.seek(goal) {
             Ok(reached) => Some((goal, reached)),
             Err(error) => {
@@ -359,7 +362,7 @@ impl Decoding {
         });
         let (target, reached) = reached.unwrap_or((target, target));
         let frame_at = |seconds: f64| (seconds * f64::from(source_rate)).round() as u64;
-        // The time of the frame that it will be.
+        // The exact time of the target's frame.
         let target = frame_at(target) as f64 / f64::from(source_rate);
         self.last_id += 1;
         self.last_passage += 1;
@@ -514,7 +517,7 @@ impl Decoding {
         self.before.push_back(std::mem::replace(&mut self.current, current));
         self.analyse(AnalysisInput::Finish);
         self.analyse_current(0);
-        // It is opened ahead.
+        // The next one is opened ahead.
         self.ask(false);
         Step::GoOn
     }
@@ -531,7 +534,7 @@ impl Decoding {
         Step::GoOn
     }
 
-    /// Time of the segment that is surely past, however late the picture is, in seconds.
+    /// Time of the segment that is certainly past, however late the picture is, in seconds.
     fn played(&self) -> f64 {
         let rate = self.link.as_ref().map_or(1, |link| link.rate);
         let audible = self.audible().map_or(0.0, |audible| audible.frame / f64::from(rate));
@@ -546,7 +549,7 @@ impl Decoding {
     }
 
     fn analyse(&self, input: AnalysisInput) {
-        // The analysis is always faster than the sound; should it have failed, the song still plays.
+        // The analysis is always faster than the sound; if it should have failed, the song still plays.
         let _ = self.analysis.send(input);
     }
 

@@ -1,4 +1,4 @@
-//! Devices that are lost, found and changed, with callbacks and a time in the test's hands.
+//! Devices that are lost, found and changed, with callbacks and time under the test's control.
 
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, mpsc};
@@ -18,7 +18,7 @@ use crate::worker::Worker;
 /// Time between two looks at the clock, in milliseconds.
 const LOOK_MS: u64 = 5;
 
-/// The largest step of the clock besides the time that passed, in seconds.
+/// The largest step of the clock beyond the time that passed, in seconds.
 const STEP_MAX: f64 = 0.05;
 
 /// A device whose callback is called when its time comes.
@@ -65,7 +65,7 @@ struct Evening {
     clock: Clock,
     last: f64,
     looks: u32,
-    /// How long the clock has stood still, and did at most.
+    /// How long the clock has stood still, and the longest time it did.
     still: Duration,
     stillest: Duration,
 }
@@ -82,7 +82,7 @@ impl Evening {
         let answers = commands.clone();
         std::thread::spawn(move || listing::run(Box::new(list), &requests, &answers, &troubles));
         let worker = Worker::spawn("decoding", move || work.run(&inbox)).expect("a thread");
-        // Later than anything real, so that no waiting for a thread overtakes it.
+        // Later than any real time, so that waiting for a thread never overtakes it.
         let now = Instant::now() + Duration::from_secs(3600);
         let device = open(&commands, now, Duration::ZERO, RATE, 512, Duration::from_millis(20));
         Self {
@@ -165,7 +165,7 @@ impl Drop for Evening {
     }
 }
 
-/// An output that came at `now`, once the song is there for it.
+/// An output that came at `now`, as soon as the song is ready for it.
 fn open(
     commands: &Sender<Command>,
     now: Instant,
@@ -199,7 +199,7 @@ fn the_position_jumped_and_stood_while_a_device_was_lost() {
     evening.change(Duration::ZERO, 180 * MS, RATE, 480, Duration::ZERO);
     evening.pass(700, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead on the silent clock", evening.ahead());
-    // Found again, with a long way to the ear.
+    // Found again, with a long latency.
     evening.change(3 * MS, 250 * MS, 44_100, 1024, 230 * MS);
     evening.pass(1500, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead on the new device", evening.ahead());
@@ -236,14 +236,14 @@ fn the_position_stepped_when_devices_came_and_went_in_a_storm() {
                 evening.pass(random(900), true);
                 evening.device.next_call = evening.now;
             }
-            // Its way to the ear changes.
+            // Its latency changes.
             _ => evening.device.latency = latency,
         }
         evening.pass(random(1200), false);
     }
     assert!(evening.looks > 5000, "{} looks", evening.looks);
     assert!(evening.stillest <= Duration::from_millis(100), "it stood still for {:?}", evening.stillest);
-    // Whatever was between: in the end it is where the sound is.
+    // Whatever happened in between: in the end the clock is where the sound is.
     evening.pass(12_000, false);
     assert!(evening.ahead().abs() < 0.002, "{} s ahead of what is heard", evening.ahead());
 }

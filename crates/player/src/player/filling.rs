@@ -27,23 +27,23 @@ pub(super) struct Filling {
     fed: u64,
     /// Frames of the device put into the ring.
     pub(super) pushed: u64,
-    /// Decoded and not looked at yet.
+    /// Frames decoded but not processed yet.
     pub(super) decoded: VecDeque<StereoFrame>,
-    /// Resampled and not in the ring yet.
+    /// Frames resampled but not in the ring yet.
     ready: VecDeque<StereoFrame>,
     /// Source frames since the last jump within the source.
     pub(super) since_jump: u64,
     /// Whether that jump went to the track's start.
     pub(super) from_start: bool,
-    /// Nothing more comes for this segment.
+    /// Whether nothing more comes for this segment.
     pub(super) exhausted: bool,
-    /// All of it is in the ring.
+    /// Whether all of it is in the ring.
     pub(super) finished: bool,
 }
 
 impl Filling {
-    /// Segment `id` from `target` seconds of a track on, with a ring of `ring_frames` frames of the device. The source
-    /// stands `skip` frames before the target, and at the track's start if `from_start`.
+    /// Segment `id`, from `target` seconds of a track on, with a ring of `ring_frames` frames of the device. The
+    /// source stands `skip` frames before the target, and at the track's start if `from_start`.
     pub(super) fn new(
         id: u64,
         target: f64,
@@ -78,7 +78,7 @@ impl Filling {
         self.ready.is_empty()
     }
 
-    /// Moves into the ring what there is room for.
+    /// Moves as much into the ring as there is room for.
     pub(super) fn push_ready(&mut self) {
         let (front, _) = self.ready.as_slices();
         let (pushed, _) = self.ring.push_partial_slice(front);
@@ -111,7 +111,7 @@ impl Filling {
         resampled
     }
 
-    /// Time of the segment of the next frame of the source, in seconds.
+    /// The segment time of the source's next frame, in seconds.
     pub(super) fn next_time(&self) -> f64 {
         self.base + self.fed as f64 / f64::from(self.resampler.from_hz())
     }

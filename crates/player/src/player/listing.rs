@@ -1,5 +1,5 @@
-//! The list thread: finds and opens tracks while others play, so that a slow disk or a list of missing files keeps
-//! nothing waiting.
+//! The list thread: finds and opens tracks while others play, so that neither a slow disk nor a list of missing files
+//! keeps anything waiting.
 
 use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,9 +9,9 @@ use crate::track::{Repeat, TrackList, Wanted};
 
 /// What the decoding thread asks for.
 pub(crate) enum Request {
-    /// Find a track; the answer bears `id`.
+    /// Find a track; the answer carries `id`.
     Find { id: u64, wanted: Wanted },
-    /// Change what follows what; a new random order begins with entry `current`.
+    /// Change the order and the repeating of tracks; a new random order begins with entry `current`.
     Order { repeat: Repeat, shuffled: bool, current: usize },
 }
 
@@ -27,19 +27,19 @@ pub(crate) fn run(
             Request::Order { repeat, shuffled, current } => list.set_order(repeat, shuffled, current),
             Request::Find { id, wanted } => {
                 let found = list.find(&wanted, &mut |trouble| troubles.tell(trouble));
-                // If the decoding thread has ended, nothing is to be found any more.
+                // If the decoding thread has ended, there is nothing to find any more.
                 let _ = answers.send(Command::Found { id, found });
             }
         }
     }
 }
 
-/// What went wrong with tracks, for the window to tell.
+/// What went wrong with tracks, for the window to report.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Troubles {
     /// How many there were.
     pub count: u64,
-    /// The last one: a sentence.
+    /// The last one, as a sentence.
     pub last: Option<String>,
 }
 

@@ -13,7 +13,7 @@ use mariana_music::StereoFrame;
 
 pub(super) const RATE: u32 = 48_000;
 
-/// A song whose samples tell their index: `(first + index) / 2^24`, exactly.
+/// A song whose samples give their index: `(first + index) / 2^24`, exactly.
 #[derive(Clone)]
 pub(super) struct Ramp {
     pub(super) first: usize,
@@ -23,7 +23,7 @@ pub(super) struct Ramp {
     pub(super) block: usize,
     /// Fails when it reaches this frame.
     pub(super) broken_at: usize,
-    /// Refuses to be sought after this time.
+    /// Refuses to seek past this time.
     pub(super) seek_limit: f64,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Ramps {
     pub(super) repeat: Repeat,
     /// How long it takes to find one.
     pub(super) delay: Duration,
-    /// Whether none can be opened, for now.
+    /// Whether, for now, none can be opened.
     pub(super) gone: Arc<AtomicBool>,
 }
 
@@ -131,7 +131,7 @@ pub(super) fn repeat_of(looping: bool) -> Repeat {
     if looping { Repeat::All } else { Repeat::Off }
 }
 
-/// The decoding thread and a callback in the test's hands.
+/// The decoding thread, and a callback under the test's control.
 pub(super) struct Stepped {
     pub(super) output_callback: OutputCallback,
     pub(super) history: Arc<SpanHistory>,
@@ -164,7 +164,7 @@ impl Stepped {
         let timeline = SharedTimeline::default();
         let troubles = SharedTroubles::default();
         let (to_analysis, inbox) = sync_channel(1);
-        // No analysis here: what is sent is thrown away.
+        // No analysis here: what it would get is thrown away.
         std::thread::spawn(move || inbox.into_iter().for_each(|_: AnalysisInput| {}));
         let (commands, inbox) = channel();
         let (to_list, requests) = channel();
@@ -214,7 +214,7 @@ impl Stepped {
         heard
     }
 
-    /// The left samples of the next `frames` frames, from the first one on that is heard.
+    /// The left samples of the next `frames` frames, starting with the first one that is heard.
     pub(super) fn samples(&mut self, frames: usize) -> Vec<f32> {
         let mut samples = Vec::new();
         while samples.len() < frames {
@@ -229,7 +229,7 @@ impl Stepped {
         samples
     }
 
-    /// Another device of that rate, in the place of the one so far.
+    /// Replaces the device by another with that rate.
     pub(super) fn change_device(&mut self, rate: u32) {
         let (output_callback, link) =
             OutputCallback::new(rate, 480, Arc::new(Controls::new(1.0, false)), Arc::default());
@@ -260,7 +260,7 @@ impl Drop for Stepped {
     }
 }
 
-/// What was heard is what the clock told, for nearly all frames (the others are fades).
+/// Nearly every frame that was heard is the one that the clock reported (the others are fades).
 fn assert_told(heard: &[Heard], least_part: f64) {
     let clear: Vec<_> = heard.iter().filter_map(|heard| Some((heard.index?, heard.told_index))).collect();
     assert!(

@@ -7,7 +7,7 @@ use super::decoding::Command;
 use super::tests::{Heard, RATE, Ramp, Ramps, Stepped};
 use crate::track::Repeat;
 
-/// Songs of these lengths, whose samples go on counting from one to the next.
+/// Songs of these lengths; the samples keep counting from one song to the next.
 fn songs(lengths: &[usize]) -> Vec<Ramp> {
     let firsts = lengths.iter().scan(0, |sum, length| {
         let first = *sum;
@@ -40,7 +40,7 @@ fn tracks_follow_each_other_to_the_frame_and_are_told() {
             heard.told_index
         );
     }
-    // Not a frame is added or lost: each sample is the one before and 1, or the list begins anew.
+    // Not a frame is added or lost: each sample is the one before plus 1, or the list begins anew.
     for pair in heard.windows(2) {
         let (Some(before), Some(after)) = (pair[0].index, pair[1].index) else { continue };
         assert!(after == before + 1.0, "{before} is followed by {after}");
@@ -167,7 +167,7 @@ fn a_seek_at_the_end_of_a_track_is_within_the_track_that_is_heard() {
     let last = heard.last().expect("frames");
     assert_eq!((last.entry, last.segment), (0, 2));
     assert!((0.0..40_000.0).contains(&last.told_index), "{}", last.told_index);
-    // From there on all comes again, to the frame.
+    // From there on everything comes again, exact to the frame.
     let heard = stepped.play(48_000);
     let clear: Vec<f64> = heard.iter().filter_map(|heard| heard.index).collect();
     assert!(clear.windows(2).all(|pair| pair[1] == pair[0] + 1.0));
@@ -193,7 +193,7 @@ fn another_way_to_repeat_holds_from_the_next_end_on() {
 fn nothing_that_can_be_played_is_silence_and_a_skip_tries_again() {
     let mut list = Ramps::new(songs(&[9_600, 9_600]), Repeat::All);
     list.gone.store(true, Ordering::Relaxed);
-    // What is open cannot begin again either.
+    // The track that is open cannot begin again either.
     list.songs[0].seek_limit = -1.0;
     let gone = list.gone.clone();
     let mut stepped = Stepped::of(list, RATE);
@@ -225,7 +225,7 @@ fn another_device_takes_over_what_is_heard_not_what_is_ahead() {
         heard[0].entry,
         heard[0].segment
     );
-    // Never a step back, nor over more than the callbacks that nobody looked at.
+    // Never a step back, and never a step over more than the callbacks that nobody looked at.
     let times: Vec<f64> =
         heard.iter().filter(|heard| heard.entry == 0).map(|heard| heard.told_index).collect();
     assert!(times.windows(2).all(|pair| pair[1] >= pair[0]));

@@ -1,27 +1,26 @@
-//! What of the song nobody heard, as devices went and came.
+//! Parts of the song that nobody heard because devices went and came.
 //!
-//! The song does not wait for a device. What passed between the last frame of one and the first of the next, the time on
-//! the silent clock included, was not heard, and is told once there is sound again. What a lost device still had in its
-//! buffer counts as heard, as nobody can know.
+//! What passed between the last frame of one device and the first of the next, including the time on the silent
+//! clock, was not heard. It is reported once there is sound again. What a lost device still had in its buffer counts
+//! as heard, because nobody can know.
 //!
 //! **The song does not wait for devices.** A device that falls silent takes no time away: the song runs on from the
-//! last frame that it was handed. The segment for the next output, be it the silent clock, is due from the moment at
-//! which that output came, and its callback drops the frames that it gets too late. So the position never steps and
-//! never stands, what is heard after a fault is where the picture is, and what nobody heard is told
-//! (`audio::player::unheard`). Where a device only went on late, nothing is lost: `audio::clock::Clock` then runs a
-//! fifth slower (or faster) until it tells what is heard again. A process that was stopped goes on where it was: a gap
-//! in which nobody looked and no device called is no time of the song. `cargo bench --bench device_faults` counts steps
-//! through 200 faults.
+//! last frame that the device was handed. The segment for the next output, or for the silent clock, is due from the
+//! moment at which that output came, and its callback drops the frames that it gets too late. So the position never
+//! steps and never stands, what is heard after a fault matches the picture, and what nobody heard is reported by this
+//! module. If a device merely went on late, nothing is lost: `clock::Clock` then runs a fifth slower (or faster)
+//! until it agrees with what is heard. A process that was stopped goes on where it was: a gap in which nobody looked
+//! and no device called is not time of the song. `cargo bench --bench device_faults` counts steps through 200 faults.
 
 use std::fmt;
 use std::sync::Arc;
 
 use crate::clock::{Audible, SpanHistory};
 
-/// What is shorter than this is not told, in seconds.
+/// Anything shorter than this, in seconds, is not reported.
 const TOLD_FROM: f64 = 0.05;
 
-/// Stretches of the song that were not heard; in words the last one.
+/// Stretches of the song that were not heard; in words, only the last one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Unheard {
     /// How many there were.
@@ -41,14 +40,14 @@ impl fmt::Display for Unheard {
 #[derive(Default)]
 pub(super) struct UnheardWatch {
     history: Option<Arc<SpanHistory>>,
-    /// Since there was sound last, in seconds; none before there was any.
+    /// Seconds of song since there was last sound; none before there was any.
     pending: Option<f64>,
     told: Unheard,
 }
 
 impl UnheardWatch {
-    /// Takes note of the output that sounds now. `carry` says at which frame of a segment a place in an earlier one is, if
-    /// no seek or other track is between them.
+    /// Notes the output that sounds now. `carry` maps a place in an earlier segment to a frame of a later one, if no
+    /// seek or other track lies between them.
     pub(super) fn look(
         &mut self,
         history: &Arc<SpanHistory>,
@@ -74,7 +73,7 @@ impl UnheardWatch {
         }
     }
 
-    /// What there is to tell.
+    /// What there is to report.
     pub(super) fn told(&self) -> Unheard {
         self.told
     }
@@ -111,7 +110,7 @@ mod tests {
         watch.look(&second, together);
         assert_eq!(watch.told().count, 1);
         assert_eq!(watch.told().to_string(), "1.3 s of the song were not heard");
-        // A change without a gap, in a pause or with a seek is no loss.
+        // A change without a gap, during a pause or with a seek loses nothing.
         let (_third, third) = output(4, 5320, 500, false);
         let (_fourth, fourth) = output(5, 5320, 500, true);
         let (_fifth, fifth) = output(6, 90_000, 500, true);

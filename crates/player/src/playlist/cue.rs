@@ -1,21 +1,21 @@
 //! Cue sheets: the tracks of files that hold a whole disc.
 //!
-//! Read are `FILE "name" TYPE`, `TRACK n AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and `PERFORMER`. A track
-//! goes from its index 01 to that of the next track of the same file, so what lies before a track (index 00) is heard at
-//! the end of the one before, as on a disc.
+//! The parser understands `FILE "name" TYPE`, `TRACK n AUDIO`, `INDEX 01 minutes:seconds:frames`, `TITLE` and
+//! `PERFORMER`. A track goes from its index 01 to that of the next track of the same file. So the gap before a track
+//! (index 00) is heard at the end of the one before, as on a disc.
 
 use std::path::Path;
 
 use super::lists::{Cut, Item};
 use super::text::{decode, resolve};
 
-/// Frames of a disc in a second.
+/// Frames of a disc per second.
 pub(super) const DISC_FRAMES: u64 = 75;
 
 /// Highest count of minutes that is believed.
 const MINUTES_MAX: u64 = 100_000;
 
-/// What the sheet in the folder `base` names; none where it names no file.
+/// What the sheet in the folder `base` names; none if it names no file.
 pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
     let mut items: Vec<Item> = Vec::new();
     let (mut file, mut track) = (None, Track::default());
@@ -25,7 +25,7 @@ pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
         let (word, rest) = split_word(line);
         match word.to_ascii_uppercase().as_slice() {
             b"FILE" => {
-                // What the name stands in quotes for, or else all but the type.
+                // The name is the text in quotes, or else everything but the type.
                 let name =
                     quoted(rest).or_else(|| Some(rest.rsplitn(2, |byte| *byte == b' ').last()?.to_vec()));
                 file = Some(resolve(base, name?.trim_ascii()));
@@ -88,7 +88,7 @@ fn disc_time(text: &[u8]) -> Option<u64> {
     let mut parts = text.split(':').map(|part| part.parse::<u64>().ok());
     let (minutes, seconds, frames) = (parts.next()??, parts.next()??, parts.next()??);
     let sound = parts.next().is_none() && minutes <= MINUTES_MAX && seconds < 60 && frames < DISC_FRAMES;
-    // Not before it is known to be sound: anything can stand there.
+    // Computed only once the time is known to be valid: anything can stand there.
     sound.then(|| (minutes * 60 + seconds) * DISC_FRAMES + frames)
 }
 

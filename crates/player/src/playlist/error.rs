@@ -25,7 +25,7 @@ pub enum PlaylistError {
         /// Its path.
         path: PathBuf,
     },
-    /// The bytes are no list.
+    /// The bytes are not a list.
     #[error("{name} is not a playlist: {what}; export it again as m3u, m3u8, pls or cue")]
     NotAList {
         /// The list's name.
@@ -33,13 +33,13 @@ pub enum PlaylistError {
         /// What was seen instead.
         what: String,
     },
-    /// There is nothing in it.
+    /// The list or folder is empty.
     #[error("{name} holds no tracks; name files, or a folder or a list that has some")]
     Empty {
         /// The list's or folder's name.
         name: String,
     },
-    /// It is the list of a stream's pieces.
+    /// The list names the pieces of a stream.
     #[error(
         "{name} is the list of a network stream (HLS), which is not supported; save the stream to a file first"
     )]
@@ -47,7 +47,7 @@ pub enum PlaylistError {
         /// The list's name.
         name: String,
     },
-    /// An entry is an address on a network.
+    /// An entry is a network address.
     #[error("{address} in {list} is an address, which is not supported; save what is there to a file first")]
     Address {
         /// The address.
@@ -55,13 +55,13 @@ pub enum PlaylistError {
         /// The name of the list that has it.
         list: String,
     },
-    /// A list that contains itself, maybe by way of others.
+    /// A list contains itself, perhaps by way of others.
     #[error("{name} contains itself, which is left out; correct the list that names it")]
     Circular {
         /// The list's name.
         name: String,
     },
-    /// A list of more bytes than allowed.
+    /// A list has more bytes than allowed.
     #[error("{name} is larger than a list may be ({limit} bytes); split it")]
     TooLarge {
         /// The list's name.
@@ -69,15 +69,15 @@ pub enum PlaylistError {
         /// The limit.
         limit: u64,
     },
-    /// More of something than allowed.
+    /// There is more of something than allowed.
     #[error("there are more than {limit} {what}; the others are left out: give fewer at a time")]
     TooMany {
-        /// Of what.
+        /// What there is too much of.
         what: &'static str,
         /// The limit.
         limit: usize,
     },
-    /// Lists in lists, or folders in folders, beyond the limit.
+    /// Lists within lists, or folders within folders, are nested deeper than the limit.
     #[error("{name} lies deeper than {limit} levels and is left out; name it directly")]
     TooDeep {
         /// The name of the list or folder.
@@ -88,9 +88,9 @@ pub enum PlaylistError {
     /// None of the tracks can be played.
     #[error("none of the {count} tracks can be played; check their paths, the last one says: {last}")]
     NothingPlayable {
-        /// How many there are.
+        /// How many tracks there are.
         count: usize,
-        /// What the last one said.
+        /// The message of the last one.
         last: String,
     },
     /// The only track cannot be played.

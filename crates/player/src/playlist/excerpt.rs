@@ -5,12 +5,12 @@ use super::lists::Cut;
 use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
-/// The frames of a source from one to another. What follows each other without a gap in a file does so as excerpts, too.
+/// The frames of a source from one index to another. Parts that join without a gap in the file also join as excerpts.
 pub(super) struct Excerpt {
     source: Box<dyn FrameSource>,
-    /// The first frame, by the source's count.
+    /// The first frame, in the source's count.
     start: u64,
-    /// The first one behind it; `u64::MAX` is the source's end.
+    /// The first frame after it; `u64::MAX` is the source's end.
     end: u64,
     /// The next frame.
     position: u64,
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Frames that tell their index, 750 a second: 10 for a frame of a disc.
+    /// Frames whose samples give their index, 750 a second: 10 for each frame of a disc.
     struct Count {
         frames: u64,
         next: u64,

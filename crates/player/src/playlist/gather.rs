@@ -13,16 +13,16 @@ use super::text::Reference;
 use crate::limits::LIMITS;
 use crate::song::Song;
 
-/// The ends of the names of files that are taken from a folder.
+/// Extensions of the files that are taken from a folder.
 const AUDIO_EXTENSIONS: &[&str] = &[
     "aac", "aif", "aifc", "aiff", "alac", "caf", "flac", "m4a", "m4b", "mka", "mkv", "mp1", "mp2", "mp3",
     "mp4", "oga", "ogg", "opus", "wav", "wave", "webm",
 ];
 
-/// Sentences that are kept of what could not be taken.
+/// Most messages that are kept about what could not be taken.
 const TROUBLES_KEPT: usize = 20;
 
-/// A track that was not opened yet.
+/// A track that has not been opened yet.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Entry {
     /// Where its sound is.
@@ -46,11 +46,11 @@ impl From<Song> for Entry {
 pub(super) struct Gathered {
     /// The tracks in order, at most the limits' `playlist_tracks_max`.
     pub entries: Vec<Entry>,
-    /// What could not be taken: the first sentences.
+    /// What could not be taken: the first messages.
     pub troubles: Vec<PlaylistError>,
-    /// Lists and folders that are being read: one that is met again within itself is circular.
+    /// Lists and folders being read: one that is met again within itself is circular.
     open: Vec<PathBuf>,
-    /// Folders that were read, each once, as links may lead to one by many ways.
+    /// Folders that were read. Each is read only once, because links may lead to one in many ways.
     folders: BTreeSet<PathBuf>,
     lists: usize,
     looked_at: usize,
@@ -62,8 +62,8 @@ pub(super) fn is_many(path: &Path) -> bool {
     path.is_dir() || Kind::of(path).is_some()
 }
 
-/// Gathers what `paths` name: files as they are, lists with what they name, folders with the audio files in them and in
-/// their folders, by natural order.
+/// Gathers what `paths` name: files as they are, lists with what they name, and folders with the audio files in them
+/// and in their subfolders, in natural order.
 pub(super) fn gather(paths: &[PathBuf]) -> Gathered {
     let mut gathered = Gathered::default();
     for path in paths {
@@ -80,7 +80,7 @@ impl Gathered {
         }
     }
 
-    /// Whether there is room for more; tells once when there is not.
+    /// Whether there is room for more; reports once when there is not.
     fn has_room(&mut self) -> bool {
         let (tracks, looks) = (LIMITS.playlist_tracks_max, LIMITS.playlist_looks_max);
         let over = if self.entries.len() >= tracks {
@@ -90,14 +90,14 @@ impl Gathered {
         };
         if let (Some((what, limit)), false) = (over, self.full) {
             self.full = true;
-            // First, so that it is kept.
+            // Inserted first, so that it is kept.
             self.troubles.insert(0, PlaylistError::TooMany { what, limit });
         }
         self.looked_at += 1;
         over.is_none()
     }
 
-    /// Takes what is at `path`, which a user or (as `item`) a list names.
+    /// Takes what is at `path`, which the user or (as `item`) a list names.
     fn add(&mut self, path: &Path, item: Option<&Item>) {
         if !self.has_room() {
             return;
@@ -108,7 +108,7 @@ impl Gathered {
         if let Some(kind) = Kind::of(path).filter(|_| path.exists()) {
             return self.add_list(path, kind);
         }
-        // Whatever is wrong with it is told when its turn comes.
+        // Whatever is wrong with it is reported when its turn comes.
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
             Some(item) => {
@@ -118,7 +118,7 @@ impl Gathered {
         });
     }
 
-    /// Notes that the list or folder at `path` is being read; false where that would not end.
+    /// Notes that the list or folder at `path` is being read; false if that would never end.
     fn enter(&mut self, path: &Path) -> bool {
         let limit = LIMITS.playlist_depth_max;
         let real = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
@@ -173,7 +173,7 @@ impl Gathered {
             Err(source) => self.tell(PlaylistError::Unreadable { path: path.to_owned(), source }),
             Ok(children) => {
                 let mut found = Vec::new();
-                // What cannot be looked at is not there.
+                // Entries that cannot be examined count as missing.
                 for child in children.flatten() {
                     if !self.has_room() {
                         break;
@@ -203,7 +203,7 @@ fn is_audio(path: &Path) -> bool {
 /// The bytes of a list.
 fn read_bounded(path: &Path) -> Result<Vec<u8>, PlaylistError> {
     let unreadable = |source| PlaylistError::Unreadable { path: path.to_owned(), source };
-    // Asked before it is opened: to open a pipe waits for its writer.
+    // Checked before it is opened, because opening a pipe waits for its writer.
     if !fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(PlaylistError::NotAFile { path: path.to_owned() });
     }

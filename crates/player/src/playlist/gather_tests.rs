@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A folder with these files: names that end in `/` are folders.
+/// A folder with these files; names that end in `/` are folders.
 fn folder_of(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -56,7 +56,7 @@ fn lists_name_files_folders_and_lists() {
         ("music/1.ogg", ""),
     ]);
     let (names, troubles) = gathered(folder.path(), &["a.m3u"]);
-    // What is missing is told when its turn comes.
+    // A missing file is reported when its turn comes.
     assert_eq!(names, ["x.mp3", "sub/y.mp3", "missing.m3u", "music/1.ogg"]);
     assert!(troubles.len() == 1 && troubles[0].contains("https://radio/live in a.m3u"), "{troubles:?}");
 }
@@ -130,7 +130,7 @@ fn pipes_and_what_may_not_be_read_are_told() {
     fs::set_permissions(folder.path().join("secret.m3u"), fs::Permissions::from_mode(0o000)).unwrap();
     let (names, troubles) = gathered(folder.path(), &["pipe.m3u", "secret.m3u", "ok.m3u"]);
     assert!(troubles[0].contains("pipe.m3u is not a regular file"), "{troubles:?}");
-    // Whoever may read everything reads it.
+    // A user who may read everything can read it.
     let may_read = fs::read(folder.path().join("secret.m3u")).is_ok();
     assert_eq!((names.len(), troubles.len()), if may_read { (2, 1) } else { (1, 2) });
 }

@@ -10,12 +10,12 @@ use super::cue;
 use super::error::{PlaylistError, name_of};
 use super::text::{Reference, lines, resolve};
 
-/// A part of a file, in frames of a compact disc, of which 75 are a second.
+/// A part of a file, in frames of a compact disc: 75 make a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Cut {
     /// The first one.
     pub start: u64,
-    /// The first one that is not part of it; none is the end of the file.
+    /// The first frame after the part; none is the end of the file.
     pub end: Option<u64>,
 }
 
@@ -26,7 +26,7 @@ pub struct Item {
     pub reference: Reference,
     /// The part of it that is meant, if not all.
     pub cut: Option<Cut>,
-    /// Its title, where the list tells the title of a part.
+    /// Its title, if the list gives the title of a part.
     pub title: Option<String>,
     /// Who made it, likewise.
     pub artist: Option<String>,
@@ -38,7 +38,7 @@ impl Item {
     }
 }
 
-/// The kinds of lists, told by the ends of their names.
+/// The kinds of lists, recognised by file extension.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// M3U, in whatever encoding.
@@ -50,7 +50,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of the list at `path`, if its name is that of one.
+    /// The kind of the list at `path`, if its name has the extension of one.
     pub fn of(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
@@ -90,7 +90,7 @@ fn pls(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
         return None;
     }
     let mut numbered: Vec<(u64, Item)> = lines.iter().filter_map(|line| pls_file(base, line)).collect();
-    // Stable: what has no usable number stays as it stood, at the end.
+    // The sort is stable: entries without a usable number keep their order, at the end.
     numbered.sort_by_key(|(number, _)| *number);
     Some(numbered.into_iter().map(|(_, item)| item).collect())
 }

@@ -8,11 +8,11 @@
 //! | [`excerpt`] | a part of a file as a track |
 //! | [`order`] | what follows what: shuffle and repeat |
 //!
-//! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`Troubles`),
-//! the list thread goes on to the next one that opens, and where none does a track of silence plays. Lists are read
-//! within `limits.rs`: bytes, tracks, lists, depth, looks. Only what a user named alone, or lists without any entry,
-//! are refused before the window opens. After 64 tracks in a row without a frame there is silence, so that nothing
-//! spins.
+//! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`Troubles`).
+//! The list thread goes on to the next track that opens; if none does, a track of silence plays. Lists are read
+//! within the limits of `limits.rs`: bytes, tracks, lists, depth, looks. The program refuses to open the window only
+//! for a single named file that cannot be played, or for lists without any entry. After 64 tracks in a row without a
+//! frame silence is played, so that nothing spins.
 
 mod cue;
 mod error;
@@ -38,24 +38,24 @@ use super::song::{Song, one_line, track_name};
 use super::source::SourceError;
 use super::track::{Found, Repeat, Track, TrackList, Wanted};
 
-/// Sentences that are kept of what is wrong before the first track that can be played, and the last one.
+/// Most messages that are kept about entries before the first playable track, besides the last one.
 const TROUBLES_KEPT: usize = 20;
 
-/// A list of entries and where it goes from each.
+/// A list of entries, and which entry follows each.
 pub struct Playlist {
     entries: Vec<Entry>,
     order: Order,
-    /// What was told of entries last: the same is not told again.
+    /// The last message reported about each entry, so that it is not repeated.
     told: HashMap<usize, String>,
 }
 
-/// A playlist with its first track, and what had to be skipped on the way to it.
+/// A playlist with its first track, and what had to be skipped to reach it.
 pub struct Opened {
     /// The list.
     pub list: Playlist,
     /// The first track that can be played; silence if none can.
     pub first: Track,
-    /// A sentence for each trouble, the first ones.
+    /// A sentence for each trouble; only the first ones.
     pub troubles: Vec<String>,
     /// Whether there is a track.
     pub playable: bool,
@@ -68,14 +68,13 @@ pub struct Opened {
 impl Playlist {
     /// The list of what `paths` name.
     ///
-    /// # Errors
-    /// The only file named cannot be played, or there is no track at all. Where there are several and none can be played
-    /// the first track is silence.
+    /// Fails if the only file named cannot be played, or if there is no track at all. If there are several tracks and
+    /// none can be played, the first track is silence.
     pub fn open(paths: &[PathBuf], repeat: Repeat, shuffled: bool) -> Result<Opened, PlaylistError> {
         if let [path] = paths
             && (!is_many(path) || !path.exists())
         {
-            // Of the file itself the whole of its error is told.
+            // For a single file its complete error is reported.
             Song::File(path.clone()).open()?;
         }
         let gathered = gather(paths);
@@ -147,8 +146,8 @@ impl Playlist {
         Ok(track)
     }
 
-    /// Opens entry `first` or the nearest one after (or before) it that can be, around the end where the list repeats;
-    /// not `open`, which is open already.
+    /// Opens entry `first` or the nearest one after (or before) it that can be opened, wrapping around the end where
+    /// the list repeats; but not `open`, which is open already.
     fn search(
         &mut self,
         first: usize,
@@ -220,7 +219,7 @@ impl TrackList for Playlist {
 }
 
 impl Playlist {
-    /// Takes other files for its entries, if one of them can be played.
+    /// Replaces the entries by other files, if one of them can be played.
     fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
         let gathered = gather(paths);
         gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));

@@ -1,11 +1,11 @@
-//! The order in which people count: "track 2" before "track 10".
+//! Natural order: "track 2" before "track 10".
 
 use std::cmp::Ordering;
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// Compares names: digits by their number, letters without regard to case. Names that differ only in what this leaves
-/// out are told apart by their characters.
+/// Compares names: digits by their number, letters without regard to case. Names that are equal by this are compared
+/// by their characters.
 pub(super) fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {
@@ -15,7 +15,7 @@ pub(super) fn compare(a: &str, b: &str) -> Ordering {
         };
         let order = if x.is_ascii_digit() && y.is_ascii_digit() {
             let (x, y) = (number(&mut left), number(&mut right));
-            // Without leading zeros the longer number is the larger one.
+            // Without leading zeros, the number with more digits is larger.
             x.len().cmp(&y.len()).then_with(|| x.cmp(&y))
         } else {
             left.next();
@@ -28,7 +28,7 @@ pub(super) fn compare(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// The digits that come next, without leading zeros.
+/// The next digits, without leading zeros.
 fn number(characters: &mut Peekable<Chars<'_>>) -> String {
     let mut digits = String::new();
     while let Some(digit) = characters.next_if(char::is_ascii_digit) {

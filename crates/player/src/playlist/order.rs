@@ -1,4 +1,4 @@
-//! Which entry of a list follows which: in the list's order or a random one, once or again and again.
+//! Which entry of a list follows which: in the list's order or a random one, once or repeatedly.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
 
@@ -19,7 +19,7 @@ pub(super) struct Order {
 impl Order {
     /// The list's own order, repeated.
     pub(super) fn new(count: usize) -> Self {
-        // The standard library seeds its hashers by chance.
+        // The standard library seeds its hashers randomly.
         let random = RandomState::new().build_hasher().finish();
         Self {
             sequence: (0..count).collect(),
@@ -30,7 +30,7 @@ impl Order {
         }
     }
 
-    /// The same manner for `count` other entries.
+    /// The same settings for `count` other entries.
     pub(super) fn of(&self, count: usize) -> Self {
         let mut order = Self::new(count);
         order.set(self.repeat, self.shuffled, None);
@@ -47,8 +47,8 @@ impl Order {
         self.repeat
     }
 
-    /// Sets what follows what. Where it becomes random, `first` comes first, if it is an entry; each round then has the
-    /// same random order, so that going back leads back.
+    /// Sets shuffling and repeating. When the order becomes random, `first` comes first, if it is an entry. Each
+    /// round then has the same random order, so that going back leads back.
     pub(super) fn set(&mut self, repeat: Repeat, shuffled: bool, first: Option<usize>) {
         self.repeat = repeat;
         if shuffled == self.shuffled {
@@ -65,7 +65,7 @@ impl Order {
     }
 
     fn shuffle(&mut self, first: Option<usize>) {
-        // Fisher and Yates.
+        // The shuffle of Fisher and Yates.
         for last in (1..self.sequence.len()).rev() {
             let other = self.below(last as u64 + 1) as usize;
             self.sequence.swap(last, other);
@@ -75,7 +75,7 @@ impl Order {
         }
     }
 
-    /// The entry after (or before) `entry`; around the ends only where `around`.
+    /// The entry after (or before) `entry`; wraps around the ends only if `around`.
     pub(super) fn beside(&self, entry: usize, forward: bool, around: bool) -> Option<usize> {
         let count = self.sequence.len();
         let Some(place) = self.places.get(entry).copied() else { return self.first() };

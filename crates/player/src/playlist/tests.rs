@@ -28,7 +28,7 @@ fn paths(folder: &tempfile::TempDir, names: &[&str]) -> Vec<PathBuf> {
     names.iter().map(|name| folder.path().join(name)).collect()
 }
 
-/// The entry found, or what else was.
+/// The entry found, or what was found instead.
 fn found(list: &mut Playlist, wanted: Wanted) -> (Result<usize, &'static str>, Vec<String>) {
     let mut told = Vec::new();
     let found = match list.find(&wanted, &mut |trouble| told.push(trouble)) {
@@ -67,12 +67,12 @@ fn what_follows_depends_on_how_the_list_repeats() {
     assert_eq!(found(&mut off, Wanted::Skip { from: 0, steps: -1 }).0, Err("end"));
     assert_eq!(found(&mut off, Wanted::Skip { from: 2, steps: 9 }).0, Err("nothing"));
     assert_eq!(found(&mut off, Wanted::Skip { from: 2, steps: -9 }).0, Ok(0));
-    // Once the others are gone the one that is open goes on.
+    // Once the others are gone, the one that is open goes on.
     std::fs::remove_file(folder.path().join("1.wav")).unwrap();
     assert_eq!(following(&mut all.list, 2), Err("again"));
     std::fs::remove_file(folder.path().join("3.wav")).unwrap();
     let (none, told) = found(&mut all.list, Wanted::Following { after: 2, anew: true });
-    // The others said so before.
+    // The others were reported before.
     assert_eq!((none, told.len()), (Err("nothing"), 2), "{told:?}");
     assert!(told[0].contains("3.wav does not") && told[1].contains("none of the 4 tracks"), "{told:?}");
 }
@@ -109,7 +109,7 @@ fn one_file_is_refused_with_its_own_words_and_several_leave_silence() {
         assert!(!opened.playable && opened.troubles.len() == 3, "{:?}", opened.troubles);
         assert_eq!(opened.first.source.next_block(&mut Vec::new()).unwrap(), 1024);
     }
-    // Of very many the first are told, how many more there are, and the last.
+    // Of very many, the first are reported, then how many more there are, and the last.
     std::fs::write(folder.path().join("long.m3u"), "nowhere.wav\n".repeat(5000)).unwrap();
     let opened = Playlist::open(&paths(&folder, &["long.m3u"]), Repeat::All, true).unwrap();
     let [.., more, none] = &opened.troubles[..] else { panic!("{:?}", opened.troubles) };

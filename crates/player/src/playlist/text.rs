@@ -1,10 +1,10 @@
-//! The bytes of lists as lines, whatever wrote them, and what a line names.
+//! Splits the bytes of lists into lines, whatever program wrote them, and resolves what a line names.
 
 use std::path::{Path, PathBuf};
 
 use crate::limits::LIMITS;
 
-/// What a list names: a path as it stands there, or an address.
+/// What a list names: a path as written there, or an address.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Reference {
     /// Some file, list or folder.
@@ -13,8 +13,8 @@ pub enum Reference {
     Address(String),
 }
 
-/// The lines of a list, without the spaces around them, as UTF-8 or as the bytes that stand there (old lists have the
-/// bytes of their system's names). None for what is no text.
+/// The lines of a list, without the spaces around them, as UTF-8 or as the raw bytes (old lists contain names in the
+/// encoding of their system). None if the bytes are not text.
 pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     let utf16 = |from: fn([u8; 2]) -> u16| {
         let units = bytes.get(2..).unwrap_or_default().chunks_exact(2);
@@ -35,7 +35,7 @@ pub(super) fn lines(bytes: &[u8]) -> Option<Vec<Vec<u8>>> {
     Some(lines.take(LIMITS.playlist_looks_max).map(<[u8]>::to_vec).collect())
 }
 
-/// UTF-8 where it is, else Latin-1, in which every byte is a character.
+/// Decodes as UTF-8 where valid, else as Latin-1, in which every byte is a character.
 pub(super) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.to_owned(),
@@ -43,8 +43,8 @@ pub(super) fn decode(bytes: &[u8]) -> String {
     }
 }
 
-/// What `bytes` in a list of the folder `base` names. Where the system's names are bytes, those of the list count first;
-/// backslashes separate folders where nothing has such a name.
+/// What `bytes` name in a list of the folder `base`. Where the system's names are bytes, those of the list are tried
+/// first; backslashes separate folders if no file has such a name.
 pub(super) fn resolve(base: &Path, bytes: &[u8]) -> Reference {
     let text = decode(bytes);
     if let Some((scheme, rest)) = text.split_once("://")

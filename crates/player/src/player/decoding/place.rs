@@ -10,7 +10,7 @@ use crate::clock::Audible;
 pub(super) struct Goal {
     /// Time of the track, in seconds.
     pub(super) time: f64,
-    /// Only the output changed.
+    /// True if only the output changed.
     pub(super) same_run: bool,
     /// When that time is due, if the song is running.
     pub(super) due: Option<Instant>,
@@ -29,8 +29,8 @@ impl Decoding {
         link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
     }
 
-    /// The passage and the time of its track that are audible, or the target of a seek that is not heard yet. In
-    /// seconds.
+    /// The passage that is audible and the time in its track, in seconds; or the target of a seek that is not heard
+    /// yet.
     pub(super) fn place(&self) -> (u64, f64) {
         let Some(filling) = &self.filling else { return (self.current.passage, self.start) };
         let place = self.audible().and_then(|audible| self.timeline.lock().place(audible, 0.0));
@@ -38,7 +38,7 @@ impl Decoding {
         place.map_or((first, filling.target), |place| (place.passage, place.song_time))
     }
 
-    /// The passage and the place at which the song is at a moment if it runs on, whatever the output does.
+    /// The passage and the place of the song at a moment if it runs on, whatever the output does.
     pub(super) fn course(&self, at: Instant) -> (u64, Goal) {
         let (passage, time) = self.place();
         let stands = Goal { time, same_run: true, due: None };
@@ -49,7 +49,7 @@ impl Decoding {
         }
         let course = link.history.course(at).filter(|course| course.audible.segment == filling.id);
         let Some(course) = course else {
-            // Nothing of the segment was heard yet.
+            // Nothing of the segment has been heard yet.
             let runs = |due| {
                 let late: Duration = at.saturating_duration_since(due);
                 Goal { time: filling.target + late.as_secs_f64(), same_run: true, due: Some(at.max(due)) }
@@ -65,7 +65,7 @@ impl Decoding {
         }
     }
 
-    /// Lets go of tracks that are not audible any more.
+    /// Drops tracks that are no longer audible.
     pub(super) fn let_go(&mut self) {
         if self.before.is_empty() {
             return;
@@ -83,7 +83,7 @@ impl Decoding {
         playing.track.info.entry
     }
 
-    /// Makes the audible track the current one again, if the next was begun ahead. A new segment must follow.
+    /// Makes the audible track the current one again, if the next one was begun ahead. A new segment must follow.
     pub(super) fn go_back_to_audible(&mut self) {
         let (audible, _) = self.place();
         self.go_back_to(audible);
