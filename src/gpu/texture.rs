@@ -9,12 +9,12 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::object::Texture;
 
-/// Texture anisotropy on a GPU: what grazing floors and cabinet sides need, at little cost.
+/// Texture anisotropy on a GPU: enough for floors at grazing angles and for cabinet sides, at little cost.
 const ANISOTROPY: f32 = 8.0;
-/// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, lanes without a hit
-/// included, and was seen not to come back from it.
+/// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, including lanes without a
+/// hit, and was seen not to return from it.
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
-/// Linear light of an sRGB byte, by IEC 61966-2-1.
+/// Linear light of an sRGB byte (IEC 61966-2-1).
 fn linear(byte: u8) -> f32 {
     let encoded = f32::from(byte) / 255.0;
     if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
@@ -34,12 +34,13 @@ fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
 /// GL_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
-/// Uploads an sRGB picture: sampled in linear light, all mip levels, trilinear and anisotropic, repeated
-/// beyond 0..1. A software renderer gets it as 16-bit floats in linear light: it would convert eight texels for every
+/// Uploads an sRGB picture: sampled in linear light, with all mip levels, trilinear and anisotropic, repeated beyond
+/// 0..1. A software renderer gets it as 16-bit floats in linear light: it would convert eight texels for every one
+/// that it samples, which took a fifth of a frame.
 /// one that it samples, which was a fifth of a frame.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no name left.
+/// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no object left.
 pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     let (width, height) = picture.dimensions();
     let limit = gl.info().texture_side_max;
