@@ -5,8 +5,9 @@
 //! its variant has the operators, registers and textures.
 //!
 //! **One loop around the interpreter.** Drivers inline every call and compile it anew. Therefore one call in a loop
-//! computes normals, object and occlusion of a surface, and another the material and ambient light. Textures and rare
-//! operators, in which no branch is ever skipped, are met between loops over the rest.
+//! computes normals, object and occlusion of a surface, and another the material and ambient light. A renderer that
+//! never skips a branch would compute textures and rare operators for every clause; so they are computed between
+//! loops over the rest.
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
