@@ -176,8 +176,8 @@ impl AtomicFile {
     /// replaced.
     ///
     /// # Errors
-    /// [`Unwritable`] if `path` is a folder, a device or a pipe (renaming would destroy those), or if its folder takes
-    /// no files.
+    /// [`Unwritable`] if `path` is a folder, a device or a pipe (renaming would destroy those), or if its folder
+    /// takes no files.
     pub fn create(path: &Path) -> Result<Self, Unwritable> {
         match path.metadata() {
             Ok(found) if found.is_dir() => return Err(unwritable(path, "it is a folder")),

@@ -1,7 +1,7 @@
 //! Mariana: a music visualizer whose worlds are formulas.
 //!
-//! The folders spell the pipeline: sound comes in through `mariana_player`, is analysed in `mariana_music`, meets time and
-//! camera in [`frame`], and is drawn by [`gpu`] for a window ([`app`]) or a file ([`export`]).
+//! The folders spell the pipeline: sound comes in through `mariana_player`, is analysed in `mariana_music`, meets
+//! time and camera in [`frame`], and is drawn by [`gpu`] for a window ([`app`]) or a file ([`export`]).
 //! ARCHITECTURE.md says what is where, and which rules hold.
 
 pub mod app;

@@ -30,8 +30,8 @@ pub struct Limits {
     pub texture_pixels_max: u64,
     /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond that use the whole tape.
     pub region_texels_max: usize,
-    /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a software
-    /// renderer).
+    /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
+    /// software renderer).
     pub programs_kept_max: usize,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
     pub picture_seconds_max: f64,

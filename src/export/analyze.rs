@@ -35,8 +35,9 @@ struct Line<'a> {
 
 /// Prints a line for each frame to `out`.
 ///
-/// An error if the song cannot be decoded or ends before the start, or if `out` cannot be written. A reader that
-/// closes `out` early is no error.
+/// # Errors
+/// The song cannot be decoded or ends before the start, or `out` cannot be written. A reader that closes `out` early
+/// is no error.
 pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;

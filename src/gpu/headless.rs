@@ -1,7 +1,7 @@
 //! A context without a window: EGL on a device, drawing into framebuffers only.
 //!
-//! **Headless first.** Stills, videos, tests and measurements draw with an EGL device context, without a window system.
-//! `Renderer` does not know the difference.
+//! **Headless first.** Stills, videos, tests and measurements draw with an EGL device context, without a window
+//! system. `Renderer` does not know the difference.
 
 #![expect(unsafe_code, reason = "EGL and OpenGL are C interfaces")]
 

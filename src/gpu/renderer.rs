@@ -119,8 +119,8 @@ impl Edges {
 }
 
 impl Renderer {
-    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of the
-    /// counting variant.
+    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of
+    /// the counting variant.
     ///
     /// # Errors
     /// What the driver refuses, with its log.

@@ -128,7 +128,8 @@ impl Interpreter {
     }
 }
 
-/// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same names.
+/// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same
+/// names.
 pub fn compiled_variant(
     functions: &str,
     textures: usize,

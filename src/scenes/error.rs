@@ -31,7 +31,7 @@ pub enum SceneError {
         /// The path that is not a regular file.
         path: PathBuf,
     },
-    /// The file is larger than [`crate::limits::Limits::scene_bytes_max`].
+    /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
     #[error("the scene {} is larger than {max} bytes: split it, or let functions and loops repeat what is alike", .path.display())]
     TooLarge {
         /// The file.

@@ -1,5 +1,5 @@
-//! Views: how a picture is made, shown in colours with a legend. One table names them for the key, the command line and
-//! the shaders.
+//! Views: how a picture is made, shown in colours with a legend. One table names them for the key, the command line
+//! and the shaders.
 //!
 //! `shaders/view.glsl` draws them; the colours and numbers that it shares with the legends come from [`scale`].
 //!

@@ -57,8 +57,8 @@ fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     })
 }
 
-/// Draws text so that each character begins in its column. Characters beyond ASCII may come from another font with other
-/// widths, so each of them is placed by itself.
+/// Draws text so that each character begins in its column. Characters beyond ASCII may come from another font with
+/// other widths, so each of them is placed by itself.
 fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: f32, cell: f32) {
     let mut column = 0;
     for run in runs(text) {
