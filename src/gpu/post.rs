@@ -9,11 +9,11 @@
 //! The light has the size of the scene's targets, the finished picture that of the output.
 //!
 //! **Light until the last pass.** Samples, their means, blur and bloom are linear light in 16-bit floats; exposure,
-//! tone map and sRGB come at the very end, in `present.frag`. The mean of a pixel's samples is weighted by how bright
-//! they will appear, otherwise one bright sample would outshine the edge that it is part of. AgX is the default,
-//! because bright saturated colours fade to white in it, as on film, instead of being cut off; its look is a little
-//! more saturated than neutral, because emissive scenes depend on colour. Bloom and lens are means, so they make a
-//! picture no brighter. No noise changes from frame to frame: a still part stays the same, bit for bit.
+//! tone map and sRGB come at the very end, in `present.frag`. Samples are weighted by how much of their light will be
+//! seen, otherwise one bright sample would outshine the edge that it is part of. AgX is the default, because bright
+//! saturated colours fade to white in it, as on film, instead of being cut off; its look is a little more saturated
+//! than neutral, because emissive scenes depend on colour. Bloom and lens are means, so they make a picture no
+//! brighter. No noise changes from frame to frame: a still part stays the same, bit for bit.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
