@@ -1,11 +1,11 @@
-//! Output files that are whole or not there: written beside their place and renamed into it at the end, so that
-//! a failure never costs the file that was there before.
+//! Output files that are either complete or absent: they are written beside their place and renamed into it at the
+//! end, so that a failure never costs the file that was there before.
 //!
-//! What is written is on the disk before it is renamed, so that a machine that loses power has the old file or the new
-//! one. An unfinished file is removed when it is dropped, and by a signal that ends the process
-//! ([`crate::ending::undo_at_end`]). After a sudden death the next run that writes into the folder removes it: whoever
-//! writes holds a lock on the file for as long as the process lives, so that one that can be locked is nobody's. (A
-//! process number in the name would not tell that: containers and machines that share a folder have numbers of their
+//! The content is on the disk before the file is renamed, so that after a power failure there is the old file or the
+//! new one. An unfinished file is removed when it is dropped, and by a signal that ends the process
+//! ([`crate::ending::undo_at_end`]). After a sudden death the next run that writes into the folder removes it: a
+//! writer holds a lock on its file for as long as the process lives, so a file that can be locked is abandoned. (A
+//! process id in the name would not show that: containers and machines that share a folder have process ids of their
 //! own.)
 
 use std::ffi::{OsStr, OsString};
@@ -21,7 +21,7 @@ use crate::ending::{Undo, undo_at_end};
 /// What the names of unfinished files begin with.
 const PREFIX: &str = ".mariana-unfinished-";
 
-/// How often a file is begun that another run took for an abandoned one in the moment before it was locked.
+/// How often a new file is tried if another run takes it for an abandoned one in the moment before it is locked.
 const ATTEMPTS: usize = 8;
 
 /// A file that cannot be written.
@@ -34,7 +34,8 @@ pub struct Unwritable {
     pub reason: String,
 }
 
-/// A file that goes when it is dropped, when a signal ends the process, or with the next run after a sudden death.
+/// A file that is removed when it is dropped, when a signal ends the process, or by the next run after a sudden
+/// death.
 #[derive(Debug)]
 pub struct Unfinished {
     // Open and locked for as long as it lives.
@@ -53,7 +54,7 @@ impl Unfinished {
         builder.prefix(PREFIX).suffix(suffix);
         #[cfg(unix)]
         {
-            // As any new file: the user's mask decides, not the privacy of temporary files.
+            // Like any new file: the user's umask decides, not the privacy of temporary files.
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
@@ -61,7 +62,7 @@ impl Unfinished {
             let file = builder.tempfile_in(folder).map_err(without_path)?;
             let path = file.path().to_owned();
             let undo = undo_at_end(move || {
-                // One that is gone already is no loss.
+                // If it is gone already, nothing is lost.
                 let _ = std::fs::remove_file(path);
             });
             if is_held(file.as_file()) {
@@ -71,7 +72,7 @@ impl Unfinished {
         Err(io::Error::other("other runs remove what is begun there"))
     }
 
-    /// Its path, for programs that write or read it by its name.
+    /// Its path, for programs that write or read it by name.
     pub fn path(&self) -> &Path {
         self.file.path()
     }
@@ -81,29 +82,29 @@ impl Unfinished {
     /// # Errors
     /// What the system says.
     pub fn write_all(&mut self, bytes: &[u8]) -> io::Result<()> {
-        // Not the named one: its errors tell the name, which means nothing to the user.
+        // Not through the named file: its errors contain the temporary name, which means nothing to the user.
         self.file.as_file_mut().write_all(bytes)
     }
 
     /// Renames it to `place` once its content is on the disk.
     fn put(self, place: &Path) -> io::Result<()> {
-        // By its name: another program may have written it.
+        // Through its name: another program may have written it.
         synced(File::options().write(true).open(self.path())?.sync_all())?;
         let Self { file, undo } = self;
         undo.settle(|| file.persist(place)).map_err(|error| error.error)?;
-        // The name, too, where folders can be synced.
+        // The name is synced too, if folders can be synced.
         let _ = File::open(folder_of(place)).and_then(|folder| folder.sync_all());
         Ok(())
     }
 }
 
-/// What went wrong with a temporary file, without its name.
+/// The error of a temporary file, without its name.
 pub fn without_path(error: io::Error) -> io::Error {
     let text = error.to_string();
     io::Error::new(error.kind(), text.split(" at path ").next().unwrap_or_default().to_owned())
 }
 
-/// A file system that knows of no syncing has done all that it can.
+/// A file system that cannot sync has done all that it can.
 fn synced(result: io::Result<()>) -> io::Result<()> {
     match result {
         Err(error) if matches!(error.kind(), ErrorKind::InvalidInput | ErrorKind::Unsupported) => Ok(()),
@@ -111,21 +112,21 @@ fn synced(result: io::Result<()>) -> io::Result<()> {
     }
 }
 
-/// Locks a file that was made a moment ago; false if it was removed in that moment.
+/// Locks a file that was made a moment ago; false if it was removed in between.
 #[cfg(unix)]
 fn is_held(file: &File) -> bool {
     use std::os::unix::fs::MetadataExt;
-    // Where there are no locks nobody can take it for abandoned.
+    // Without locks nobody can take it for abandoned.
     file.lock().is_err() || file.metadata().is_ok_and(|file| file.nlink() > 0)
 }
 
-/// Locks keep other programs from writing here, so there are none, and nothing is taken for abandoned.
+/// On these systems a lock keeps other programs from writing, so none is taken and no file counts as abandoned.
 #[cfg(not(unix))]
 fn is_held(_file: &File) -> bool {
     true
 }
 
-/// Removes what is abandoned in `folder`, unless that was the last folder in which it was done: a thousand stills go
+/// Removes abandoned files in `folder`, unless that is the folder in which it was last done: a thousand stills go
 /// into the same one.
 fn remove_abandoned_once(folder: &Path) {
     static LAST: Mutex<Option<PathBuf>> = Mutex::new(None);
@@ -136,13 +137,13 @@ fn remove_abandoned_once(folder: &Path) {
     }
 }
 
-/// Removes the unfinished files in `folder` that no process holds. What cannot be looked at stays.
+/// Removes the unfinished files in `folder` that no process holds. A file that cannot be checked stays.
 fn remove_abandoned(folder: &Path) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let ours = entry.file_name().as_encoded_bytes().starts_with(PREFIX.as_bytes())
             && entry.file_type().is_ok_and(|kind| kind.is_file());
-        // Held while it is removed, so that a run that has just made it does not go on with it.
+        // The lock is held during the removal, so that a run that has just made the file does not go on with it.
         let file = ours.then(|| File::options().read(true).write(true).open(entry.path()));
         if let Some(Ok(file)) = file
             && cfg!(unix)
@@ -165,18 +166,18 @@ fn folder_of(place: &Path) -> &Path {
 pub struct AtomicFile {
     /// As it was asked for.
     path: PathBuf,
-    /// Where it goes, behind links.
+    /// Where it goes, with links followed.
     place: PathBuf,
     unfinished: Unfinished,
 }
 
 impl AtomicFile {
-    /// Opens a file beside `path`, with `path`'s extension. A link is followed: it is what it points to that is
+    /// Opens a file beside `path`, with `path`'s extension. A link is followed: the file that it points to is
     /// replaced.
     ///
     /// # Errors
-    /// [`Unwritable`] if `path` is a folder, a device or a pipe (renaming would destroy those), or if its folder takes
-    /// no files.
+    /// [`Unwritable`] if `path` is a folder, a device or a pipe (renaming would destroy those), or if its folder
+    /// takes no files.
     pub fn create(path: &Path) -> Result<Self, Unwritable> {
         match path.metadata() {
             Ok(found) if found.is_dir() => return Err(unwritable(path, "it is a folder")),
@@ -197,7 +198,7 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), place, unfinished })
     }
 
-    /// Where the content goes for now, for programs that write it by its name.
+    /// Where the content goes for now, for programs that write it by name.
     pub fn temporary(&self) -> &Path {
         self.unfinished.path()
     }
@@ -289,7 +290,7 @@ mod tests {
         let mut kept = [&others[..], &[&a_folder, &a_link, living_name]].concat();
         kept.sort();
         assert_eq!(names, kept);
-        // Another program may write it by its name, as ffmpeg does.
+        // Another program may write it by name, as ffmpeg does.
         std::fs::write(living.path(), "by name").unwrap();
         remove_abandoned(folder.path());
         assert_eq!(std::fs::read_to_string(living.path()).unwrap(), "by name");
@@ -305,7 +306,7 @@ mod tests {
         std::fs::write(file.temporary(), "new").unwrap();
         file.commit().unwrap();
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
-        // One that is gone cannot.
+        // A file that is gone cannot.
         let file = AtomicFile::create(&path).unwrap();
         std::fs::remove_file(file.temporary()).unwrap();
         let message = file.commit().unwrap_err().to_string();

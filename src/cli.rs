@@ -145,7 +145,7 @@ struct CommonArguments {
     verbose: u8,
 }
 
-/// The scene that is shown without being told otherwise.
+/// The scene that is shown by default.
 const DEFAULT_SCENE: &str = "speakers";
 
 #[derive(Subcommand)]
@@ -284,7 +284,7 @@ struct BenchArguments {
 /// Parses the arguments and does what they say.
 ///
 /// # Errors
-/// What the job could not do; usage errors end the program with code 2 before.
+/// What the job could not do; usage errors end the program with code 2 before that.
 pub fn run() -> anyhow::Result<()> {
     quiet_contained_panics();
     ending::outlive_file_limits();
@@ -293,7 +293,7 @@ pub fn run() -> anyhow::Result<()> {
     dispatch(Arguments::parse()).map_err(colored_on_a_terminal)
 }
 
-/// A scene's mistakes in colours, where they can be seen.
+/// A scene's mistakes in colour, if they are printed on a terminal.
 fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
     let mistakes = error.chain().find_map(|cause| match cause.downcast_ref() {
         Some(SceneError::Mistakes { name, colored, .. }) => {
@@ -322,10 +322,10 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     }
 }
 
-/// Scale factors of a window that something can still be read in.
+/// Scale factors at which a window is still readable.
 const SCALE_FACTORS: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 
-/// Refuses what winit, which reads this variable on X11, answers with a panic, and what egui does.
+/// Refuses values at which winit, which reads this variable on X11, or egui panics.
 fn check_scale_factor() -> anyhow::Result<()> {
     const NAME: &str = "WINIT_X11_SCALE_FACTOR";
     let value = std::env::var(NAME).unwrap_or_default();
@@ -377,7 +377,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
     app::run(tracks, settings, scene)
 }
 
-/// Lets Ctrl-C and its like end a job that writes files.
+/// Lets Ctrl-C and similar signals end a job that writes files.
 fn end_by_signals() {
     let answer = |signal: Signal| {
         ending::end_now(signal, || {

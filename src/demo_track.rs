@@ -1,4 +1,4 @@
-//! The song inside the program, for whoever names none.
+//! The song inside the program, for users who name none.
 
 use std::path::PathBuf;
 

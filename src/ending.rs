@@ -1,14 +1,14 @@
-//! How the process ends: what a signal that asks for the end sets off, what is undone before it, and the last step out.
+//! How the process ends: what happens at a signal that asks for the end, what is undone before it, and the last step.
 //!
-//! A job that writes files ends wherever it is, be that in a draw that takes a minute or in a write to a program that
-//! does not read: the thread that waits for signals removes what is unfinished ([`undo_at_end`]) and ends the process.
+//! A job that writes files ends wherever it is, be it in a draw that takes a minute or in a write to a program that
+//! does not read: the thread that waits for signals removes unfinished files ([`undo_at_end`]) and ends the process.
 //! A show ends by itself: it asks [`asked_to_end`] when it is woken.
 //!
-//! **A job ends where it is.** SIGINT, SIGTERM and SIGHUP are waited for by a thread, which removes the unfinished
-//! files, ends ffmpeg, says so and leaves with `_exit`: a draw may take a minute, and a pipe may never be read. ffmpeg
-//! has a process group of its own, so that Ctrl-C is for Mariana alone. Whoever writes an unfinished file holds a lock
-//! on it, which the kernel takes back from a killed process: the next run that writes into the folder removes what it
-//! can lock.
+//! **A job ends where it is.** A thread waits for SIGINT, SIGTERM and SIGHUP. It removes the unfinished files, ends
+//! ffmpeg, says so and leaves with `_exit`, because a draw may take a minute and a pipe may never be read. ffmpeg has
+//! a process group of its own, so that Ctrl-C reaches Mariana alone. The writer of an unfinished file holds a lock on
+//! it, which the kernel releases when the process is killed: the next run that writes into the folder removes the
+//! files that it can lock.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -36,7 +36,7 @@ impl Signal {
         Self::ALL.into_iter().find(|signal| *signal as u8 == number)
     }
 
-    /// What shells tell of a program that a signal ended: 128 and the signal's number.
+    /// The exit code that shells report for a program ended by a signal: 128 plus the signal's number.
     pub fn exit_code(self) -> u8 {
         128 + self as u8
     }
@@ -63,12 +63,12 @@ pub fn asked_to_end() -> Option<Signal> {
     Signal::of(ASKED.load(Ordering::Acquire))
 }
 
-/// From now on the first signal that asks for the end calls `answer`, on a thread of its own, in place of ending the
-/// process as signals do. One that comes a second later or more ends the process by [`end_now`]. A signal that whoever
-/// started the program has it ignore, as `nohup` does, stays ignored. To be called once.
+/// From now on the first signal that asks for the end calls `answer`, on a thread of its own, instead of ending the
+/// process as signals do. A signal that comes a second later or more ends the process by [`end_now`]. If whoever
+/// started the program had it ignore a signal, as `nohup` does, it stays ignored. To be called once.
 ///
 /// # Errors
-/// What the system says about threads and signals; then they end the process as they do by themselves.
+/// What the system says about threads and signals; then signals end the process as usual.
 #[cfg(unix)]
 pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     let ignored = ignored_signals();
@@ -93,7 +93,7 @@ pub fn watch(answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// There are no such signals here.
+/// On these systems there are no such signals.
 ///
 /// # Errors
 /// None.
@@ -102,7 +102,7 @@ pub fn watch(_answer: impl Fn(Signal) + Send + 'static) -> io::Result<()> {
     Ok(())
 }
 
-/// The signals that are ignored, as bits, where the system tells it without being asked by C.
+/// The ignored signals, as bits, on systems that report them without a call to C.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -110,21 +110,21 @@ fn ignored_signals() -> u64 {
     bits.and_then(|bits| u64::from_str_radix(bits.trim(), 16).ok()).unwrap_or(0)
 }
 
-/// Has a file that would grow beyond what the user may write be an error, as on a full disk, and not a sudden death.
+/// Makes a file that would grow beyond the user's limit an error, as on a full disk, instead of a sudden death.
 pub fn outlive_file_limits() {
     #[cfg(unix)]
     {
-        /// Looked at by nobody: a signal that is taken lets the write fail.
+        /// Read by nobody: because the signal is handled, the write fails instead.
         static TAKEN: AtomicBool = AtomicBool::new(false);
-        // Where that cannot be had, the system does as it always does.
+        // If that is not possible, the system does as usual.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, &TAKEN);
     }
 }
 
 type Step = Box<dyn FnOnce() + Send>;
 
-/// What has to be undone if the process ended now, by number. Whoever ends the process keeps the lock for ever, so that
-/// nothing is begun or finished after that.
+/// What has to be undone if the process ended now, by number. Whoever ends the process keeps the lock for ever, so
+/// that nothing is begun or finished after that.
 static UNDO: Mutex<BTreeMap<u64, Step>> = Mutex::new(BTreeMap::new());
 
 fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {
@@ -136,8 +136,8 @@ fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {
 #[derive(Debug)]
 pub struct Undo(u64);
 
-/// Has `step` run if the process is ended before what this gives is dropped or settled. It must not wait for long, nor
-/// begin or forget such steps itself.
+/// Registers `step` to be run if the process is ended before the returned value is dropped or settled. The step must
+/// not wait for long, nor register or forget steps itself.
 pub fn undo_at_end(step: impl FnOnce() + Send + 'static) -> Undo {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -146,7 +146,8 @@ pub fn undo_at_end(step: impl FnOnce() + Send + 'static) -> Undo {
 }
 
 impl Undo {
-    /// Runs `last`, after which nothing is to be undone. The process is ended before it or after it, never between.
+    /// Runs `last`, after which there is nothing to undo. The process is ended before it or after it, never in
+    /// between.
     pub fn settle<T>(self, last: impl FnOnce() -> T) -> T {
         let mut list = undo_list();
         let done = last();
@@ -159,12 +160,13 @@ impl Undo {
 impl Drop for Undo {
     fn drop(&mut self) {
         let step = undo_list().remove(&self.0);
-        // Behind the lock.
+        // After the lock is released.
         drop(step);
     }
 }
 
-/// Undoes all that is unfinished, the latest first, lets `say` tell of it, and ends the process with the signal's code.
+/// Undoes everything that is unfinished, the latest first, lets `say` report it, and ends the process with the
+/// signal's code.
 pub fn end_now(signal: Signal, say: impl FnOnce()) -> ! {
     let mut list = undo_list();
     while let Some((_, step)) = list.pop_last() {
@@ -174,21 +176,21 @@ pub fn end_now(signal: Signal, say: impl FnOnce()) -> ! {
     leave_at_once(signal.exit_code())
 }
 
-/// The end of `main`. No signal comes between from here on.
+/// The end of `main`. From here on no signal interferes.
 pub struct Leaving {
     _list: MutexGuard<'static, BTreeMap<u64, Step>>,
 }
 
-/// Begins to leave. Does not return if a signal is ending the process already.
+/// Begins to leave. Does not return if a signal is already ending the process.
 pub fn begin_to_leave() -> Leaving {
     Leaving { _list: undo_list() }
 }
 
 impl Leaving {
-    /// Ends the process with `code`, without what drivers and libraries do at an `exit`: threads of theirs that are
-    /// still at work would be left without what that takes away. Mesa 22.3 compiles for AMD on such threads, and dies.
+    /// Ends the process with `code`, without the exit handlers of drivers and libraries: they would take away what
+    /// their threads, which may still be at work, need. Mesa 22.3 compiles for AMD on such threads, and crashes.
     pub fn leave(self, code: u8) -> ! {
-        // Where nobody reads there is nobody to tell.
+        // If nobody reads standard output, there is nobody to tell.
         let _ = io::stdout().flush();
         let _ = io::stderr().flush();
         leave_at_once(code)

@@ -1,7 +1,7 @@
-//! Faults that tests cause: what drivers do on bad days, at a moment that a test chooses.
+//! Faults that tests cause: failures of drivers, at a moment that a test chooses.
 //!
-//! In builds with debug assertions the variable `MARIANA_FAULT` names a fault and after how many seconds it strikes, once:
-//! `context-lost@3`. In others nothing of it is compiled.
+//! In builds with debug assertions the variable `MARIANA_FAULT` names a fault and after how many seconds it strikes,
+//! once: `context-lost@3`. In other builds none of this is compiled.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -30,7 +30,7 @@ impl Fault {
 static WANTED: OnceLock<Option<(Fault, Instant)>> = OnceLock::new();
 static STRUCK: AtomicBool = AtomicBool::new(false);
 
-/// Whether a fault strikes here and now. Seconds count from the first time that this is asked.
+/// Whether a fault strikes here and now. The seconds count from the first call.
 pub fn strikes(fault: Fault) -> bool {
     if !cfg!(debug_assertions) {
         return false;

@@ -1,8 +1,8 @@
 //! Mariana: a music visualizer whose worlds are formulas.
 //!
-//! The folders spell the pipeline: sound comes in through `mariana_player`, is analysed in `mariana_music`, meets time and
-//! camera in [`frame`], and is drawn by [`gpu`] for a window ([`app`]) or a file ([`export`]).
-//! ARCHITECTURE.md says what lives where and what must never be.
+//! The folders spell the pipeline: sound comes in through `mariana_player`, is analysed in `mariana_music`, meets
+//! time and camera in [`frame`], and is drawn by [`gpu`] for a window ([`app`]) or a file ([`export`]).
+//! ARCHITECTURE.md says what is where, and which rules hold.
 
 pub mod app;
 pub mod atomic_file;

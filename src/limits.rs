@@ -1,9 +1,9 @@
-//! Every ceiling of the program that is not one of its crates': those stand in `limits.rs` of the crate.
+//! Every limit of the program that does not belong to one of its crates: those are in the crate's `limits.rs`.
 //!
-//! A limit is data: code that meets one reads it here, an error that reports one names the number that stands here, and a
-//! test reaches it.
+//! A limit is data: code that applies one reads it here, an error that reports one gives the number defined here, and
+//! a test reaches it.
 
-/// Ceilings on what comes from outside and on what the program allocates for it.
+/// Limits on what comes from outside and on what the program allocates for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Smallest width and height of a picture or a window, in pixels.
@@ -18,26 +18,26 @@ pub struct Limits {
     pub fps_max: f64,
     /// Longest time that `--at`, `--start` and `--duration` take, in seconds (a day).
     pub seconds_max: f64,
-    /// Most bytes of the file of settings.
+    /// Most bytes of the settings file.
     pub settings_bytes_max: usize,
     /// Largest shader source after its includes were resolved, in bytes.
     pub shader_bytes_max: usize,
-    /// Most bytes of the file of a texture.
+    /// Most bytes of a texture's file.
     pub texture_bytes_max: usize,
     /// Largest width and height of a texture, in texels.
     pub texture_side_max: u32,
     /// Most texels of a texture (16 Mi: 64 MiB, and a third more with its mip levels).
     pub texture_pixels_max: u64,
-    /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond have the whole tape.
+    /// Most texels of a frame's regions (4 Mi: 64 MiB); cells beyond that use the whole tape.
     pub region_texels_max: usize,
-    /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a software
-    /// renderer).
+    /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
+    /// software renderer).
     pub programs_kept_max: usize,
-    /// Longest time that a scene's first picture may take in a window before the scene that was shown stays, in seconds.
+    /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
     pub picture_seconds_max: f64,
 }
 
-/// The limits that hold.
+/// The limits in force.
 pub const LIMITS: Limits = Limits {
     picture_side_min: 1,
     picture_side_max: 16_384,

@@ -1,4 +1,4 @@
-//! What there is to tell about the tracks: sentences that come up over the picture, one after the other.
+//! What there is to report about the tracks: sentences that appear over the picture, one after the other.
 
 use std::collections::VecDeque;
 use std::time::Instant;
@@ -8,7 +8,7 @@ use crate::export::print::tell;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Troubles, Unheard};
 
-/// Sentences that may wait; of more the oldest are not shown.
+/// Most sentences that wait; if there are more, the oldest are dropped.
 const WAITING_MAX: usize = 3;
 
 /// See the module.
@@ -22,7 +22,7 @@ pub(super) struct Announcer {
 }
 
 impl Announcer {
-    /// Shows `text` as soon as what shows is gone.
+    /// Shows `text` as soon as the present sentence is gone.
     pub(super) fn say(&mut self, text: String) {
         if self.waiting.len() == WAITING_MAX {
             self.waiting.pop_front();
@@ -35,13 +35,13 @@ impl Announcer {
         self.shown = Some((text, Instant::now()));
     }
 
-    /// Tells what is new: troubles and what was not heard, on the terminal too, and another track.
+    /// Reports what is new: problems and what was not heard (on the terminal too), and a change of track.
     pub(super) fn look(&mut self, status: &PlayerStatus) {
         self.look_at_troubles(&status.troubles);
         self.look_at_unheard(status.unheard);
         let track = (status.track.entry, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // What plays at the start is in the title, and was asked for.
+            // The track that plays at the start is in the title, and was asked for.
             if self.track.is_some() || status.track.count > 1 {
                 self.say(described(&status.track));
             }
@@ -70,7 +70,7 @@ impl Announcer {
         }
     }
 
-    /// Makes room for what waits.
+    /// Makes room for the sentences that wait.
     pub(super) fn update(&mut self, now: Instant) {
         if self.notice().is_none_or(|notice| notice.is_gone(now)) {
             self.shown = self.waiting.pop_front().map(|text| (text, now));
@@ -91,7 +91,7 @@ fn described(track: &TrackInfo) -> String {
     }
 }
 
-/// The next way to repeat.
+/// The next repeat mode.
 pub(super) fn next_repeat(repeat: Repeat) -> Repeat {
     match repeat {
         Repeat::All => Repeat::One,
@@ -100,7 +100,7 @@ pub(super) fn next_repeat(repeat: Repeat) -> Repeat {
     }
 }
 
-/// Another order in words: how it repeats, or whether it is random, whichever is new.
+/// A change of order in words: the repeat mode or the random order, whichever is new.
 pub(super) fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
     match after {
         (_, true) if !before.1 => "tracks in random order",

@@ -1,17 +1,18 @@
-//! Keeps the window's frame rate: draws fewer pixels with cheaper terms where frames take too long, and more again where
-//! there is time left.
+//! Keeps the window's frame rate: if frames take too long it draws fewer pixels with cheaper terms, and more again
+//! when there is time left.
 //!
-//! A pure controller: when frames were and what they cost come in, a level comes out. It gives way within a quarter of a
-//! second and comes back one level at a time, after seconds without a doubt. One slow frame changes nothing. A level
-//! that was left again soon is tried later and later, so that nothing swings at a boundary.
+//! A pure controller: the frames' times and costs come in, a level comes out. It gives way within a quarter of a
+//! second, and comes back one level at a time after seconds without doubt. One slow frame changes nothing. A level
+//! that had to be left soon after it was tried is tried again later and later, so that nothing oscillates at a
+//! boundary.
 //!
-//! **The window gives way, the files do not.** `app::dynamic_resolution` chooses among fourteen levels: fewer pixels,
-//! which `upscale.frag` enlarges, and the shaders' `frame_quality`, by which what is costly and little missed may be
-//! less. Frames cost what the GPU's timer says, or the clock on a software renderer. A quarter of a second of frames
-//! that take too long is answered at once, by as many levels as it takes; it comes back one level at a time, and later
-//! each time it was too early. Below half the pixels' width only a show is drawn that would not move otherwise. Where
-//! fewer pixels prove to be no help they come back. A picture that stands still is drawn best; stills, videos and
-//! measurements always are.
+//! **The window gives way, the files do not.** `app::dynamic_resolution` chooses among fourteen levels. A level sets
+//! the number of pixels, which `upscale.frag` enlarges, and the shaders' `frame_quality`, which lets costly and
+//! hardly noticed terms become cheaper. A frame's cost is what the GPU's timer reports, or the clock on a software
+//! renderer. A quarter of a second of frames that take too long is answered at once, by as many levels as it takes;
+//! the way back is one level at a time, and slower each time it was too early. Levels below half of the pixels' width
+//! are used only for a show that would not move otherwise. If fewer pixels prove to be no help, they come back. A
+//! picture that stands still is drawn at the best level; stills, videos and measurements always are.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -22,7 +23,7 @@ use crate::gpu::edge_samples::EdgeSamples;
 /// How a picture is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Level {
-    /// Part of the window's width and height that is drawn, 0..1; the rest is interpolated.
+    /// Share of the window's width and height that is drawn, 0..1; the rest is interpolated.
     pub scale: f64,
     /// The shaders' `frame_quality`.
     pub quality: f32,
@@ -34,10 +35,10 @@ const fn moving(scale: f64, quality: f32) -> Level {
     Level { scale, quality, edges: EdgeSamples::Four }
 }
 
-/// The best of all: as stills are drawn.
+/// The best level, at which stills are drawn.
 const STILL: Level = Level { scale: 1.0, quality: 1.0, edges: EdgeSamples::Sixteen };
 
-/// From the best one down. One costs about a fifth less than the one before: no step between two is seen.
+/// From the best level down. Each costs about a fifth less than the one before, so that no step between two is seen.
 const LEVELS: [Level; 14] = [
     moving(1.0, 1.0),
     moving(0.92, 0.8),
@@ -54,52 +55,52 @@ const LEVELS: [Level; 14] = [
     moving(0.28, 0.0),
     moving(0.25, 0.0),
 ];
-/// Sides of so many pixels are drawn as they are.
+/// Sides of no more than this many pixels are not reduced.
 const SIDE_MIN: u32 = 16;
 const HIGH: usize = 2;
 const MEDIUM: usize = 5;
 const LOW: usize = 8;
-/// From this level on the picture suffers: only a show that would no longer move is drawn so.
+/// From this level on the picture suffers visibly: it is used only for a show that would not move otherwise.
 const POOR: usize = 8;
-/// Frames per second below which it would not.
+/// Below this many frames per second a show counts as not moving.
 const FPS_USABLE: f64 = 24.0;
 
-/// What is looked at before giving way: the frames of this time, but at least so many.
+/// What is looked at before giving way: the frames of this time, but at least this many.
 const LOOK: (Duration, usize) = (Duration::from_millis(250), 3);
-/// Two frames in a row that take so many times as long as they may are enough.
+/// Two frames in a row that take this many times as long as they may are reason enough to give way.
 const FAR_TOO_LONG: f64 = 4.0;
-/// How long nothing is in doubt before it comes back, at first and at most.
+/// How long there must be no doubt before a better level is tried: at first, and at most.
 const PATIENCE: (Duration, Duration) = (Duration::from_secs(2), Duration::from_secs(64));
 const PATIENCE_FRAMES: usize = 8;
 /// A level that is left again within this time was tried too early.
 const TOO_EARLY: Duration = Duration::from_secs(12);
-/// ... which is forgotten after a better level has held for so long.
+/// ... which is forgotten after a better level has held for this long.
 const FORGOTTEN: Duration = Duration::from_secs(60);
-/// Costs are remembered for so long, and so many.
+/// Most costs that are remembered.
 const FRAMES_MAX: usize = 4096;
-/// Frames after a change of level that say nothing: targets are made, and times of the GPU come later.
+/// Frames after a change of level that are ignored: targets are being made, and the GPU's times come later.
 const SETTLING: usize = 1;
-/// After a longer time without a frame, what was before says nothing.
+/// After a longer time without a frame, the frames before it are ignored.
 const PAUSE: Duration = Duration::from_secs(3);
-/// Parts of the time for a frame: giving way begins above the first, aims at the second, and a better level has to fit into
-/// the third.
+/// Shares of the time for a frame: the controller gives way above the first, aims at the second, and requires a
+/// better level to fit into the third.
 const FULL: f64 = 0.97;
 const AIM: f64 = 0.8;
 const FREE: f64 = 0.72;
-/// Where a lower level saves less than this part of the cost, pixels are not what costs.
+/// If a lower level saves less than this share of the cost, the pixels are not what costs.
 const HELP: f64 = 0.1;
-/// For how long it then stays as it is, at first and at most.
+/// For how long the level then stays as it is: at first, and at most.
 const HELPLESS: (Duration, Duration) = (Duration::from_secs(10), Duration::from_secs(320));
 
 impl Level {
-    /// The size in which a window of `window` pixels is drawn. Of short sides no pixel is left out.
+    /// The size in which a window of `window` pixels is drawn. Short sides are not reduced.
     pub(super) fn size_in(self, window: (u32, u32)) -> (u32, u32) {
         let side =
             |pixels: u32| ((f64::from(pixels) * self.scale).round() as u32).max(pixels.clamp(1, SIDE_MIN));
         (side(window.0), side(window.1))
     }
 
-    /// What it costs about, where the best one costs 1.
+    /// Its approximate cost, where the best level costs 1.
     fn cost(self) -> f64 {
         self.scale * self.scale * (0.85 + 0.15 * f64::from(self.quality))
     }
@@ -119,11 +120,11 @@ pub(super) struct DynamicResolution {
     /// When the last frames at this level were, and what they cost in seconds.
     frames: VecDeque<(Instant, f64)>,
     settling: usize,
-    /// Whether the driver had no room for a picture once.
+    /// Whether the driver once had no memory for a picture.
     lacks_room: bool,
     last: Option<Instant>,
     patience: Duration,
-    /// When a better level was tried last.
+    /// When a better level was last tried.
     tried: Option<Instant>,
     /// The level and the cost before giving way, until that proves to help.
     gave_way: Option<(usize, f64)>,
@@ -169,7 +170,8 @@ impl DynamicResolution {
         }
     }
 
-    /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without what waits for the monitor.
+    /// Notes a picture that was drawn at `now` and cost `cost` of the time for a frame, without waiting for the
+    /// monitor.
     pub(super) fn note(&mut self, now: Instant, cost: Duration) {
         if self.choice != QualityChoice::Auto {
             return;
@@ -201,7 +203,8 @@ impl DynamicResolution {
         }
     }
 
-    /// Takes note that a picture that was begun will cost so many seconds. Whether it should be begun again, in another way.
+    /// Notes that a picture that was begun will take this many seconds. Returns whether to begin it again at another
+    /// level.
     pub(super) fn expects(&mut self, now: Instant, seconds: f64) -> bool {
         let before = self.level;
         if self.choice == QualityChoice::Auto && seconds > FAR_TOO_LONG * self.time_at(self.level) {
@@ -210,7 +213,7 @@ impl DynamicResolution {
         self.level != before
     }
 
-    /// Draws fewer pixels from now on, whatever they cost. False if there are no fewer.
+    /// Draws fewer pixels from now on, whatever they cost. False if the level is the lowest.
     pub(super) fn make_smaller(&mut self) -> bool {
         let has_smaller = self.level + 1 < LEVELS.len();
         if has_smaller {
@@ -225,7 +228,7 @@ impl DynamicResolution {
         if level < POOR { self.interval } else { self.interval.max(1.0 / FPS_USABLE) }
     }
 
-    /// What one of the last frames cost that is no exception; none before there are enough.
+    /// The cost of a typical recent frame, exceptions left out; none before there are enough frames.
     fn recent(&self, now: Instant) -> Option<f64> {
         let last_two = self.cost_of(2, 0.0).filter(|_| self.frames.len() >= 2);
         let far_too_long = last_two.filter(|cost| *cost > FAR_TOO_LONG * self.time_at(self.level));
@@ -237,7 +240,7 @@ impl DynamicResolution {
         (self.frames.len() >= count).then(|| self.cost_of(count, 0.5))?
     }
 
-    /// The cost that so much of the last `count` frames do not exceed.
+    /// The cost that this share of the last `count` frames does not exceed.
     fn cost_of(&self, count: usize, part: f64) -> Option<f64> {
         let mut costs: Vec<f64> = self.frames.iter().rev().take(count).map(|(_, cost)| *cost).collect();
         costs.sort_by(f64::total_cmp);
@@ -277,7 +280,7 @@ impl DynamicResolution {
     fn come_back(&mut self, now: Instant) {
         let Some(better) = self.level.checked_sub(1) else { return };
         let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
-        // Frames that are a little younger than the patience are as old as can be.
+        // Frames a little younger than the patience are the oldest that there can be.
         let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);
         if !waited || self.frames.len() < PATIENCE_FRAMES {
             return;

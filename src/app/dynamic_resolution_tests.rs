@@ -2,7 +2,7 @@ use super::*;
 
 const FPS: f64 = 60.0;
 
-/// A window that shows what costs something at a level, and what became of its level.
+/// A window whose pictures have a cost at each level, and what became of its level.
 struct Window {
     dynamic_resolution: DynamicResolution,
     now: Instant,
@@ -25,7 +25,7 @@ impl Window {
         self.now.duration_since(self.start).as_secs_f64()
     }
 
-    /// Shows for some seconds what costs `cost(frame, level)` seconds.
+    /// Shows pictures for some seconds that cost `cost(frame, level)` seconds each.
     fn show(&mut self, seconds: f64, mut cost: impl FnMut(usize, Level) -> f64) -> &mut Self {
         let end = self.now + Duration::from_secs_f64(seconds);
         for frame in 0.. {
@@ -49,7 +49,7 @@ impl Window {
     }
 }
 
-/// Seconds that a scene takes which takes `best` at the best level, some of it whatever the level is.
+/// The cost in seconds of a scene that takes `best` at the best level, of which `fixed` does not depend on the level.
 fn scene(best: f64, fixed: f64) -> impl Fn(usize, Level) -> f64 {
     move |_, level| fixed + best * level.scale.powi(2) * (0.6 + 0.4 * f64::from(level.quality))
 }

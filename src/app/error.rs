@@ -1,4 +1,4 @@
-//! What keeps the window from showing. Each message says what, where and what to do.
+//! Errors that keep the window from showing. Each message says what, where and what to do.
 
 use crate::export::ExportError;
 use crate::gpu::error::GpuError;
@@ -14,7 +14,7 @@ pub enum AppError {
          video', which need none"
     )]
     NoDisplay(String),
-    /// The window system was there and is not any more.
+    /// The window system was there and has gone.
     #[error(
         "the window is gone, as its display has ended or broken the connection: start Mariana in a running session"
     )]
@@ -50,7 +50,7 @@ pub enum AppError {
     /// The picture cannot be drawn.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// The song that should go on cannot: it was damaged or taken away.
+    /// The song that is to continue cannot: it was damaged or removed.
     #[error("the song cannot go on: {0}")]
     SongLost(String),
     /// The song cannot be played.

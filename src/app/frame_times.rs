@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// Frames that are remembered: a minute or so.
+/// Frames that are remembered: about a minute.
 const KEPT: usize = 4096;
 
 /// The durations of the last frames.
@@ -27,7 +27,7 @@ impl FrameTimes {
 }
 
 impl std::fmt::Display for FrameTimes {
-    /// Their number, and of the last ones the median and the longest.
+    /// The number of frames, and the median and the longest of the last ones.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut sorted = self.last.clone();
         sorted.sort_by(f32::total_cmp);

@@ -1,4 +1,4 @@
-//! The keys: one table from which handling, help and README are derived.
+//! The keys: one table from which the handling, the help and README are derived.
 
 use winit::keyboard::{Key, NamedKey};
 
@@ -7,9 +7,9 @@ use winit::keyboard::{Key, NamedKey};
 pub enum Action {
     /// Pause or go on.
     TogglePause,
-    /// Seek by so many seconds.
+    /// Seek by this many seconds.
     Seek(f64),
-    /// Change the volume by so much of 0..1.
+    /// Change the volume by this much of 0..1.
     ChangeVolume(f32),
     /// Mute or unmute.
     ToggleMute,
@@ -24,7 +24,7 @@ pub enum Action {
     ToggleShuffle,
     /// Repeat all tracks, one, or none.
     ChangeRepeat,
-    /// Show the picture later by so many steps.
+    /// Show the picture later by this many steps.
     Shift(f64),
     /// Listen to the next source.
     ChangeSource,
@@ -42,7 +42,7 @@ pub enum Action {
         /// Whether it is larger.
         larger: bool,
     },
-    /// Back from a camera that was moved by hand to the scene's own.
+    /// Return from a camera that was moved by hand to the scene's own.
     GiveCameraBack,
     /// The next scene, or the previous one.
     ChangeScene {
@@ -282,7 +282,7 @@ pub const BINDINGS: &[Binding] = &[
     },
 ];
 
-/// What `key` does, if anything; `repeated` while it is held, `shift` with a shift key.
+/// What `key` does, if anything; `repeated` while it is held, `shift` while a shift key is.
 pub fn action_of(key: &Key, repeated: bool, shift: bool) -> Option<Action> {
     let lower = match key {
         Key::Character(text) => Key::Character(text.to_lowercase()),
@@ -340,7 +340,7 @@ mod tests {
         assert_eq!(action("z", false), None);
         let left = action_of(&Key::Named(NamedKey::ArrowLeft), true, false);
         assert_eq!(left, Some(Action::Seek(-SEEK_SECONDS)));
-        // With caps lock V is typed as with Shift.
+        // With caps lock on, V is typed as with Shift.
         assert_eq!(action("V", false), Some(Action::ChangeView { forward: true }));
         let back = action_of(&Key::Character("V".into()), false, true);
         assert_eq!(back, Some(Action::ChangeView { forward: false }));

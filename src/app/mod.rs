@@ -1,5 +1,5 @@
-//! The window: the only room that uses winit. Its events come in on one thread ([`window_thread`]), the show runs on another
-//! ([`show`]).
+//! The window: the only room that uses winit. Its events come in on one thread ([`window_thread`]); the show runs on
+//! another ([`show`]).
 
 mod announcer;
 mod dynamic_resolution;

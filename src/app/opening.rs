@@ -1,8 +1,9 @@
-//! What a show begins with: everything that lives as long as the window, made on the show's thread.
+//! What a show begins with: everything that lives as long as the window, created on the show's thread.
 //!
-//! **A lost context is made anew.** When the driver reports that its context is lost, everything that was of it goes,
-//! while it is still current, and comes again from the worlds, which are plain values (`app::opening::renewed`); the
-//! song does not notice. A picture that the driver has no room for is drawn smaller. `faults` lets tests cause both.
+//! **A lost context is made anew.** When the driver reports that its context is lost, everything that belongs to it
+//! is dropped while it is still current, and made again from the worlds, which are plain values
+//! (`app::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
+//! smaller. `faults` lets tests cause both.
 
 use std::time::Instant;
 
@@ -29,16 +30,16 @@ use mariana_music::TapTempo;
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions};
 
-/// Frame cap where the monitor tells no rate.
+/// Frame cap where the monitor reports no rate.
 const FPS_DEFAULT: f64 = 60.0;
 /// Threads that compile programs: one for the scene's own, one for the interpreter's.
 const COMPILERS: usize = 2;
 
 /// What is known before the window opens.
 pub(super) struct Opening<'a> {
-    /// What is played; nothing if only an input is listened to.
+    /// What is played; none if only an input is listened to.
     pub(super) tracks: Option<Opened>,
-    /// How.
+    /// How the window plays and shows it.
     pub(super) settings: &'a PlaySettings,
     /// How scenes are drawn.
     pub(super) scene: &'a SceneChoice,
@@ -69,7 +70,7 @@ impl Opening<'_> {
             first,
             move || of_scenes.wake(),
         )?;
-        // The song starts with the first picture, so that nothing of it is missed.
+        // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
             volume: settings.volume,
@@ -145,7 +146,7 @@ fn renderer(
     Ok(renderer)
 }
 
-/// Makes everything anew that was of a context which is lost. The song goes on meanwhile, and so does all that was chosen.
+/// Makes everything anew that belonged to a lost context. The song and everything that was chosen go on meanwhile.
 ///
 /// # Errors
 /// The driver gives no other context.
@@ -156,7 +157,7 @@ pub(super) fn renewed(
     waker: &Waker,
 ) -> Result<Stage, AppError> {
     let Stage { overlay, renderer: old_renderer, scene: old_scene, window, .. } = stage;
-    // What was made in the context goes while it is current: its names mean something else in the next one.
+    // What was made in the context is dropped while it is current: in the next one its names mean something else.
     drop(overlay);
     drop(old_renderer);
     let kept = old_scene.let_go();

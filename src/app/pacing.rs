@@ -1,4 +1,5 @@
-//! When the next frame is due: a frame limiter for drivers whose vertical sync does not hold, as under a virtual display.
+//! When the next frame is due: a frame limiter for drivers whose vertical sync does not work, as under a virtual
+//! display.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +11,7 @@ pub struct Pacing {
 }
 
 impl Pacing {
-    /// At most `fps` frames per second from `now` on.
+    /// Allows at most `fps` frames per second from `now` on.
     pub fn new(fps: f64, now: Instant) -> Self {
         let interval = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(16));
         Self { interval, due: now }
@@ -21,9 +22,9 @@ impl Pacing {
         self.due
     }
 
-    /// Notes a frame that was begun at `now`. A frame that came late moves the following ones: no burst makes up
-    /// for it. Frames drawn beside the rhythm, as while a window is resized, put the next one off by an interval at
-    /// the most.
+    /// Notes a frame that was begun at `now`. A late frame delays the following ones: no burst makes up for it.
+    /// Frames outside the rhythm, such as those drawn while a window is resized, delay the next one by at most an
+    /// interval.
     pub fn begun(&mut self, now: Instant) {
         self.due = (self.due + self.interval).clamp(now, now + self.interval);
     }

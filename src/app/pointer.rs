@@ -1,4 +1,4 @@
-//! What the mouse does over the picture: it turns the camera, comes nearer, or clicks twice.
+//! What the mouse does over the picture: it turns the camera, moves it nearer, or double-clicks.
 
 use std::time::{Duration, Instant};
 
@@ -7,9 +7,9 @@ use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
 
 /// Two clicks within this time and distance in pixels are a double click.
 const DOUBLE_CLICK: (Duration, f64) = (Duration::from_millis(400), 6.0);
-/// A button that is held turns the camera from this way on, in pixels; a hand that clicks shakes a little.
+/// A held button turns the camera once the pointer has moved this far, in pixels: a hand that clicks shakes a little.
 const DRAG_MIN: f64 = 4.0;
-/// Pixels of a touchpad for a notch of a wheel.
+/// Pixels of a touchpad that equal one notch of a wheel.
 const NOTCH_PIXELS: f64 = 40.0;
 
 /// What the mouse did.
@@ -17,23 +17,23 @@ const NOTCH_PIXELS: f64 = 40.0;
 pub(super) enum Gesture {
     /// Two clicks in one place.
     DoubleClick,
-    /// A way with the button held, to the right and down, in pixels.
+    /// The movement with the button held, to the right and down, in pixels.
     Drag((f64, f64)),
     /// Notches of the wheel, positive away from the user.
     Zoom(f64),
 }
 
-/// The mouse, as far as events that are not the overlay's tell.
+/// The state of the mouse, from the events that are not the overlay's.
 #[derive(Debug, Default)]
 pub(super) struct Pointer {
     place: PhysicalPosition<f64>,
     last_click: Option<(Instant, PhysicalPosition<f64>)>,
-    /// While the button is held: where it went from, and whether that is a drag already.
+    /// While the button is held: where the movement began, and whether it is a drag already.
     held: Option<(PhysicalPosition<f64>, bool)>,
 }
 
 impl Pointer {
-    /// Takes note of an event; what the mouse did by it.
+    /// Takes an event and returns what the mouse did with it.
     pub(super) fn take(&mut self, event: &WindowEvent, now: Instant) -> Option<Gesture> {
         match event {
             WindowEvent::CursorMoved { position, .. } => self.moved(*position),

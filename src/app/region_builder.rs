@@ -1,14 +1,15 @@
-//! Trees of regions, built beside the frames on a thread of their own.
+//! Trees of regions, built in parallel with the frames on a thread of their own.
 //!
-//! Only the latest request counts: one that was not begun is replaced. What comes back is the tree with the whole frame
-//! that it was asked for, so that a picture is drawn with the inputs of its tree. A tree that takes longer than it may is
-//! given up, and so is one that nobody waits for any more.
+//! Only the latest request counts: it replaces one that was not begun. The tree comes back with the whole frame that
+//! it was requested for, so that a picture is drawn with the inputs of its tree. A tree that takes longer than it may
+//! is given up, and so is one that nobody waits for any more.
 //!
 //! **A picture is drawn with the inputs of its tree.** `Renderer::draw` builds the regions of a frame if nobody has:
-//! stills, videos and measurements know of nothing else. The window asks a thread for them, the latest request only,
-//! and draws a picture when its tree has come, whenever that is: inputs that take long follow the sound with fewer
-//! frames. Where the compiled program draws sooner than a tree is built it draws without cells; an interpreter without
-//! cells takes tens of times as long as with them, longer than any tree. The line of key I tells which.
+//! this is the only way for stills, videos and measurements. The window asks a thread for them (the latest request
+//! only) and draws a picture when its tree has come, whenever that is; if inputs take long, the picture follows the
+//! sound with fewer frames. If the compiled program draws faster than a tree is built, it draws without cells. An
+//! interpreter without cells takes tens of times as long as with them, longer than any tree takes. The line of key I
+//! says which is used.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -39,17 +40,17 @@ pub(super) struct BuiltTree<Tag> {
     pub tag: Tag,
     /// The frame that is to be drawn with it.
     pub frame: Frame,
-    /// The tree; none if it would have taken longer than it may.
+    /// The tree; none if it would have taken longer than allowed.
     pub regions: Option<Arc<BuiltRegions>>,
 }
 
-/// How long the end waits for a tree that is being built.
+/// How long the end of the program waits for a tree that is being built.
 const END_WAIT: Duration = Duration::from_millis(200);
 
 struct State<Tag> {
     next: Option<TreeJob<Tag>>,
     done: Option<BuiltTree<Tag>>,
-    /// How often what was asked for was forgotten: a tree that was begun before is of no use.
+    /// How often the requests were forgotten: a tree that was begun before is of no use.
     forgotten: u64,
     over: bool,
 }
@@ -65,7 +66,7 @@ impl<Tag> Shared<Tag> {
     }
 }
 
-/// The thread and what lies between it and the frames.
+/// The thread and the queue between it and the frames.
 pub(super) struct RegionBuilder<Tag> {
     shared: Arc<Shared<Tag>>,
     thread: Option<JoinHandle<()>>,
@@ -85,7 +86,7 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Asks for a tree in place of any that was not begun.
+    /// Requests a tree in place of any that was not begun.
     pub(super) fn request(&self, job: TreeJob<Tag>) {
         self.shared.lock().next = Some(job);
         self.shared.changed.notify_one();
@@ -96,7 +97,7 @@ impl<Tag: Send + 'static> RegionBuilder<Tag> {
         self.shared.lock().done.take()
     }
 
-    /// Drops all that was asked for and not taken.
+    /// Drops everything that was requested and not taken.
     pub(super) fn forget(&self) {
         let mut state = self.shared.lock();
         (state.next, state.done) = (None, None);
@@ -116,7 +117,7 @@ impl<Tag> Drop for RegionBuilder<Tag> {
         state.next = None;
         drop(state);
         self.shared.changed.notify_one();
-        // A tree takes milliseconds, that of a scene too large to be drawn minutes: nobody waits for that one.
+        // A tree takes milliseconds; that of a scene too large to be drawn takes minutes, and nobody waits for it.
         let until = Instant::now() + END_WAIT;
         let Some(thread) = self.thread.take() else { return };
         while !thread.is_finished() && Instant::now() < until {
@@ -143,7 +144,7 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
             let state = shared.lock();
             state.forgotten == forgotten && !state.over && begun.elapsed() < patience
         };
-        // A panic must not leave the picture waiting: the next request is another chance.
+        // After a panic the picture must not wait for ever: the next request is another chance.
         let built = catch_unwind(AssertUnwindSafe(|| {
             BuiltRegions::new_while(&plan, &frame.inputs, request, &is_wanted)
         }));

@@ -1,8 +1,8 @@
-//! The regions of the scene on the stage: asked for beside the frames, and what is drawn until they come.
+//! The regions of the scene on the stage: requested in parallel with the frames, and what is drawn until they come.
 //!
-//! A picture is drawn with the inputs that its tree was built for. A tree that comes after the frame was due is drawn when
-//! it comes: the picture then follows the sound with fewer frames. Where the compiled program draws sooner than a tree
-//! is built, it draws without; an interpreter would take much longer that way.
+//! A picture is drawn with the inputs that its tree was built for. A tree that comes after its frame was due is drawn
+//! when it comes: the picture then follows the sound with fewer frames. If the compiled program draws faster than a
+//! tree is built, it draws without one; an interpreter would take much longer that way.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -17,10 +17,10 @@ use crate::limits::LIMITS;
 use mariana_music::{Features, Sound};
 use mariana_player::Moment;
 
-/// Trees that take no longer than this are waited for, in however short a time a frame is drawn.
+/// Trees that take no longer than this are waited for, even if a frame is drawn in less time.
 const WAITED_FOR: Duration = Duration::from_millis(17);
 
-/// Size of the picture for which a scene's first tree is built; it says nothing but how wide the picture is.
+/// Size of the picture for which a scene's first tree is built; only its shape matters.
 const TRIAL_SIZE: (u32, u32) = (16, 9);
 
 /// What a picture shows.
@@ -36,19 +36,19 @@ pub(super) struct Shown {
     pub revision: u64,
 }
 
-/// What is asked of the builder, and whether it is.
+/// The builder's requests, and whether trees are waited for.
 pub(super) struct SceneRegions {
     wanted: bool,
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
     builder: RegionBuilder<(u64, Shown)>,
-    /// Builds the first trees of scenes that are to come on the stage.
+    /// Builds the first trees of scenes that are coming onto the stage.
     trials: RegionBuilder<u64>,
-    /// The scene and the picture for which a tree was asked last.
+    /// The scene and the picture for which a tree was last requested.
     asked: Option<(u64, Shown)>,
-    /// The compiled scene that is drawn sooner than its tree is built, so that it is drawn without.
+    /// The compiled scene that is drawn faster than its tree is built, and is therefore drawn without.
     late_for: Option<(u64, Mode)>,
-    /// The one that was no sooner without.
+    /// The compiled scene that was no faster without its tree.
     waited_for: Option<(u64, Mode)>,
     /// Whether the last picture waited for its tree.
     waited: bool,
@@ -75,8 +75,8 @@ impl SceneRegions {
         })
     }
 
-    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, which sounds like `sound`, or an earlier picture whose tree has
-    /// come by now. None if there is nothing to draw but what was drawn before.
+    /// A frame of the scene `id` that can be drawn now in a mode, and what it shows: `wanted`, which sounds like
+    /// `sound`, or an earlier picture whose tree has come by now. None if there is nothing new to draw.
     pub(super) fn drawable(
         &mut self,
         (id, mode): (u64, Mode),
@@ -85,15 +85,15 @@ impl SceneRegions {
         sound: Sound,
         (params, hand): (&[f32], OrbitControls),
     ) -> Option<(Frame, Shown)> {
-        // Where the distance is none, there are cells whatever is wanted.
+        // If the distance is not a signed distance field, cells are used whatever is wanted.
         let cells =
             scene.world().steep || (self.wanted && (self.insists || self.late_for != Some((id, mode))));
         scene.set_cells(cells);
         let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
         let frame = frame.by_hand(scene.world(), hand);
         let request = scene.region_request(&frame);
-        // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture waits
-        // for its tree: what was shown is of another scene.
+        // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture
+        // waits for its tree, because the picture that was shown belongs to another scene.
         if !cells || scene.regions().is_some_and(|built| built.request == request) {
             self.waited = false;
             if self.asked.take().is_some() {
@@ -124,7 +124,7 @@ impl SceneRegions {
         self.wanted
     }
 
-    /// Asks for the first tree of a scene that is to come on the stage, in place of any other one's.
+    /// Requests the first tree of a scene that is coming onto the stage, in place of any other scene's.
     pub(super) fn try_tree(&self, id: u64, scene: &SceneResources) {
         scene.set_cells(self.wanted || scene.world().steep);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
@@ -134,7 +134,7 @@ impl SceneRegions {
         self.trials.request(TreeJob { tag: id, frame, plan: scene.plan().clone(), request, patience });
     }
 
-    /// A first tree that was asked for, and its scene; no tree if it takes longer than anybody waits.
+    /// A first tree that was requested, and its scene; no tree if it takes longer than anyone waits.
     pub(super) fn tried_tree(&self) -> Option<(u64, Option<Arc<BuiltRegions>>)> {
         self.trials.poll().map(|built| (built.tag, built.regions))
     }
@@ -149,12 +149,12 @@ impl SceneRegions {
         self.insists = insists;
     }
 
-    /// Whether a tree that was asked for has come.
+    /// Whether a requested tree has come.
     pub(super) fn have_come(&self) -> bool {
         self.builder.has_built()
     }
 
-    /// Takes note of how long a frame of a scene and mode took that was drawn with `built`. Tells whether it should be
+    /// Notes how long a frame of a scene and mode took that was drawn with `built`. Returns whether it should be
     /// drawn in another way from now on.
     pub(super) fn note_frame_time(
         &mut self,
@@ -174,7 +174,7 @@ impl SceneRegions {
             }
             return late;
         }
-        // Drawn without: was that a good choice?
+        // Drawn without a tree: was that a good choice?
         let no_sooner = self.late_for == now && time > self.tree_time;
         if no_sooner {
             (self.late_for, self.waited_for) = (None, now);

@@ -5,8 +5,8 @@
 //!                                 → compiler threads → its own program → drawn when it is ready
 //! ```
 //!
-//! Whatever comes is prepared beside what is shown, and takes its place only when a program can draw it: no scene is
-//! ever lost to one that is broken or slow to compile.
+//! A new scene is prepared in parallel with what is shown, and takes its place only when a program can draw it: a
+//! scene that is broken or slow to compile never costs the present one.
 
 mod drawing;
 mod kept;
@@ -44,8 +44,8 @@ use crate::view::ViewChoice;
 /// What the loader gives.
 pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
 
-/// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is in the
-/// making: there a frame of a longer one takes many times as long as compiling it.
+/// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is being
+/// made: there a frame of a longer one takes many times as long as compiling it.
 const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
 
 /// A scene with what can draw it.
@@ -53,14 +53,15 @@ struct Cast {
     id: u64,
     source: SceneSource,
     resources: SceneResources,
-    /// The variant of the interpreter that it needs; none if its tape does not fit the driver, or the driver refused it.
+    /// The variant of the interpreter that it needs; none if its tape does not fit the driver, or the driver refused
+    /// it.
     interpreter: Option<Interpreter>,
     interpreted: Option<Rc<Program>>,
     compiled: Option<Rc<Program>>,
     tree: FirstTree,
     /// Whether no compiler has refused it so far.
     compilable: bool,
-    /// Whether it moves without sound, too.
+    /// Whether it also moves without sound.
     moves: bool,
     /// Whether it reads curves of the sound.
     hears_curves: bool,
@@ -74,11 +75,11 @@ enum FirstTree {
     Coming,
     /// It is there.
     There,
-    /// It takes longer than anybody waits for a picture.
+    /// It takes longer than anyone waits for a picture.
     TooLong,
 }
 
-/// What a program in the making is for.
+/// The purpose of a program that is being made.
 enum Task {
     Compiled(u64),
     Interpreter(Interpreter),
@@ -91,7 +92,7 @@ pub(super) struct KeptScenes {
     pub loader: SceneLoader,
     /// The scene that was shown.
     pub shown: Option<(SceneSource, ReadyScene)>,
-    /// The scene that was asked for last.
+    /// The scene that was last asked for.
     pub wanted: SceneSource,
     /// Parameters that were moved.
     pub moved: HashMap<String, f32>,
@@ -109,7 +110,7 @@ pub(super) struct SceneStage {
     source: SceneSource,
     on_stage: Option<Cast>,
     coming: Option<Cast>,
-    /// What was on the stage before, until the first picture of what is there now is finished.
+    /// The scene that was on the stage before, until the first picture of the present one is finished.
     before: Option<Cast>,
     /// The picture that is being drawn.
     making: Option<Making>,
@@ -120,11 +121,11 @@ pub(super) struct SceneStage {
     moved: HashMap<String, f32>,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
-    /// The scene of which a picture was finished last.
+    /// The scene whose picture was finished last.
     pictured: Option<u64>,
-    /// Counts what makes the same moment look different.
+    /// Counts the changes that make the same moment look different.
     revision: u64,
-    /// The scene on the stage and its mode when they were last told.
+    /// The scene on the stage and its mode when they were last announced.
     announced: Option<(u64, Mode)>,
     regions: SceneRegions,
     views: Views,
@@ -182,7 +183,7 @@ impl SceneStage {
         Ok(stage)
     }
 
-    /// Ends with all that is of its context, and gives what another stage goes on with.
+    /// Drops everything that belongs to its context, and returns what another stage goes on with.
     pub(super) fn let_go(self) -> KeptScenes {
         let shown = self.on_stage.or(self.coming).map(|cast| {
             let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
@@ -197,7 +198,7 @@ impl SceneStage {
         }
     }
 
-    /// Goes on where another stage ended: with the parameters that were moved, and the scene that was asked for.
+    /// Goes on where another stage ended, with the parameters that were moved and the scene that was asked for.
     pub(super) fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
         self.moved = moved;
         if wanted != self.source {
@@ -270,7 +271,8 @@ impl SceneStage {
         }
     }
 
-    /// What could not be made. The scenes that need it are drawn in the other way, if there is one.
+    /// Handles a program that could not be made. The scenes that need it are drawn in the other mode, if there is
+    /// one.
     fn take_failure(&mut self, task: &Task, error: GpuError) -> Result<(), GpuError> {
         tracing::warn!("{error}");
         let mut affected = Vec::new();
@@ -297,7 +299,7 @@ impl SceneStage {
         if self.on_stage.is_none() && self.coming.is_none() { Err(error) } else { Ok(()) }
     }
 
-    /// Asks for the way that is left to draw a scene, and tells why.
+    /// Requests the mode that is left to draw a scene, and says why.
     fn fall_back(&mut self, id: u64, error: &GpuError) {
         let Some(cast) = self.cast(id) else { return };
         let name = cast.source.title();
@@ -314,7 +316,7 @@ impl SceneStage {
         self.problem = Some((heading, error.to_string()));
     }
 
-    /// Uploads a scene and asks for its programs.
+    /// Uploads a scene and requests its programs.
     fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
         let fits = Interpreter::fits(&ready.buffers, &ready.plan, self.gl.info());
         if let Err(error) = fits {
@@ -373,8 +375,8 @@ impl SceneStage {
         self.gl.info().software && long && cast.is_compiled_by_itself()
     }
 
-    /// What was asked for scenes that will not be shown is not worth making. A program that is in the making already
-    /// is dropped when it comes.
+    /// Drops requests for scenes that will not be shown. A program that is being made already is dropped when it
+    /// comes.
     fn forget_obsolete(&mut self) {
         let kept = [&self.on_stage, &self.coming, &self.before].map(|cast| cast.as_ref().map(|cast| cast.id));
         self.tasks.retain(|_, task| match task {
@@ -450,8 +452,8 @@ impl SceneStage {
         [&mut self.on_stage, &mut self.coming].into_iter().flatten().find(|cast| cast.id == id)
     }
 
-    /// Gives the scenes their interpreter, and brings the one that is coming on the stage as soon as it can be drawn in a
-    /// way that was asked for.
+    /// Gives the scenes their interpreter, and brings the coming scene onto the stage as soon as it can be drawn in a
+    /// mode that was asked for.
     fn recast(&mut self) {
         let before = self.announced;
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
@@ -473,12 +475,12 @@ impl SceneStage {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
             let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
             let is_another = replaced.is_some() && name(&replaced) != name(&self.on_stage);
-            // One that has shown nothing is none to come back to.
+            // There is no point in coming back to a scene that has shown nothing.
             if self.pictured == replaced.as_ref().map(|cast| cast.id) {
                 self.before = replaced;
             }
             self.forget_obsolete();
-            // They may have been moved since it was asked for.
+            // The sliders may have been moved since the scene was asked for.
             for slider in self.on_stage.iter_mut().flat_map(|cast| &mut cast.sliders) {
                 let value = self.moved.get(&slider.name).copied().unwrap_or(slider.default);
                 slider.value = value.clamp(slider.min, slider.max);
@@ -507,7 +509,7 @@ impl SceneStage {
         self.notice = Some((text, Instant::now()));
     }
 
-    /// How the scene on the stage is drawn; none before there is one.
+    /// The mode of the scene on the stage; none before there is one.
     pub(super) fn mode(&self) -> Option<Mode> {
         let cast = self.on_stage.as_ref()?;
         let order = match self.choice {
@@ -517,7 +519,7 @@ impl SceneStage {
         order.into_iter().find(|mode| cast.program(*mode).is_some())
     }
 
-    /// Whether a scene's program of that mode was asked for and has not come.
+    /// Whether a scene's program of that mode was requested and has not come.
     fn in_the_making(&self, id: u64, mode: Mode) -> bool {
         let needed = self.cast(id).and_then(|cast| cast.interpreter.as_ref());
         self.tasks.values().any(|task| match task {
@@ -529,7 +531,7 @@ impl SceneStage {
         })
     }
 
-    /// Whether the regions of a picture that was asked for have come.
+    /// Whether the regions of a requested picture have come.
     pub(super) fn has_regions(&self) -> bool {
         self.regions.have_come()
     }
@@ -562,7 +564,7 @@ impl SceneStage {
         self.on_stage.as_ref().is_none_or(|cast| cast.hears_curves)
     }
 
-    /// Whether the scene on the stage moves without sound, too.
+    /// Whether the scene on the stage also moves without sound.
     pub(super) fn moves_by_itself(&self) -> bool {
         self.on_stage.as_ref().is_none_or(|cast| cast.moves)
     }

@@ -1,7 +1,7 @@
 //! The show: a song that plays, a window that shows it, keys that steer it.
 //!
-//! **A picture that would look the same is not drawn.** In a scene whose expressions hold no time nothing but sound
-//! moves; while features stay the same the show only listens.
+//! **A picture that would look the same is not drawn.** If no expression of a scene reads the time, nothing but the
+//! sound moves it; while the features stay the same the show only listens.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
@@ -32,13 +32,13 @@ use mariana_music::{self, TapTempo};
 use mariana_player::PlayerStatus;
 use mariana_player::playlist::Opened;
 
-/// A context that is lost again so soon after it was made anew is not made again.
+/// A context that is lost again this soon after it was made anew is not made again.
 const RENEWED_AGAIN: Duration = Duration::from_secs(5);
-/// How often status (title, messages) is looked at.
+/// How often the status (title, messages) is checked.
 const STATUS_INTERVAL: Duration = Duration::from_millis(200);
 
 /// Opens the window and plays `tracks` until the user quits, or until they end if they play once; without tracks it
-/// listens to what the settings tell.
+/// listens to the input that the settings name.
 ///
 /// # Errors
 /// There is nothing to be played once, or the window cannot show it.
@@ -115,7 +115,7 @@ fn load_first(
     Ok((loader, first))
 }
 
-/// What winit says, without the place in its source that it begins with.
+/// What winit says, without the source location at its beginning.
 fn reason(text: &str) -> &str {
     let reason = text.split_once(".rs:").and_then(|(_, rest)| rest.split_once(": "));
     reason.map_or(text, |(_, reason)| reason).trim_end_matches('.')
@@ -133,10 +133,10 @@ struct Show {
 }
 
 impl Show {
-    /// Goes on until somebody ends it.
+    /// Runs until somebody ends it.
     ///
     /// # Errors
-    /// What the show cannot go on without.
+    /// An error that the show cannot go on after.
     fn go_on(&mut self, inbox: &Receiver<Message>) -> Result<(), AppError> {
         loop {
             let until = self.look_around()?;
@@ -149,7 +149,7 @@ impl Show {
                 Err(RecvTimeoutError::Timeout) => None,
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             };
-            // However often it was asked for meanwhile, it is drawn once.
+            // However often a redraw was requested meanwhile, the window is drawn once.
             let mut redraws = false;
             for message in first.into_iter().chain(inbox.try_iter()) {
                 match message {
@@ -168,7 +168,7 @@ impl Show {
     fn draw(&mut self) -> Result<(), AppError> {
         let stage = &mut self.stage;
         let begun = Instant::now();
-        // A picture whose regions have come is one that was due before.
+        // A picture whose regions have come was due before.
         if !stage.scene.has_regions() && !stage.scene.is_drawing() {
             stage.pacing.begun(begun);
         }
@@ -183,7 +183,8 @@ impl Show {
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: stage.scene.revision() };
         let mut new = None;
         if stage.shown != Some(wanted) || stage.scene.is_drawing() {
-            // Its curves take longer than all the rest of a frame's inputs: only for scenes that read them.
+            // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
+            // them.
             let curves =
                 if stage.scene.hears_curves() { stage.sound.heard().tables } else { Default::default() };
             let sound = mariana_music::Sound { features: moment.features, tables: curves };
@@ -202,7 +203,7 @@ impl Show {
         show_sound(&stage.sound, &stage.announcer, &mut content, begun);
         let Some(shown) = new.map(|new| new.shown).or(stage.shown) else { return Ok(()) };
         let handing_over = Instant::now();
-        // Without a new picture there is something to show only if what stands over it changes, or the window.
+        // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && (shown != wanted || is_drawing);
         if waits && stage.overlay.due(&content, begun).is_none_or(|due| due > begun) {
             return Ok(());
@@ -324,7 +325,7 @@ impl Show {
         Ok(())
     }
 
-    /// Takes what happened to the window.
+    /// Handles an event of the window.
     fn take(&mut self, event: &WindowEvent) {
         let stage = &mut self.stage;
         if stage.overlay.on_event(stage.window.window(), event) {
@@ -363,8 +364,8 @@ impl Show {
         }
     }
 
-    /// Takes in what other threads have finished, asks for a picture where one is due, and tells when to look around again
-    /// if nothing happens before.
+    /// Takes in what other threads have finished, requests a picture if one is due, and returns when to look again if
+    /// nothing happens before.
     fn look_around(&mut self) -> Result<Instant, AppError> {
         self.obey_controls();
         self.look_at_status()?;
@@ -392,7 +393,8 @@ impl Show {
         // The first picture starts the song, seen or not.
         let seen = !stage.occluded || stage.shown.is_none();
         if !moving || !seen {
-            // Paused, ended or covered: nothing to draw until something happens. In silence it may happen at any time.
+            // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
+            // any time.
             let idle = now + stage.idle_interval(seen);
             let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
             Ok(wake)

@@ -1,4 +1,4 @@
-//! What the show listens to: the song, or a live input, and how much later the picture is shown.
+//! What the show listens to: the song or a live input, and how much later the picture is shown.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use mariana_player::{Moment, Player, PlayerStatus, Target};
 /// How much `[` and `]` shift the picture, in milliseconds.
 pub(super) const SHIFT_STEP_MS: f64 = 5.0;
 
-/// How long the list of sources stands after it was asked for.
+/// How long the list of sources stays after it was asked for.
 const LIST_STANDS: Duration = Duration::from_secs(4);
 
 /// Something to listen to.
@@ -31,16 +31,16 @@ pub(super) struct Sound {
     /// What the user wants.
     paused: bool,
     file: SettingsFile,
-    /// The shift of this run, in milliseconds, which was asked for on the command line.
+    /// The shift of this run, in milliseconds, if it was given on the command line.
     asked_ms: Option<f64>,
     gain: Gain,
     /// Id of the device in use, as far as is known, and its name.
     device: Option<ListedDevice>,
     watch: Option<std::sync::Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
-    /// What was chosen, and is remembered once the list is gone: on the way to it others were chosen for moments.
+    /// A choice that is remembered only once the list is gone: on the way to it others were chosen for moments.
     unremembered: Option<Target>,
-    /// What stays over the picture as long as it is so.
+    /// What stays over the picture for as long as it holds.
     hint: Option<String>,
     suggestion: Option<ListedDevice>,
     told: Option<String>,
@@ -61,7 +61,7 @@ pub(super) struct Start {
 }
 
 impl Sound {
-    /// Starts to listen; a song waits until it is let go.
+    /// Starts to listen; a song waits until it is started.
     ///
     /// # Errors
     /// A thread cannot be started.
@@ -117,7 +117,7 @@ impl Sound {
         }
     }
 
-    /// The sound of what [`Sound::now`] told last, with its curves.
+    /// The sound at the moment that [`Sound::now`] last returned, with its curves.
     pub(super) fn heard(&self) -> mariana_music::Sound {
         match (&self.live, &self.player) {
             (Some(live), _) => live.sound(),
@@ -126,14 +126,14 @@ impl Sound {
         }
     }
 
-    /// How the song stands, if it is what is listened to. Takes note of its device.
+    /// The state of the song, if it is what is listened to. Notes its device.
     pub(super) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.player()?.status();
         self.device.clone_from(&status.device);
         Some(status)
     }
 
-    /// How the input stands, if one is listened to. Tells on the terminal what is new.
+    /// The state of the input, if one is listened to. Prints what is new on the terminal.
     pub(super) fn live_status(&mut self) -> Option<LiveStatus> {
         if self.list(Instant::now()).is_none() {
             self.remember_choice();
@@ -151,9 +151,9 @@ impl Sound {
         Some(status)
     }
 
-    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers that of the device. Says in words what it is now.
+    /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers the shift for the device. Returns it in words.
     pub(super) fn shift(&mut self, steps: f64) -> String {
-        // What is heard live cannot be shown before it comes.
+        // Live sound cannot be shown before it arrives.
         let least = if self.live.is_some() { 0.0 } else { -mariana_player::limits::LIMITS.latency_ms_max };
         let shift = (self.shift_ms() + steps * SHIFT_STEP_MS)
             .clamp(least, mariana_player::limits::LIMITS.latency_ms_max);
@@ -161,7 +161,7 @@ impl Sound {
         let Some(device) = self.device.clone() else {
             return shift_in_words(shift, None);
         };
-        // Remembered of the device from now on; with another device another shift.
+        // From now on it is remembered for the device; another device has its own shift.
         self.asked_ms = None;
         self.remember(|settings| {
             settings.latency_ms.insert(device.id.clone(), shift);
@@ -175,7 +175,7 @@ impl Sound {
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
     }
 
-    /// Listens to the next source, or to the one where there is signal, and shows the list of them.
+    /// Listens to the next source, or to the one that has a signal, and shows the list of them.
     pub(super) fn next_source(&mut self) {
         let device_list = match &self.watch {
             Some(watch) => watch.latest().1,
@@ -228,14 +228,14 @@ impl Sound {
 
     fn choose(&mut self, source: Source) {
         (self.hint, self.device, self.told) = (None, None, None);
-        // What was asked for was of another device.
+        // The shift that was asked for belonged to another device.
         self.asked_ms = None;
         match source {
             Source::Song => {
-                // Closing waits for the sound system, and the picture must not.
+                // Closing waits for the sound system, and the picture must not wait.
                 if let Some(live) = self.live.take() {
                     let closing = std::thread::Builder::new().name("closing".into());
-                    // Where no thread is to be had it is closed here, which has its limit, too.
+                    // If there is no thread, the input is closed here, which has a time limit too.
                     if let Err(error) = closing.spawn(move || drop(live)) {
                         tracing::warn!("the input was closed on the window's thread ({error})");
                     }
@@ -291,7 +291,7 @@ impl Sound {
         }
     }
 
-    /// Says what is wrong with the settings, once.
+    /// Reports what is wrong with the settings, once.
     fn complain(&mut self, text: &str) {
         if self.told.as_deref() != Some(text) {
             tell(text);
@@ -306,7 +306,7 @@ impl Drop for Sound {
     }
 }
 
-/// What to listen to: the device that was asked for, or that is remembered, or the default.
+/// What to listen to: the device that was asked for, or the one that is remembered, or the default.
 fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> Target {
     let (remembered, default) = match choice {
         ListenChoice::Microphone => (&settings.microphone, Target::Default),
@@ -324,7 +324,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
     match target {
         Target::Default => settings.microphone = None,
         Target::Monitor => settings.system = None,
-        // Asked for on the command line, for one run.
+        // Given on the command line, for one run.
         Target::MonitorOf(_) => {}
         Target::Named(id) => {
             let entry = ListedDevice { id: id.clone(), name: String::new() };

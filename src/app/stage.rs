@@ -1,4 +1,4 @@
-//! What lives as long as the window: the sound, the scene, and what stands over the picture.
+//! What lives as long as the window: the sound, the scene, and the overlay.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -21,18 +21,18 @@ use mariana_music::TapTempo;
 use mariana_player::track::Repeat;
 use mariana_player::{Moment, Player};
 
-/// How often a show that stands still looks around.
+/// How often a show that stands still looks for changes.
 pub(super) const IDLE_INTERVAL: Duration = Duration::from_millis(250);
-/// How often it does while it waits for a sound that it could show.
+/// How often it does so while it waits for a sound that it could show.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 
-/// How long a show has stood still that is drawn as good as can be.
+/// After standing still for this long, a show is drawn as well as possible.
 const STANDS_STILL: Duration = Duration::from_millis(400);
 
 /// Everything that lives as long as the window.
 pub(super) struct Stage {
     pub(super) sound: Sound,
-    /// The tempo by hand.
+    /// The tempo tapped by hand.
     pub(super) taps: TapTempo,
     /// What the user wants; until the first picture the player waits in any case.
     pub(super) paused: bool,
@@ -43,7 +43,7 @@ pub(super) struct Stage {
     pub(super) shown: Option<Shown>,
     pub(super) frame_times: FrameTimes,
     pub(super) dynamic_resolution: DynamicResolution,
-    /// The window's size at the last drawing. (To ask a window that others have closed is the end of the program.)
+    /// The window's size at the last drawing. (Asking a window that others have closed would end the program.)
     pub(super) window_size: Option<(u32, u32)>,
     /// When the show last moved.
     pub(super) moved: Instant,
@@ -65,7 +65,7 @@ pub(super) struct Stage {
     pub(super) sliders: bool,
     /// Whether the line about the scene is shown.
     pub(super) corner: bool,
-    // Last: everything above that holds OpenGL objects goes first.
+    // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
 
@@ -77,7 +77,7 @@ impl Stage {
         }
     }
 
-    /// Changes what follows what; nothing while another source is listened to.
+    /// Changes the order of the tracks; does nothing while another source is listened to.
     pub(super) fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
         let Some(player) = self.sound.player() else { return };
         let status = player.status();
@@ -107,13 +107,13 @@ impl Stage {
         });
     }
 
-    /// Goes to the next track, or back. A tempo that was tapped was that of the one before.
+    /// Goes to the next track, or back. A tapped tempo belonged to the track before, so it is forgotten.
     pub(super) fn skip(&mut self, forward: bool) {
         self.taps = TapTempo::default();
         self.with_song(|player| player.skip(forward));
     }
 
-    /// What the next picture shows: what is heard now, or what the last one showed, if it would look the same.
+    /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.
     pub(super) fn moment(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.taps.apply(now.song_time, &mut now.features);
@@ -121,7 +121,8 @@ impl Stage {
         Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
     }
 
-    /// How the next picture is drawn: one that stands still, as good as can be, and so a view, whose legend is read.
+    /// How the next picture is drawn: as well as possible if it stands still, and also if it is a view, whose legend
+    /// is read.
     pub(super) fn level(&self, now: Instant) -> Level {
         let still = now.saturating_duration_since(self.moved) >= STANDS_STILL;
         if still || self.scene.view().is_some() {
@@ -131,8 +132,8 @@ impl Stage {
         }
     }
 
-    /// The size in which a level draws the window. What is beyond the driver's textures, or more pixels than a picture may
-    /// have, is drawn smaller, too.
+    /// The size in which a level draws the window. A size beyond the driver's textures, or with more pixels than a
+    /// picture may have, is reduced too.
     pub(super) fn drawn_size(&self, level: Level, window: (u32, u32)) -> (u32, u32) {
         let limit = self.window.gl().info().texture_side_max;
         level.size_in(within_pixels((window.0.min(limit), window.1.min(limit)), LIMITS.picture_pixels_max))
@@ -162,8 +163,8 @@ impl Stage {
         self.renderer.limit_flashes(begun.saturating_duration_since(last).as_secs_f64())
     }
 
-    /// Looks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, where that would
-    /// not do either, not at all. For one that stands still there is time.
+    /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
+    /// would not be enough, not at all. For a picture that stands still there is time.
     pub(super) fn weigh_picture(&mut self, level: Level, now: Instant) {
         let moves = level == self.dynamic_resolution.level();
         let Some(seconds) = self.scene.seconds_of_picture().filter(|_| moves) else { return };
@@ -174,7 +175,8 @@ impl Stage {
         }
     }
 
-    /// What was drawn. Where the driver has no room for a picture, the next one is drawn smaller and this one is left out.
+    /// What was drawn. If the driver has no memory for a picture, the next one is drawn smaller and this one is left
+    /// out.
     pub(super) fn without_room_smaller(
         &mut self,
         drawn: Result<Option<Drawn>, GpuError>,
@@ -194,15 +196,15 @@ impl Stage {
         }
     }
 
-    /// Shows the next view or the one before. Its colours carry numbers, so the change must not be dimmed as a flash. The key
-    /// does not repeat: no more than a hand's presses escape the limiter.
+    /// Shows the next view or the one before. Its colours stand for numbers, so the change must not be dimmed as a
+    /// flash. The key does not repeat: only single presses by hand escape the limiter.
     pub(super) fn go_view(&mut self, forward: bool) {
         self.scene.go_view(forward);
         self.renderer.forget_flashes();
     }
 
-    /// Tells the dynamic_resolution what a picture cost that took `drawing` until it was handed over and `showing` in all. To hand
-    /// over waits for a monitor, but on a software renderer it is what draws.
+    /// Tells the controller of the resolution what a picture cost that took `drawing` until it was handed over and
+    /// `showing` in all. Handing over waits for a monitor, but on a software renderer it is what draws.
     pub(super) fn note_cost(&mut self, drawn: Level, drawing: Duration, showing: Duration) {
         let cost = match (self.window.gl().info().software, self.renderer.gpu_time()) {
             (true, _) => showing,
@@ -233,7 +235,7 @@ impl Stage {
     }
 }
 
-/// A size of at most `max` pixels and of the same form, as far as whole pixels allow.
+/// A size of at most `max` pixels and of the same shape, as far as whole pixels allow.
 fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
     let pixels = f64::from(size.0) * f64::from(size.1);
     let scale = (max as f64 / pixels.max(1.0)).sqrt().min(1.0);
@@ -241,7 +243,7 @@ fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
     (side(size.0), side(size.1))
 }
 
-/// Adds what there is to tell of the sound and the tracks.
+/// Adds what there is to report of the sound and the tracks.
 pub(super) fn show_sound<'a>(
     sound: &'a Sound,
     announcer: &'a Announcer,

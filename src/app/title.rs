@@ -3,8 +3,8 @@
 use mariana_player::PlayerStatus;
 use mariana_player::input::LiveStatus;
 
-/// The window's title: the track, the program, what there is to say of the scene, and what is not as usual; silence is, if
-/// it was asked for.
+/// The window's title: the track, the program, notes on the scene, and what is unusual; silence is unusual unless it
+/// was asked for.
 pub(super) fn title(scene: Vec<String>, status: &PlayerStatus, silence_asked: bool) -> String {
     let track = &status.track;
     let mut title = format!("{} - Mariana", track.name);

@@ -37,8 +37,8 @@ pub(super) struct WindowWishes {
     pub log_debug: bool,
 }
 
-/// A window without a context yet. It is opened on the thread of the window's events and bound on the one that draws, as
-/// drivers take their time.
+/// A window without a context yet. It is opened on the thread of the window's events and bound on the thread that
+/// draws, because drivers take their time.
 pub(super) struct OpenWindow {
     config: glutin::config::Config,
     window: Arc<Window>,
@@ -55,7 +55,7 @@ pub(super) struct GlWindowContext {
     surface: Surface<WindowSurface>,
     config: glutin::config::Config,
     window: Arc<Window>,
-    /// As the window's events told it last. (To ask a window that others have closed is the end of the program.)
+    /// As the window's events last reported it. (Asking a window that others have closed would end the program.)
     size: Cell<(u32, u32)>,
     refresh_rate: Option<f64>,
 }
@@ -77,7 +77,7 @@ impl OpenWindow {
             .with_preference(ApiPreference::PreferEgl)
             .with_window_attributes(Some(attributes))
             .build(event_loop, template, |configs| {
-                // No multisampling: the picture brings its own. glutin asks for one config at least.
+                // No multisampling: the renderer has its own. glutin requires that one config is returned.
                 #[expect(clippy::expect_used, reason = "glutin-winit calls this with one config or more")]
                 configs.min_by_key(|config| config.num_samples()).expect("one config or more")
             })
@@ -95,7 +95,7 @@ impl OpenWindow {
         self.window.clone()
     }
 
-    /// Makes a context for it and makes that current on this thread.
+    /// Makes a context for it and makes it current on this thread.
     ///
     /// # Errors
     /// The driver refuses, or has no OpenGL 3.3.
@@ -108,7 +108,7 @@ impl OpenWindow {
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(Some(handle));
-        // An older driver refuses that with nothing but a number; a context of any version tells its own.
+        // An older driver refuses that with nothing but a number; a context of any version reports its own.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))
@@ -137,8 +137,8 @@ impl OpenWindow {
 }
 
 impl GlWindowContext {
-    /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for where the
-    /// driver gives none.
+    /// Contexts for compiling on other threads, which share nothing with the window's; fewer than asked for if the
+    /// driver gives fewer.
     pub(super) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
         let made = (0..count).map(|_| {
             WorkerContext::new(&self.config.display(), &self.config).map_err(|error| {
@@ -149,11 +149,11 @@ impl GlWindowContext {
         if is_egl { made.flatten().collect() } else { Vec::new() }
     }
 
-    /// Gives up the context, and the surface with it; what was made in it must be gone. [`OpenWindow::bind`] makes another.
+    /// Gives up the context and its surface; what was made in it must be gone. [`OpenWindow::bind`] makes another.
     pub(super) fn let_go(self) -> OpenWindow {
         let Self { gl, context, surface, config, window, size, refresh_rate } = self;
         drop(gl);
-        // A surface that is in use lives on, and a window has no second one.
+        // A surface that is in use lives on, and a window cannot have a second one.
         if let Err(error) = context.make_not_current() {
             tracing::warn!("the old context stays in use: {error}");
         }
@@ -177,7 +177,7 @@ impl GlWindowContext {
         (width > 0 && height > 0).then_some((width, height))
     }
 
-    /// Brings the surface to the window's new size.
+    /// Resizes the surface to the window's new size.
     pub(super) fn resize(&self, size: (u32, u32)) {
         self.size.set(size);
         if let Some((width, height)) = self.size()
@@ -187,7 +187,7 @@ impl GlWindowContext {
         }
     }
 
-    /// Shows what was drawn; waits for the vertical sync where there is one.
+    /// Shows what was drawn; waits for the vertical sync if there is one.
     ///
     /// # Errors
     /// A lost surface.
@@ -199,7 +199,7 @@ impl GlWindowContext {
         })
     }
 
-    /// Frames per second of the window's monitor, where it tells.
+    /// Frames per second of the window's monitor, if it reports them.
     pub(super) fn refresh_rate(&self) -> Option<f64> {
         self.refresh_rate
     }

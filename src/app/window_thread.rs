@@ -1,7 +1,7 @@
-//! The window's thread: takes the window's events and hands them to the show, which runs on a thread of its own.
+//! The window's thread: receives the window's events and hands them to the show, which runs on a thread of its own.
 //!
-//! Whatever a driver, a disk or a device keeps waiting is the show; this thread waits for nothing but events. So the window
-//! answers its window system at once, and quits at once, however long a driver compiles.
+//! If a driver, a disk or a device blocks, it blocks the show; this thread waits for nothing but events. So the
+//! window answers its window system at once, and quits at once, however long a driver compiles.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -19,10 +19,10 @@ use super::window::{OpenWindow, WindowWishes};
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
 
-/// How long the end waits for a show that a driver keeps: a little longer than the show waits for its compilers.
+/// How long the end waits for a show that a driver blocks: a little longer than the show waits for its compilers.
 const END_WAIT: Duration = Duration::from_secs(6);
 
-/// What the show is told.
+/// What the show receives.
 pub(super) enum Message {
     /// Something happened to the window.
     Window(WindowEvent),
@@ -37,7 +37,7 @@ pub(super) enum Message {
 pub(super) struct Waker(Sender<Message>);
 
 impl Waker {
-    /// Makes the show look around.
+    /// Makes the show look for news.
     pub(super) fn wake(&self) {
         // After the end there is nobody to wake.
         let _ = self.0.send(Message::Wake);
@@ -50,7 +50,7 @@ pub(super) fn inbox() -> (Waker, Receiver<Message>) {
     (Waker(sender), inbox)
 }
 
-/// What the window's thread is told.
+/// What the window's thread receives.
 #[derive(Debug)]
 pub(super) enum Told {
     /// The show has ended.
@@ -62,8 +62,8 @@ pub(super) enum Told {
 /// A show: everything that happens on its thread, from the window to the end.
 pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
 
-/// Opens a window, plays `play` in it on a thread of its own, and hands it the window's events by way of `waker`, until one
-/// of both ends.
+/// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `waker`, until
+/// one of the two ends.
 ///
 /// # Errors
 /// What the show ended with, no window, or no thread.
@@ -103,7 +103,7 @@ struct Front {
     /// Taken when the window opens.
     begins_with: Option<(WindowWishes, Play)>,
     running: Option<Running>,
-    /// Since when it is over: how long the show is waited for.
+    /// Since the show is over: until when it is waited for.
     ends_by: Option<Instant>,
     /// Whether the show has ended by itself.
     show_ended: bool,
@@ -112,7 +112,7 @@ struct Front {
 
 struct Running {
     show: JoinHandle<Result<(), AppError>>,
-    // The window goes here, on the thread that made it, after the show.
+    // The window is dropped here, after the show, on the thread that made it.
     window: Arc<Window>,
 }
 
@@ -123,7 +123,7 @@ impl Front {
         let window = opened.window();
         let proxy = self.proxy.clone();
         let show = move || {
-            // However it ends, by a panic too.
+            // However the show ends, also by a panic.
             let _tells = TellsEnd(proxy);
             play(opened)
         };
@@ -133,7 +133,7 @@ impl Front {
         Ok(())
     }
 
-    /// Tells the show to end. The window goes at once: what still waits for a driver does so unseen.
+    /// Asks the show to end. The window disappears at once: whatever still waits for a driver does so unseen.
     fn end(&mut self, event_loop: &ActiveEventLoop) {
         if self.ends_by.is_some() {
             return;
@@ -205,7 +205,7 @@ impl ApplicationHandler<Told> for Front {
             std::thread::sleep(Duration::from_millis(1));
         }
         if !show.is_finished() && self.ends_by.is_some_and(|until| Instant::now() >= until) {
-            // It draws into the window, by the connection that the event loop closes when this returns.
+            // It draws into the window through the connection that the event loop closes when this returns.
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {
@@ -223,12 +223,12 @@ pub(super) fn end_without_display() -> ! {
     leaving.leave(1)
 }
 
-/// Tells the event loop when it is dropped that the show has ended.
+/// Reports to the event loop, when it is dropped, that the show has ended.
 struct TellsEnd(EventLoopProxy<Told>);
 
 impl Drop for TellsEnd {
     fn drop(&mut self) {
-        // An event loop that has gone knows.
+        // An event loop that has gone knows already.
         let _ = self.0.send_event(Told::Ended);
     }
 }

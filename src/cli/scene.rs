@@ -116,7 +116,7 @@ fn compile(source: &SceneSource) -> anyhow::Result<Result<Scene, String>> {
     let colored = std::io::stdout().is_terminal();
     let diagnostics = compiled.render(colored);
     let Some(scene) = compiled.scene else { return Ok(Err(diagnostics)) };
-    // Pictures that are not there are mistakes, too.
+    // Missing pictures are mistakes too.
     match source.textures(&scene) {
         Ok(_) => Ok(Ok(scene)),
         Err(wrong) => Ok(Err(render_all(&wrong, &compiled.sources, colored))),
@@ -173,7 +173,7 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
-    // Those that are read by a number that is computed.
+    // Tables that are read at a computed index.
     names.extend(used.tables.iter().map(|table| match table {
         Op::Band => "bands".to_owned(),
         other => other.name().to_lowercase(),

@@ -1,4 +1,4 @@
-//! Settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
+//! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
 mod settings;
 
@@ -24,7 +24,7 @@ pub enum QualityChoice {
     /// As much as the frame rate allows.
     #[default]
     Auto,
-    /// About half of the window's width and height, without what is costly.
+    /// About half of the window's width and height, without costly terms.
     Low,
     /// Between the two.
     Medium,
@@ -54,7 +54,8 @@ pub struct PlaySettings {
     pub once: bool,
     /// Volume at the start, 0..1.
     pub volume: f32,
-    /// The sound is heard this much later than the device says, in seconds; none is what is remembered of the device.
+    /// The sound is heard this much later than the device says, in seconds; none uses what is remembered for the
+    /// device.
     pub latency: Option<f64>,
     /// Whether quiet and loud sound move the picture alike.
     pub gain: Gain,
@@ -70,6 +71,6 @@ pub struct PlaySettings {
     pub fullscreen: bool,
     /// Size of the window in pixels at the start.
     pub size: (u32, u32),
-    /// Print what OpenGL was got, and end.
+    /// Print the OpenGL version and driver, and end.
     pub gl_info: bool,
 }

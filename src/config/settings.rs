@@ -8,8 +8,8 @@
 //! "pulseaudio:bluez_output.headphones" = 180.0
 //! ```
 //!
-//! Devices are remembered by their ids, which are names, not numbers. A file that cannot be read is told once, changes
-//! nothing else, and is kept beside when a new one is written.
+//! Devices are remembered by their ids, which are names, not numbers. A file that cannot be read is reported once and
+//! changes nothing else; when a new one is written, the unreadable one is kept beside it.
 
 use std::collections::BTreeMap;
 use std::fs::{File, create_dir_all};
@@ -32,15 +32,15 @@ pub struct Settings {
     /// Id of the monitor that `--system` listens to; none is the default output's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
-    /// By id of a device, how much later than the device says the picture is shown, in milliseconds.
+    /// By a device's id: how much later than the device says the picture is shown, in milliseconds.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub latency_ms: BTreeMap<String, f64>,
 }
 
-/// Why settings are not read or written. The show goes on with what it has.
+/// Why settings are not read or written. The show continues with those that it has.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
-    /// It holds something else than settings.
+    /// The file holds something other than settings.
     #[error("the settings in {} cannot be understood, so nothing is remembered ({reason}); correct or delete the file", path.display())]
     Malformed {
         /// The file.
@@ -48,7 +48,7 @@ pub enum SettingsError {
         /// What is wrong with it.
         reason: String,
     },
-    /// It is larger than settings ever are.
+    /// The file is larger than settings ever are.
     #[error("the settings in {} are larger than {} bytes, so nothing is remembered; delete the file", path.display(), LIMITS.settings_bytes_max)]
     TooLarge {
         /// The file.
@@ -59,7 +59,7 @@ pub enum SettingsError {
     System {
         /// The file.
         path: PathBuf,
-        /// Read or written.
+        /// What was tried: read or written.
         doing: &'static str,
         /// What the system says.
         reason: String,
@@ -69,20 +69,20 @@ pub enum SettingsError {
 /// The file, and what it holds.
 #[derive(Debug)]
 pub struct SettingsFile {
-    /// None where the system has no place for settings: then they last as long as the program.
+    /// None if the system has no place for settings: then they last as long as the program.
     path: Option<PathBuf>,
     settings: Settings,
 }
 
 impl SettingsFile {
-    /// The user's file, and what is wrong with it, if anything is. One that is not there is no mistake.
+    /// The user's file, and what is wrong with it, if anything. A missing file is not an error.
     pub fn of_user() -> (Self, Option<SettingsError>) {
         let path =
             ProjectDirs::from("", "", "mariana").map(|places| places.config_dir().join("settings.toml"));
         Self::open(path)
     }
 
-    /// The same of another file; without one what is remembered lasts as long as the program.
+    /// The same for another file; without one, settings last as long as the program.
     pub fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
         let read = path.as_deref().map_or_else(|| Ok(Settings::default()), read);
         let (settings, error) = match read {
@@ -97,12 +97,12 @@ impl SettingsFile {
         &self.settings
     }
 
-    /// How much later the picture is shown for a device, in milliseconds; none if nothing is remembered of it.
+    /// How much later the picture is shown for a device, in milliseconds; none if nothing is remembered for it.
     pub fn latency_ms(&self, device: &str) -> Option<f64> {
         self.settings.latency_ms.get(device).copied()
     }
 
-    /// Changes what is remembered, here and in the file, which other windows may have changed meanwhile.
+    /// Changes the settings here and in the file, which other windows may have changed in the meantime.
     ///
     /// # Errors
     /// The file cannot be written; then the change lasts as long as the program.
@@ -189,7 +189,7 @@ mod tests {
         assert!(error.is_none());
         assert_eq!(next.settings().microphone.as_deref(), Some("p:\"odd\" mic\n"));
         assert_eq!((next.latency_ms("p:tv"), next.latency_ms("p:else")), (Some(-35.0), None));
-        // Nothing lies beside it.
+        // There is no other file beside it.
         assert_eq!(std::fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
     }
 
@@ -228,7 +228,7 @@ mod tests {
         assert_eq!(file.settings().microphone.as_deref(), Some("m"));
     }
 
-    /// A disk without room, in a process of its own: no file of it may grow. The test runs itself there.
+    /// A full disk, simulated in a process of its own: none of its files may grow. The test runs itself there.
     #[cfg(unix)]
     #[test]
     fn settings_that_do_not_fit_on_the_disk_cost_those_that_were_there() {

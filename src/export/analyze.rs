@@ -18,7 +18,7 @@ pub struct AnalyzeRequest {
     pub fps: f64,
     /// First moment, in seconds.
     pub start: f64,
-    /// Length in seconds; none is to the end.
+    /// Length in seconds; none means to the end.
     pub duration: Option<f64>,
     /// Whether quiet and loud sound give the same values of 0..1.
     pub gain: Gain,
@@ -36,7 +36,7 @@ struct Line<'a> {
 /// Prints a line for each frame to `out`.
 ///
 /// # Errors
-/// The song cannot be decoded, ends before the start, or `out` cannot be written. A reader that closes `out` early
+/// The song cannot be decoded or ends before the start, or `out` cannot be written. A reader that closes `out` early
 /// is no error.
 pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;

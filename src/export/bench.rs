@@ -1,5 +1,5 @@
-//! Measurements without a window: frame times, CPU time, evaluations and clauses, a row for each mode with and without
-//! regions.
+//! Measurements without a window: frame times, CPU time, evaluations and clauses, one row for each mode with and
+//! without regions.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -42,9 +42,9 @@ pub struct BenchRequest {
     pub gain: Gain,
     /// The scene; `auto` measures both modes.
     pub scene: SceneChoice,
-    /// Whether to measure with regions and without, whatever the scene's choice.
+    /// Whether to measure both with and without regions, whatever the scene's choice.
     pub both: bool,
-    /// Whether to measure the picture at edges, too, which takes long.
+    /// Whether to measure the picture at edges too, which takes long.
     pub edges: bool,
 }
 
@@ -63,26 +63,27 @@ pub struct BenchReport {
     pub at: f64,
     /// Frames that were to be timed in each row.
     pub frames: usize,
-    /// From the start of the measurement to a finished context, in ms.
+    /// From the start of the measurement to a complete context, in ms.
     pub context_ms: f64,
     /// From text to tapes and bounds, in ms.
     pub scene_ms: f64,
-    /// A row for each mode that was measured, with regions and without.
+    /// A row for each measured mode, with and without regions.
     pub modes: Vec<ModeReport>,
-    /// How near edges are to a picture of 64 samples a pixel, by how many samples they have; empty unless asked for.
+    /// How close edges are to a picture with 64 samples per pixel, by their number of samples; empty unless asked
+    /// for.
     pub edges: Vec<EdgeReport>,
-    /// What kept a mode from being measured.
+    /// Why a mode was not measured.
     pub notes: Vec<String>,
 }
 
-/// How near pictures are to one with a regular grid of 64 samples in each pixel.
+/// How close pictures are to one with a regular grid of 64 samples in each pixel.
 #[derive(Debug, Serialize)]
 pub struct EdgeReport {
-    /// Further samples of a pixel at an edge.
+    /// Further samples of each pixel at an edge.
     pub samples: usize,
-    /// Share of the pixels that got them, 0..1.
+    /// Share of the pixels that got these samples, 0..1.
     pub share: f64,
-    /// Peak signal over noise of the finished picture without grain, in dB.
+    /// Peak signal-to-noise ratio of the finished picture without grain, in dB.
     pub decibels: f64,
 }
 
@@ -93,7 +94,7 @@ pub struct ModeReport {
     pub mode: Mode,
     /// Whether space was divided into cells.
     pub regions: bool,
-    /// Frames that were timed; fewer than asked for where they took very long.
+    /// Frames that were timed; fewer than asked for if they took very long.
     pub frames: usize,
     /// Building the tree of regions on one thread, median, in ms.
     pub build_ms: f64,
@@ -101,15 +102,15 @@ pub struct ModeReport {
     pub tree: RegionStats,
     /// Assembling, compiling and linking its program, in ms.
     pub shader_ms: f64,
-    /// The first draw, in which drivers compile once more, in ms.
+    /// The first draw, at which drivers compile once more, in ms.
     pub first_draw_ms: f64,
     /// Wall time of a frame, median, in ms.
     pub wall_p50_ms: f64,
     /// Wall time of a frame, 99th percentile, in ms.
     pub wall_p99_ms: f64,
-    /// Time that all processor cores together spent for a frame, median, in ms.
+    /// Time that all processor cores together spent on a frame, median, in ms.
     pub cpu_p50_ms: f64,
-    /// Time that the GPU spent for a frame, median, in ms; none where its timer tells nothing.
+    /// Time that the GPU spent on a frame, median, in ms; none where its timer reports nothing.
     pub gpu_p50_ms: Option<f64>,
     /// Distance evaluations and clauses per pixel.
     pub evaluations_per_pixel: Evaluations,
@@ -117,7 +118,7 @@ pub struct ModeReport {
     pub evaluations_per_pixel_total: f64,
 }
 
-/// Measures. The modes take turns, frame by frame, so that both meet the same disturbances.
+/// Measures. The modes take turns, frame by frame, so that all meet the same disturbances.
 ///
 /// # Errors
 /// The song cannot be decoded, the scene has mistakes, or the driver refuses.
@@ -233,7 +234,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     })
 }
 
-/// Compares pictures of each number of samples at edges with one of 64 everywhere.
+/// Compares pictures with each number of samples at edges with one of 64 samples everywhere.
 fn measure_edges(
     renderer: &mut Renderer,
     resources: &SceneResources,
@@ -256,7 +257,7 @@ fn measure_edges(
     EdgeSamples::ALL.into_iter().map(report).collect()
 }
 
-/// Of the colours of two pictures of four bytes a pixel, in dB; infinite where they are the same.
+/// Peak signal-to-noise ratio between two pictures of four bytes per pixel, in dB; infinite if they are equal.
 pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     let pairs = picture.as_chunks::<4>().0.iter().zip(reference.as_chunks::<4>().0);
     let squares = pairs.flat_map(|(a, b)| (0..3).map(|i| f64::from(a[i].abs_diff(b[i])).powi(2)));
@@ -264,9 +265,9 @@ pub fn peak_signal_over_noise(picture: &[u8], reference: &[u8]) -> f64 {
     10.0 * (255.0 * 255.0 * count / sum).log10()
 }
 
-/// A row that has taken so long in all is not timed further, in ms ..
+/// A row that has taken this long in all is not timed further, in ms ..
 const ROW_MS_MAX: f64 = 20_000.0;
-/// .. once it has so many frames.
+/// .. once it has this many frames.
 const FRAMES_MIN: usize = 3;
 /// Trees that are built to find out how long it takes.
 const BUILDS: usize = 9;
@@ -280,7 +281,7 @@ fn build(resources: &SceneResources, frame: &Frame, cells: bool) -> (Arc<BuiltRe
     (Arc::new(built), percentile(&mut times, 0.5))
 }
 
-/// A title, and what stands under a mode.
+/// A title, and the text of a mode's cell below it.
 type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
 
 /// One mode while it is measured.
@@ -349,7 +350,7 @@ impl std::fmt::Display for BenchReport {
             ("frame, wall, p99, ms", &|row| format!("{:.2}", row.wall_p99_ms)),
             ("frame, CPU, all cores, p50, ms", &|row| format!("{:.2}", row.cpu_p50_ms)),
             ("frame, GPU, p50, ms", &|row| {
-                // A software renderer's timer tells nothing.
+                // A software renderer's timer reports nothing.
                 row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |gpu| format!("{gpu:.2}"))
             }),
             ("lookups of cells per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),

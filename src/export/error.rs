@@ -41,7 +41,7 @@ pub enum ExportError {
         /// What the system said.
         reason: String,
     },
-    /// What ffmpeg is to read, or its words, cannot be put aside.
+    /// ffmpeg's temporary input, or the file of its messages, cannot be written.
     #[error("files for ffmpeg cannot be written in {} ({reason}): set TMPDIR to a folder with room", .folder.display())]
     Temporary {
         /// The folder for temporary files.
@@ -58,7 +58,7 @@ pub enum ExportError {
     /// A picture that the encoder refuses.
     #[error("the picture could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
-    /// ffmpeg is not there.
+    /// ffmpeg is not installed.
     #[error(
         "a video needs ffmpeg, which was not found ({0}): install it, or give -o a folder that ends in '/' to write stills"
     )]

@@ -1,4 +1,4 @@
-//! A scene with everything that draws it, without a window.
+//! A scene with everything that is needed to draw it, without a window.
 
 use super::error::ExportError;
 use crate::config::SdfChoice;
@@ -34,7 +34,7 @@ pub struct SceneChoice {
     pub regions: bool,
     /// What is shown instead of the picture.
     pub view: Option<ViewChoice>,
-    /// How light becomes a colour of the screen; none for as the scene says.
+    /// How light becomes a colour of the screen; none means as the scene says.
     pub tone_map: Option<ToneMap>,
     /// Log the driver's debug output.
     pub verbose: bool,
@@ -47,17 +47,17 @@ pub struct Painter {
     resources: SceneResources,
     mode: Mode,
     view: Option<(ViewChoice, LegendPainter)>,
-    // Last: what it holds goes first.
+    // Last: what it holds is dropped first.
     context: Headless,
 }
 
 impl Painter {
-    /// Opens a context and compiles the scene's program: the one that was asked for, the compiled one for `auto`, which
-    /// draws the same, unless the scene is so large that it stays interpreted. A scene whose tape does not fit the
-    /// driver is compiled, and that is logged.
+    /// Opens a context and compiles the scene's program: the one that was asked for. For `auto` that is the compiled
+    /// one, which draws the same picture, unless the scene is so large that it stays interpreted. A scene whose tape
+    /// does not fit the driver is compiled, and that is logged.
     ///
     /// # Errors
-    /// The scene or the driver refuse.
+    /// The scene or the driver refuses.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
         let ReadyScene { world, buffers, plan } = choice.source.ready()?;
         let context = Headless::new(choice.verbose)?;
@@ -93,7 +93,7 @@ impl Painter {
         Ok(self.renderer.draw_view(&frame, &self.resources, &self.program, view)?)
     }
 
-    /// From now on [`Painter::limit_flashes`] does something.
+    /// From now on [`Painter::limit_flashes`] takes effect.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -109,7 +109,7 @@ impl Painter {
         Ok(self.renderer.limit_flashes(seconds)?)
     }
 
-    /// The last picture, four bytes a pixel, the top row first.
+    /// The last picture, four bytes per pixel, the top row first.
     pub fn read(&self) -> Vec<u8> {
         self.renderer.read()
     }

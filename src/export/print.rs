@@ -4,10 +4,10 @@ use std::io::{ErrorKind, Write};
 
 use super::error::ExportError;
 
-/// Prints a line on standard output. A reader that has read enough and left is no error.
+/// Prints a line on standard output. A reader that has read enough and closed it is no error.
 ///
 /// # Errors
-/// [`ExportError::Print`] if standard output takes nothing.
+/// [`ExportError::Print`] if standard output accepts nothing.
 pub fn print_line(text: &str) -> Result<(), ExportError> {
     match writeln!(std::io::stdout(), "{text}") {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
@@ -15,8 +15,9 @@ pub fn print_line(text: &str) -> Result<(), ExportError> {
     }
 }
 
-/// Tells the user a sentence on standard error, under the program's name. Where nobody listens, nothing is told.
+/// Prints a sentence for the user on standard error, after the program's name. If standard error is closed, nothing
+/// happens.
 pub fn tell(sentence: &str) {
-    // There is no other place to complain of it.
+    // There is no other place to report that.
     let _ = writeln!(std::io::stderr(), "mariana: {sentence}");
 }

@@ -8,14 +8,14 @@ use mariana_player::track::scale;
 
 use super::error::ExportError;
 
-/// Sound analysed before the first time asked for, in seconds: smoothing has settled long before.
+/// Sound analysed before the first requested time, in seconds: long enough for the smoothing to settle.
 const PRE_ROLL: f64 = 20.0;
-/// What a moment's tables hold of what comes after it, in seconds: the next row of the history.
+/// How far a moment's tables reach beyond it, in seconds: the next row of the history.
 const AROUND: f64 = 0.07;
 /// Seconds of features that are kept; times may step back by that much.
 const TRACK_SECONDS: f64 = 4.0;
 
-/// Decodes and analyses a song just as far as it is asked for.
+/// Decodes and analyses a song just as far as it is needed.
 pub struct SongFeatures {
     decoder: Decoder,
     name: String,
@@ -58,7 +58,7 @@ impl SongFeatures {
         &self.name
     }
 
-    /// Length in seconds: as far as the container tells, or as was found by decoding to the end.
+    /// Length in seconds: as the container reports it, or as found by decoding to the end.
     pub fn duration(&self) -> Option<f64> {
         if self.ended { Some(self.decoded()) } else { self.decoder.info().duration }
     }
@@ -87,7 +87,7 @@ impl SongFeatures {
         self.ended && time >= self.decoded()
     }
 
-    /// Decodes as far as is needed for what is around a time.
+    /// Decodes as far as is needed for the surroundings of a time.
     fn decode_to(&mut self, time: f64) -> Result<(), DecodeError> {
         let time = time + AROUND;
         while !self.ended && self.track.span().is_none_or(|(_, last)| last <= time) {
@@ -106,7 +106,7 @@ impl SongFeatures {
         Ok(())
     }
 
-    /// The sound at `time`, a time after the end being an error.
+    /// The sound at `time`; a time after the end is an error.
     ///
     /// # Errors
     /// [`ExportError::AfterTheEnd`], and what the decoder says.

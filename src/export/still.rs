@@ -29,12 +29,12 @@ pub struct StillRequest {
     pub scene: SceneChoice,
 }
 
-/// Makes the still: the same bytes at every run on one machine.
+/// Makes the still: the same bytes in every run on one machine.
 ///
 /// # Errors
-/// The song, the driver or the output refuse.
+/// The song, the driver or the output is refused.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
-    // Opened first: an output that cannot be written should cost no work.
+    // The output is opened first, because one that cannot be written should cost no work.
     refuse_the_song(&request.song, &request.output)?;
     let file = AtomicFile::create(&request.output)?;
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
@@ -43,7 +43,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     Ok(file.write(&png(&painter.read(), request.size)?)?)
 }
 
-/// An output that would replace the song it is made of is a slip.
+/// Refuses an output that would replace the song from which it is made.
 ///
 /// # Errors
 /// [`ExportError::OverTheSong`].
@@ -60,7 +60,7 @@ pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportEr
 /// Encodes an opaque RGBA picture, the top row first, as a PNG without alpha.
 ///
 /// # Errors
-/// [`ExportError::Encode`] if the bytes are not those of the size.
+/// [`ExportError::Encode`] if the number of bytes does not fit the size.
 pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
     let rgb: Vec<u8> = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
     let mut bytes = Cursor::new(Vec::new());
@@ -71,7 +71,7 @@ pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
 /// Writes a finished picture as a PNG.
 ///
 /// # Errors
-/// The encoder or the output refuse.
+/// The encoder or the output is refused.
 pub fn write_png(path: &Path, rgba: &[u8], size: (u32, u32)) -> Result<(), ExportError> {
     Ok(AtomicFile::create(path)?.write(&png(rgba, size)?)?)
 }

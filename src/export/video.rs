@@ -1,4 +1,4 @@
-//! A stretch of a song as a video (by ffmpeg) or as numbered stills.
+//! A stretch of a song as a video (made with ffmpeg) or as numbered stills.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -24,7 +24,7 @@ pub struct VideoRequest {
     pub song: Song,
     /// First moment, in seconds.
     pub start: f64,
-    /// Length in seconds; none is to the song's end.
+    /// Length in seconds; none means to the song's end.
     pub duration: Option<f64>,
     /// Frames per second.
     pub fps: f64,
@@ -34,17 +34,17 @@ pub struct VideoRequest {
     pub gain: Gain,
     /// Whether more than three flashes a second are dimmed.
     pub limit_flashes: bool,
-    /// The video; or, ending in a slash or being a folder, where numbered stills go.
+    /// The video; or, if it ends in a slash or is a folder, where numbered stills go.
     pub output: PathBuf,
     /// The scene.
     pub scene: SceneChoice,
 }
 
-/// Makes the video or the stills and returns how many frames it has. `progress` hears the frames done and, where
-/// the length is known, their number.
+/// Makes the video or the stills and returns the number of frames. `progress` gets the number of frames done and, if
+/// the length is known, the total.
 ///
 /// # Errors
-/// The song, the driver, ffmpeg or the output refuse. No half video takes the output's place.
+/// The song, the driver, ffmpeg or the output is refused. An incomplete video never takes the output's place.
 pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
@@ -80,7 +80,7 @@ pub fn write_video(
     Ok(frames)
 }
 
-/// Where frames go.
+/// Where the frames go.
 enum Sink<'a> {
     Stills { folder: &'a Path, size: (u32, u32) },
     Encoder(Box<Encoder>),
@@ -117,26 +117,26 @@ impl<'a> Sink<'a> {
     }
 }
 
-/// How much of the end of ffmpeg's complaints is looked at.
+/// How much of the end of ffmpeg's messages is read.
 const COMPLAINT_BYTES: u64 = 4096;
 
-/// Ends of names of which ffmpeg makes a list and other files beside it, named after the list's temporary name.
+/// Extensions for which ffmpeg writes a list and further files beside it, named after the list's temporary name.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 
-/// How often it is looked whether ffmpeg has ended.
+/// How often to check whether ffmpeg has ended.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
 
 /// ffmpeg, fed with raw frames.
 struct Encoder {
     child: Arc<Mutex<Child>>,
-    /// None once it has all frames.
+    /// None once ffmpeg has all frames.
     frames: Option<ChildStdin>,
-    /// Taken when it is put in its place.
+    /// Taken when the output is put in its place.
     output: Option<AtomicFile>,
     path: PathBuf,
-    /// What it complains of. A file, since a pipe that nobody reads would stop it.
+    /// ffmpeg's messages. A file, because a pipe that nobody reads would stop ffmpeg.
     complaints: File,
-    /// Keeps the demo track's file while ffmpeg reads it.
+    /// Keeps the demo track's file for as long as ffmpeg reads it.
     _sound: Option<Unfinished>,
     /// Ends ffmpeg with this process.
     _end: Undo,
@@ -170,7 +170,7 @@ impl Encoder {
         command.args(["-v", "error", "-nostdin", "-y"]);
         command.args(["-f", "rawvideo", "-pix_fmt", "rgba", "-s", &format!("{width}x{height}")]);
         command.args(["-r", &request.fps.to_string(), "-i", "pipe:0"]);
-        // Whatever the song says: no other file of its kind is read, and no network.
+        // Whatever the song says, no other file and no network address is opened.
         command.args(["-protocol_whitelist", "file", "-ss", &request.start.to_string()]);
         command.arg("-i").arg(file_url(&sound_path));
         command.args(["-map", "0:v", "-map", "1:a:0", "-shortest"]);
@@ -180,7 +180,7 @@ impl Encoder {
         let complaints = tempfile::tempfile().map_err(no_room)?;
         let heard = complaints.try_clone().map_err(no_room)?;
         command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // Ctrl-C is for this process, which ends it: otherwise it would be a race who ends first, and of what.
+        // Ctrl-C goes to this process, which ends ffmpeg: otherwise both would race to end first.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let mut child = command.spawn().map_err(ExportError::NoEncoder)?;
@@ -204,7 +204,7 @@ impl Encoder {
         }
     }
 
-    /// Waits for its end, without holding it: a signal may end it.
+    /// Waits for ffmpeg's end without locking it, so that a signal can end it.
     fn wait(&mut self) -> std::io::Result<ExitStatus> {
         self.frames = None;
         loop {
@@ -219,13 +219,13 @@ impl Encoder {
     fn last_words(&mut self) -> ExportError {
         let _ = self.wait();
         let mut tail = Vec::new();
-        // Whatever can be read is the best that is known.
+        // Whatever can be read is the best information there is.
         let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
         let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
         let _ = self.complaints.read_to_end(&mut tail);
         let mut tail = String::from_utf8_lossy(&tail).into_owned();
         if let Some(output) = &self.output {
-            // It complains of the file that it writes for now.
+            // ffmpeg's message names the temporary file that it writes.
             let url = file_url(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
@@ -239,12 +239,12 @@ fn lock(child: &Mutex<Child>) -> MutexGuard<'_, Child> {
 }
 
 fn end_child(child: &mut Child) {
-    // An error means that it has ended.
+    // An error means that it has ended already.
     let _ = child.kill();
     let _ = child.wait();
 }
 
-/// A path as ffmpeg wants it if a colon or a hyphen in it shall mean nothing.
+/// A path in a form in which ffmpeg gives no meaning to a colon or a hyphen.
 fn file_url(path: &Path) -> OsString {
     let mut url = OsString::from("file:");
     url.push(path);
@@ -253,7 +253,7 @@ fn file_url(path: &Path) -> OsString {
 
 impl Drop for Encoder {
     fn drop(&mut self) {
-        // After an error in between nobody wants what it writes.
+        // After an error nobody wants what ffmpeg has written.
         end_child(&mut lock(&self.child));
     }
 }

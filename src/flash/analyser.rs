@@ -1,9 +1,9 @@
-//! How many flashes a picture that moves has.
+//! Counts the flashes of a moving picture.
 
 use super::swing::{LightSwing, RedSwing, Times};
 use super::{CELLS, Grid, fields, luminance};
 
-/// Flashes cover at most this share of a field of sight, or they count.
+/// Flashes that cover no more than this share of a field of view do not count.
 const AREA: f64 = 0.25;
 
 /// The most flashes in one second.
@@ -22,7 +22,7 @@ struct Cell {
     red_changes: Times,
 }
 
-/// Counts the flashes of a picture that moves, frame by frame.
+/// Counts the flashes of a moving picture, frame by frame.
 pub struct Analyser {
     cells: Vec<Cell>,
     worst: Flashes,
@@ -81,7 +81,7 @@ mod tests {
     use super::super::{COLUMNS, ROWS};
     use super::*;
 
-    /// Four seconds of a colour that is on for half of each period, in some of the cells.
+    /// The flashes of four seconds in which a colour is on for half of each period, in some of the cells.
     fn flashes(hz: f64, fps: u32, on: [f32; 3], off: [f32; 3], lit: fn(usize) -> bool) -> Flashes {
         let mut analyser = Analyser::default();
         for frame in 0..4 * fps {
@@ -104,7 +104,7 @@ mod tests {
     fn red_counts_by_itself_and_so_does_light() {
         let (red, black) = ([1.0, 0.0, 0.0], [0.0; 3]);
         assert_eq!(flashes(6.0, 60, red, black, |_| true), Flashes { general: 6, red: 6 });
-        // As bright as each other, and dimmer than a flash.
+        // Equally bright, and dimmer than a flash.
         assert_eq!(flashes(6.0, 60, red, [0.2126; 3], |_| true), Flashes { general: 0, red: 6 });
         assert_eq!(flashes(6.0, 60, [0.4, 0.0, 0.0], black, |_| true), Flashes { general: 0, red: 6 });
     }

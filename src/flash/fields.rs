@@ -1,14 +1,14 @@
-//! Ten degrees of sight: every third of the picture by a third, wherever it lies.
+//! Ten degrees of the field of view: every rectangle of a third of the picture's width and height, wherever it lies.
 
 use super::{CELLS, COLUMNS, ROWS};
 
 const WIDTH: usize = COLUMNS / 3;
 const HEIGHT: usize = ROWS / 3;
 const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
-/// Cells of a field.
+/// Cells of one field.
 const FIELD: usize = WIDTH * HEIGHT;
 
-/// Sums over all cells before a place, in rows of one more.
+/// Sums over all cells above and to the left of a place, with one more column per row.
 type Sums = Vec<u32>;
 
 /// Calls `see` with the place of the first cell of each field and the share of its cells that are marked, 0..1.
@@ -57,7 +57,7 @@ pub(super) fn crowded(marked: impl Fn(usize) -> bool, share: f64) -> Vec<bool> {
     if !any {
         return Vec::new();
     }
-    // A cell is in a field that begins at it or before it, less than a field away.
+    // A cell is in a field that begins at the cell or before it, less than a field away.
     let sums = summed(|cell| first.get(cell).copied().unwrap_or(0));
     let at = |x: usize, y: usize| sums.get(y * (COLUMNS + 1) + x).copied().unwrap_or(0);
     let covered = (0..CELLS).map(|cell| {
@@ -84,7 +84,7 @@ mod tests {
         for (x, y) in [(0, 0), (17, 11), (COLUMNS - 8, ROWS - 6)] {
             assert_eq!(largest_share(|cell| within(cell, x..x + 8, y..y + 6)), 0.25);
         }
-        // Two places that no field holds both.
+        // Two places that no field contains together.
         let apart = |cell| within(cell, 0..4, 0..6) || within(cell, 40..48, 30..36);
         assert_eq!(largest_share(apart), 0.25);
     }
@@ -93,7 +93,7 @@ mod tests {
     fn crowded_cells_are_those_of_crowded_fields() {
         assert!(crowded(|cell| within(cell, 0..8, 0..6), 0.25).is_empty());
         let cells = crowded(|cell| within(cell, 0..9, 0..6), 0.25);
-        // Only fields that hold all of it: from the corner.
+        // Only fields that contain the whole place: those in the corner.
         for (cell, crowded) in cells.iter().enumerate() {
             assert_eq!(*crowded, within(cell, 0..WIDTH, 0..HEIGHT), "{cell}");
         }

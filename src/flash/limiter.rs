@@ -1,38 +1,41 @@
-//! Keeps the flashes of a picture few: what would be the fourth one within a second is dimmed.
+//! Keeps the flashes of a picture few: the light that would be the fourth flash within a second is dimmed.
 //!
-//! Each cell counts the changes of the picture as it comes and as it is shown. A rise that could begin a fourth flash makes
-//! the cell one that is to be limited, for as long as such rises come and a second more; it is where such cells cover
-//! more than a part of a field. A limited cell is never brighter than its darkest moment of the last second plus a little, so that what
-//! flashed goes on as a flicker too faint to count. Afterwards that ceiling rises slowly. Nothing is ever brightened, and
-//! no picture is mixed with one before it: what moves leaves no trace. Red that flashes loses saturation instead.
+//! Each cell counts the changes of the picture as it comes in and as it is shown. A rise that could begin a fourth
+//! flash marks the cell for limiting, for as long as such rises come and a second more. Marked cells are limited
+//! where they cover more than a certain share of a field. A limited cell is never brighter than its darkest moment of
+//! the last second plus a little, so that a flash goes on as a flicker too faint to count. Afterwards that ceiling
+//! rises slowly. Nothing is ever brightened, and no picture is mixed with an earlier one, so moving things leave no
+//! trace. Red that flashes loses saturation instead.
 
 use super::swing::{Change, LightSwing, RedSwing, Times};
 use super::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, fields, luminance};
 
-/// Share of a field of sight from which on flashes are limited: somewhat less than what counts.
+/// Share of a field from which on flashes are limited: somewhat less than the share that counts.
 const AREA: f64 = 0.2;
-/// Changes within a second of which the last, if it is a rise, begins one flash too many.
+/// Changes within a second; if the last of this many is a rise, it begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
-/// For how many seconds a cell stays one that is to be limited.
+/// For how many seconds a cell stays marked for limiting.
 const HOLD: f64 = 1.0;
-/// How much brighter than its darkest moment a limited cell may be: somewhat less than what counts as a flash.
+/// How much brighter than its darkest moment a limited cell may be: somewhat less than counts as a flash.
 const SWING: f32 = 0.07;
-/// Half the time over which a darkest moment is remembered, in seconds.
+/// Half of the time for which a darkest moment is remembered, in seconds.
 const MEMORY: f64 = 0.6;
-/// How fast a ceiling rises where the darkest moments have become brighter, and after all flashes, in luminance a second.
+/// How fast a ceiling rises when the darkest moments have become brighter, and after the last flash, in luminance per
+/// second.
 const FOLLOW: f32 = 0.25;
 const RELEASE: f32 = 0.5;
-/// Share of grey in a limited red: no red is saturated then.
+/// Share of grey in a limited red: with this much grey no red is saturated.
 const GREY: f32 = 0.6;
-/// How fast a limited red comes back, in share of grey a second.
+/// How fast a limited red recovers, in share of grey per second.
 const RED_RELEASE: f32 = 0.6;
-/// A rise may come earlier by this part of a frame, and these seconds at most.
+/// A rise may come early by this share of a frame, and by at most this many seconds.
 const EARLY: (f64, f64) = (0.9, 0.015);
 
 /// What a limited cell does to its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
-    /// Factor of linear light at the centre of the cell, 0..1. Between centres of limited cells it changes linearly.
+    /// Factor of linear light at the centre of the cell, 0..1; interpolated linearly between centres of limited
+    /// cells.
     pub gain: f32,
     /// Share of the colour that becomes grey, 0..1.
     pub grey: f32,
@@ -49,15 +52,15 @@ struct Cell {
     light: LightSwing,
     light_changes: Times,
     light_until: f64,
-    /// The luminance that is shown, and its changes.
+    /// The luminance that is shown, with its changes.
     shown: LightSwing,
     shown_changes: Times,
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
-    /// Darkest luminance of this part of the memory, and of the one before.
+    /// Darkest luminance of the present part of the memory, and of the part before.
     lows: [f32; 2],
-    /// Highest luminance; infinite where the cell is not limited.
+    /// Highest luminance; infinite if the cell is not limited.
     ceiling: f32,
     grey: f32,
 }
@@ -84,7 +87,7 @@ impl Cell {
         self.lows[0].min(self.lows[1]) + SWING
     }
 
-    /// Brings the ceiling of the luminance to where it belongs now, `seconds` later.
+    /// Moves the ceiling of the luminance to where it belongs `seconds` later.
     fn move_ceiling(&mut self, limited: bool, seconds: f32) {
         self.ceiling = match limited {
             true => self.highest().min(self.ceiling + FOLLOW * seconds),
@@ -95,7 +98,7 @@ impl Cell {
         }
     }
 
-    /// Whether to show this luminance would begin one flash too many.
+    /// Whether showing this luminance would begin one flash too many.
     fn is_too_much(&self, light: f32, now: f64, early: f64) -> bool {
         let mut shown = self.shown;
         shown.step(light) == Some(Change::Up) && self.shown_changes.count(now, early) + 1 >= CHANGES
@@ -123,12 +126,12 @@ impl Default for Limiter {
 }
 
 impl Limiter {
-    /// Takes the frame that is shown next, `seconds` after the last one, and tells what to do to its cells: nothing, or a
-    /// correction for each of them.
+    /// Takes the frame that is shown next, `seconds` after the last one, and returns what to do to its cells:
+    /// nothing, or a correction for each of them.
     pub fn limit(&mut self, seconds: f64, frame: &Grid) -> Option<&[Correction]> {
         let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
         self.now += seconds;
-        // A rise may come a little early: frames do not come at even times.
+        // A rise may come a little early, because frames do not come at regular times.
         let early = (EARLY.0 * seconds).min(EARLY.1);
         self.follow(frame, early);
         let now = self.now;
@@ -166,8 +169,8 @@ impl Limiter {
         Some(&self.corrections)
     }
 
-    /// Of the cells of crowded fields those that are to be limited, and those around them that are brighter than they could
-    /// be then: no edge is seen where a light that flashes becomes too faint to count.
+    /// The cells of crowded fields that are to be limited, and the cells around them that are brighter than the
+    /// limit: otherwise an edge would be seen where a flashing light becomes too faint to count.
     fn with_surroundings(&self, crowded: &[bool], frame: &Grid) -> Vec<bool> {
         let flashes = |(place, cell): (usize, &Cell)| marked(crowded, place) && cell.light_until > self.now;
         let mut limited: Vec<bool> = self.cells.iter().enumerate().map(flashes).collect();
@@ -188,7 +191,7 @@ impl Limiter {
         limited
     }
 
-    /// Looks for changes and for what would be too many. `early` is how many seconds too early a rise may come.
+    /// Finds the changes, and those that would be too many. `early` is how many seconds early a rise may come.
     fn follow(&mut self, frame: &Grid, early: f64) {
         let forgets = self.now - self.memory_since >= MEMORY;
         if forgets {
@@ -216,8 +219,8 @@ impl Limiter {
         }
     }
 
-    /// Turns the gains that cells shall have on average into those at their centres, between which the picture's gain is
-    /// linear: a cell's own counts for 9/16 of its mean, one beside it for 3/32, one at its corner for 1/64.
+    /// Turns the gains that cells shall have on average into those at their centres, between which the picture's gain
+    /// is linear: a cell's own gain counts for 9/16 of its mean, one beside it for 3/32, one at its corner for 1/64.
     fn make_centres(&mut self) {
         const ROUNDS: usize = 6;
         let wanted: Vec<f32> = self.corrections.iter().map(|correction| correction.gain).collect();
@@ -231,7 +234,7 @@ impl Limiter {
                     let beside = neighbour(place, step);
                     match self.corrections.get(beside) {
                         Some(other) if other.limited && beside != place => others += share * other.gain,
-                        // Where there is none that is limited, the cell goes on to its edge.
+                        // A neighbour that is not limited does not count: the cell's own gain reaches to its edge.
                         _ => own_share += share,
                     }
                 }
@@ -248,7 +251,7 @@ fn marked(marks: &[bool], cell: usize) -> bool {
     marks.get(cell).copied().unwrap_or(false)
 }
 
-/// The cells around a cell and itself, by columns and rows, with their shares of its mean.
+/// A cell and those around it, by columns and rows, with their shares of its mean.
 const NEIGHBOURS: [((isize, isize), f32); 9] = [
     ((-1, -1), 0.015_625),
     ((0, -1), 0.093_75),
@@ -261,7 +264,7 @@ const NEIGHBOURS: [((isize, isize), f32); 9] = [
     ((1, 1), 0.015_625),
 ];
 
-/// The cell beside another one, or the last one on the way there.
+/// The cell beside another one; at the picture's edge the last cell in that direction.
 fn neighbour(place: usize, (right, down): (isize, isize)) -> usize {
     let column = (place % COLUMNS).saturating_add_signed(right).min(COLUMNS - 1);
     let row = (place / COLUMNS).saturating_add_signed(down).min(ROWS - 1);

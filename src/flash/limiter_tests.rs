@@ -13,12 +13,12 @@ fn small(cell: usize) -> bool {
     cell % COLUMNS < 6 && cell / COLUMNS < 6
 }
 
-/// What the limiter makes of a picture: `color` in the cells that are `lit`, black elsewhere.
+/// A picture as the limiter shows it: `color` in the cells that are `lit`, black elsewhere.
 struct Show {
     limiter: Limiter,
     analyser: Analyser,
     time: f64,
-    /// Frames that were changed.
+    /// Number of frames that were changed.
     touched: usize,
 }
 
@@ -86,7 +86,7 @@ fn bursts_that_begin_and_end_have_no_more_either() {
         for _ in 0..600 {
             random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let (bits, seconds) = (random >> 16, f64::from(random >> 28) / 400.0 + 0.004);
-            // Ten seconds of any levels, some held for long.
+            // Ten seconds of arbitrary levels, some held for long.
             let level = if show.time % 3.0 < 1.6 { (bits & 7) as f32 / 7.0 } else { 0.5 };
             show.frame(seconds, [level; 3], everywhere);
         }
@@ -113,7 +113,7 @@ fn light_that_comes_back_while_flashes_are_remembered_is_none() {
 
 #[test]
 fn what_is_slow_or_small_or_seldom_passes_untouched() {
-    /// What it is called, how often a second, both colours, and which cells are lit.
+    /// The name, the flashes per second, both colours, and which cells are lit.
     type Case = (&'static str, f64, [[f32; 3]; 2], fn(usize) -> bool);
     let cases: [Case; 6] = [
         ("three flashes a second", 3.0, [WHITE, BLACK], everywhere),
@@ -155,13 +155,13 @@ fn three_hertz_pass_though_frames_come_at_uneven_times() {
 #[test]
 fn the_fourth_flash_itself_is_dimmed_and_the_picture_neither_pumps_nor_jumps() {
     let mut show = Show::new();
-    // Off, on, off, on: each for three frames. The fourth flash begins at frame 21.
+    // Off, on, off, on: three frames each. The fourth flash begins at frame 21.
     let seen = show.strobe((10.0, 60.0, 4.0), [[0.2; 3], WHITE], everywhere);
     assert_eq!(seen[15..18], [1.0; 3]);
     for (frame, light) in seen.iter().enumerate().skip(18) {
         assert!((0.199..0.271).contains(light), "frame {frame} has {light}");
     }
-    // The strobe ends: nothing jumps.
+    // The strobe ends: no jump.
     let mut last = *seen.last().unwrap();
     for frame in 0..240 {
         let light = show.frame(1.0 / 60.0, WHITE, everywhere);
@@ -225,7 +225,7 @@ fn centres_keep_the_means_of_cells_as_far_as_gains_go() {
     }
     limiter.make_centres();
     for cell in (0..CELLS).filter(|cell| cell % 7 != 0) {
-        // Its mean, by many points of it.
+        // Its mean, from many points in it.
         let (mut sum, side) = (0.0, 16);
         for point in 0..side * side {
             let place = |at: usize| (at as f32 + 0.5) / side as f32 - 0.5;

@@ -1,18 +1,20 @@
-//! Flashes of a picture that moves, by the definition of WCAG 2.3.1: how many there are, and what keeps them few.
+//! The flashes of a moving picture, as WCAG 2.3.1 defines them: counting them, and keeping them few.
 //!
-//! A general flash is a pair of opposing changes of relative luminance by 10 % or more of the highest one, where the darker
-//! state is below 0.8. A red flash is a pair of opposing changes to and from a saturated red. No more than three of a
-//! kind may be in any one second, unless those at a time cover no more than a quarter of any ten degrees of sight, which
-//! are a third of a screen's width and height.
+//! A general flash is a pair of opposing changes of relative luminance by 10 % or more of the maximum, where the
+//! darker state is below 0.8. A red flash is a pair of opposing changes to and from a saturated red. No more than
+//! three of a kind may occur in any one second, unless those that occur at the same time cover no more than a quarter
+//! of any ten degrees of the field of view, which are a third of a screen's width and height.
 //!
-//! A picture is looked at as a grid of cells, each with its mean colour: finer patterns are none that flash. A cell
-//! counts its own changes; the area is that of the cells of a field with so many flashes within the same second.
+//! A picture is reduced to a grid of cells, each with its mean colour: finer patterns do not count as flashes. Each
+//! cell counts its own changes; the area is that of the cells of a field that have too many flashes within the same
+//! second.
 //!
-//! **Flashes are limited in the finished picture.** Whatever flashes, scenes cannot: `flash::Limiter` sees the mean
-//! colours of 48 by 36 cells of what is about to be shown, counts changes as WCAG 2.3.1 does, and says which cells to
-//! dim so that a fourth flash within a second is none. They are read back before the picture is shown, so that the
-//! limit is never a frame late. Gains are at most 1 and nothing of an older picture is used: what is limited is darker,
-//! not smeared. Cells, not the picture as a whole: what does not flash beside it stays as it is.
+//! **Flashes are limited in the finished picture**, whatever the scene does. `flash::Limiter` gets the mean colours
+//! of 48 by 36 cells of the picture that is about to be shown, counts changes as WCAG 2.3.1 does, and says which
+//! cells to dim so that there is no fourth flash within a second. The colours are read back before the picture is
+//! shown, so that the limiter is never a frame late. Gains are at most 1 and nothing of an older picture is used, so
+//! a limited picture is darker, not smeared. Limiting works by cells, not on the picture as a whole: what does not
+//! flash beside them stays as it is.
 
 mod analyser;
 mod fields;
@@ -22,9 +24,9 @@ mod swing;
 pub use analyser::{Analyser, Flashes};
 pub use limiter::{Correction, Limiter};
 
-/// Cells of a picture from left to right; a field of sight has a third of them.
+/// Cells of a picture from left to right; a field of view has a third of them.
 pub const COLUMNS: usize = 48;
-/// Cells from edge to edge the other way.
+/// Cells of a picture from top to bottom.
 pub const ROWS: usize = 36;
 /// Cells of a picture.
 pub const CELLS: usize = COLUMNS * ROWS;
@@ -37,7 +39,7 @@ pub const FLASHES_MAX: usize = 3;
 pub struct Grid(Vec<[f32; 3]>);
 
 impl Grid {
-    /// A grid of the colours of [`CELLS`] cells; missing ones are black, and so is what is no number.
+    /// A grid of the colours of [`CELLS`] cells; missing ones and values that are not numbers are black.
     pub fn new(colors: impl IntoIterator<Item = [f32; 3]>) -> Self {
         let unit = |value: f32| if value.is_finite() { value.clamp(0.0, 1.0) } else { 0.0 };
         let mut cells: Vec<[f32; 3]> = colors.into_iter().take(CELLS).map(|color| color.map(unit)).collect();
@@ -45,7 +47,7 @@ impl Grid {
         Self(cells)
     }
 
-    /// The cells of a finished picture: sRGB, four bytes a pixel, row by row.
+    /// The cells of a finished picture: sRGB, four bytes per pixel, row by row.
     pub fn of_picture(rgba: &[u8], (width, height): (u32, u32)) -> Self {
         let linear = crate::srgb::linear_of_bytes();
         let light = |byte: u8| f64::from(linear.get(usize::from(byte)).copied().unwrap_or(0.0));
@@ -97,7 +99,7 @@ mod tests {
         assert_eq!(grid.colors()[..2], [[0.5; 3], [1.0; 3]]);
         let one = Grid::of_picture(&[188, 0, 0, 255], (1, 1));
         assert!(one.colors().iter().all(|[r, g, b]| (r - 0.503).abs() < 1e-3 && (*g, *b) == (0.0, 0.0)));
-        // Fewer bytes than pixels, and no numbers.
+        // Fewer bytes than pixels, and values that are not numbers.
         assert_eq!(Grid::of_picture(&[], (9, 9)), Grid::new([[f32::NAN; 3]]));
     }
 }

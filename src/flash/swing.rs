@@ -1,16 +1,16 @@
-//! What one cell does: its changes between peaks and valleys, of luminance and of red.
+//! The changes of one cell between peaks and valleys, of luminance and of red.
 
 use std::collections::VecDeque;
 
-/// Smallest change of luminance that counts, of the highest luminance.
+/// Smallest change of luminance that counts, as a share of the maximum.
 const LIGHT_CHANGE: f32 = 0.1;
-/// From this luminance of the darker state on no change counts.
+/// If the darker state has this luminance or more, no change counts.
 const LIGHT_DARKER: f32 = 0.8;
-/// A colour is a saturated red from this share of red on, in linear light.
+/// A colour is a saturated red if red has at least this share, in linear light.
 const RED_SHARE: f32 = 0.8;
 /// Smallest change of a red's chromaticity that counts, in the CIE 1976 UCS diagram.
 const RED_CHANGE: f32 = 0.2;
-/// Light that a screen throws back in any case: what is nearly black is no colour.
+/// Light that a screen reflects in any case: because of it, what is nearly black has no colour.
 const FLARE: f32 = 0.01;
 /// Chromaticity of sRGB's red.
 const RED: [f32; 2] = [0.4507, 0.5229];
@@ -58,9 +58,9 @@ impl LightSwing {
 /// Finds the changes to and from a saturated red.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RedSwing {
-    /// The last change led to red.
+    /// Whether the last change led to red.
     red: bool,
-    /// The chromaticity since then that is the farthest from where the next change leads.
+    /// The chromaticity since then that is farthest from where the next change leads.
     extreme: Option<[f32; 2]>,
 }
 
@@ -90,7 +90,7 @@ pub(super) fn is_saturated_red([r, g, b]: [f32; 3]) -> bool {
     r > 0.0 && r >= RED_SHARE * (r + g + b)
 }
 
-/// In the CIE 1976 UCS diagram, as a screen in a room shows it.
+/// The chromaticity in the CIE 1976 UCS diagram, as a screen in a room shows it.
 fn chromaticity(color: [f32; 3]) -> [f32; 2] {
     let [r, g, b] = color.map(|value| value + FLARE);
     let x = 0.4124 * r + 0.3576 * g + 0.1805 * b;
@@ -104,10 +104,10 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// Shortest time that counts as one: frames come at rounded times.
+/// Tolerance for comparing times, in seconds: frames come at rounded times.
 const ROUNDING: f64 = 1e-6;
 
-/// When the changes of the last second were.
+/// The times of the changes of the last second.
 #[derive(Debug, Clone)]
 pub(super) struct Times(VecDeque<f64>);
 
@@ -119,14 +119,14 @@ impl Times {
         self.0.push_back(time);
     }
 
-    /// Forgets what is a second ago.
+    /// Forgets changes that are more than a second old.
     pub(super) fn forget(&mut self, now: f64) {
         while self.0.front().is_some_and(|time| *time <= now - 1.0 + ROUNDING) {
             self.0.pop_front();
         }
     }
 
-    /// How many there are, less those that are forgotten within `soon` seconds.
+    /// The number of changes, less those that will be forgotten within `soon` seconds.
     pub(super) fn count(&self, now: f64, soon: f64) -> usize {
         self.0.iter().filter(|time| **time > now - 1.0 + soon + ROUNDING).count()
     }

@@ -40,16 +40,17 @@ pub fn block_defines() -> [String; 9] {
     ]
 }
 
-/// Where the tree of regions of a frame lies, and what holds where it has no cells.
+/// Where the tree of regions of a frame is, and what holds if it has no cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RegionTree {
     /// Lower corner of its box.
     pub low: [f32; 3],
     /// Extent of its box; 0 where there are no cells.
     pub size: [f32; 3],
-    /// Lower and upper corner of what holds all surfaces of the frame, where the tree knows them better than the world.
+    /// Lower and upper corner of a box around all surfaces of the frame, if the tree knows a tighter one than the
+    /// world.
     pub bounds: Option<([f32; 3], [f32; 3])>,
-    /// First texel of the tape that holds everywhere; below 2^24, which a float holds exactly.
+    /// First texel of the tape that holds everywhere; below 2^24, so that a float holds it exactly.
     pub whole_tape: u32,
 }
 
@@ -107,8 +108,8 @@ impl Frame {
         block
     }
 
-    /// Planes as a unit normal and the distance of the origin from them. What is none in this frame lies nowhere: its
-    /// normal is 0.
+    /// Planes as a unit normal and the distance of the origin from them. A plane that does not exist in this frame
+    /// has the normal 0.
     fn planes(&self) -> impl Iterator<Item = [f32; 4]> {
         self.values.planes.iter().take(PLANES_MAX).map(|plane| {
             let [a, b, c, d] = plane.map(f64::from);
@@ -132,7 +133,7 @@ fn light(light: &LightValues) -> [[f32; 4]; LIGHT] {
     [[x, y, z, kind], [r, g, b, light.radius.max(0.0)], [rx, ry, rz, range], [ux, uy, uz, shadow]]
 }
 
-/// Writes the vectors of one member and goes on behind it.
+/// Writes the vectors of one member and advances past it.
 fn put(rest: &mut &mut [[f32; 4]], length: usize, vectors: impl IntoIterator<Item = [f32; 4]>) {
     let (member, behind) = std::mem::take(rest).split_at_mut(length);
     for (to, from) in member.iter_mut().zip(vectors) {

@@ -1,4 +1,4 @@
-//! The camera of a frame: where the scene's expressions put it, made fit for the window.
+//! The camera of a frame: where the scene's expressions put it, adapted to the window.
 
 use glam::{DQuat, DVec3};
 
@@ -26,14 +26,15 @@ pub struct Camera {
 
 /// Range of the vertical field of view, in degrees.
 const FOV: (f64, f64) = (1.0, 170.0);
-/// Coordinates beyond this are no place to see anything from.
+/// Coordinates beyond this are no useful place for an eye.
 const PLACE_MAX: f64 = 1e7;
 
 impl Camera {
     /// The camera that a scene asks for, for a picture of `aspect` (width over height).
     ///
-    /// Where the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
-    /// sight until it is not. What is not finite is taken as 0, a field of view is brought into 1..170 degrees.
+    /// If the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
+    /// sight until it is not. Values that are not finite are taken as 0; a field of view is clamped to 1..170
+    /// degrees.
     pub fn of(values: &FrameValues, aspect: f64) -> Self {
         Self::by_hand(values, aspect, &OrbitControls::OFF)
     }
@@ -55,7 +56,7 @@ impl Camera {
         let (eye, forward) = hand.place(eye, target);
         let to_target = (target - eye).length();
         let stepped_back = to_target - away.length();
-        // Straight up or down there is no upright picture: any will do.
+        // Looking straight up or down, no picture is upright: any will do.
         let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
         let roll = if values.roll.is_finite() { f64::from(values.roll) } else { 0.0 };
         let right = DQuat::from_axis_angle(forward, roll) * level;
@@ -63,7 +64,7 @@ impl Camera {
         Self { position: eye, right, up, forward, tan_half, to_target, stepped_back }
     }
 
-    /// Where `point` is in the picture, each axis -1..1 from edge to edge; none behind the eye.
+    /// Where `point` is in the picture, each axis -1..1 from edge to edge; none if it is behind the eye.
     pub fn project(&self, point: DVec3) -> Option<(f64, f64)> {
         let offset = point - self.position;
         let depth = offset.dot(self.forward);

@@ -28,19 +28,19 @@ pub struct Frame {
     pub inputs: FrameInputs,
     /// Where the picture is seen from.
     pub camera: Camera,
-    /// What the picture may cost beside its number of pixels, 0..1: the shaders' `frame_quality`.
+    /// What the picture may cost apart from its number of pixels, 0..1: the shaders' `frame_quality`.
     pub quality: f32,
     /// Lights and planes.
     pub values: FrameValues,
     /// What happens to the scene's light on its way to the screen.
     pub picture: Picture,
-    /// What the camera was moved by.
+    /// How the camera was moved by hand.
     hand: OrbitControls,
 }
 
 impl Frame {
-    /// The frame of a world at `time` seconds with the sound that is audible then, its parameters as the scene's text
-    /// sets them.
+    /// The frame of a world at `time` seconds with the sound that is audible then; its parameters are as the scene's
+    /// text sets them.
     pub fn new(world: &World, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Self {
         let params: Vec<f32> = world.scene.params.iter().map(|param| param.default).collect();
         Self::with_params(world, time, sound, size, &params)
@@ -85,12 +85,12 @@ impl Frame {
 }
 
 impl Frame {
-    /// What the camera looks at, finite.
+    /// The point that the camera looks at, finite.
     pub fn target(&self) -> glam::DVec3 {
         camera::place(self.values.target)
     }
 
-    /// The same as it is drawn for a window of that width over height, whatever the number of its pixels, in a quality.
+    /// The same as it is drawn for a window of this width over height, whatever its number of pixels, at a quality.
     pub fn in_window(mut self, world: &World, aspect: f64, quality: f32) -> Self {
         self.quality = quality;
         self.see_from(world, aspect, self.hand);
@@ -110,12 +110,12 @@ impl Frame {
         self
     }
 
-    /// Puts the camera in its place, and tells the expressions where it is.
+    /// Puts the camera in its place, and gives its place to the expressions.
     fn see_from(&mut self, world: &World, aspect: f64, hand: OrbitControls) {
         (self.hand, self.camera) = (hand, Camera::by_hand(&self.values, aspect, &hand));
         self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
         let eye = self.camera.position.as_vec3().to_array();
-        // What is computed once a frame depends on nothing else here.
+        // What is computed once per frame depends on nothing else here.
         if self.inputs.eye != eye || self.inputs.hoisted.is_empty() {
             self.inputs.eye = eye;
             self.inputs.hoisted = world.hoisted.values(&self.inputs);
@@ -133,12 +133,12 @@ fn aspect(size: (u32, u32)) -> f64 {
     f64::from(size.0) / f64::from(size.1)
 }
 
-/// Nothing non-finite reaches a scene's inputs.
+/// Makes a value finite: nothing else reaches a scene's inputs.
 fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-/// The language promises levels of 0..1; samples beyond full scale measure more.
+/// The language promises levels of 0..1, but samples beyond full scale measure more.
 fn unit(value: f32) -> f32 {
     finite(value).clamp(0.0, 1.0)
 }
@@ -148,7 +148,7 @@ mod tests {
     use mariana_field::graph::SoundInput;
     use mariana_music::Features;
 
-    /// An input that the analysis does not know would read 0 without a word.
+    /// An input that the analysis does not know would silently read 0.
     #[test]
     fn every_number_of_the_sound_that_scenes_read_is_heard() {
         for input in SoundInput::ALL {

@@ -1,14 +1,15 @@
-//! A camera that is moved by hand: what it adds to the scene's own, which may go on moving.
+//! A camera that is moved by hand: what is added to the scene's own camera, which may go on moving.
 //!
-//! **The hand adds to the scene's camera.** A drag and the wheel turn and move the eye around what the scene's camera
-//! looks at, wherever that goes (`frame::hand`): regions, bounds and planes do not depend on it. `eye` in materials and
-//! the sky is where it really is. Formulas of a scene's own for its path do not see the hand.
+//! **The hand adds to the scene's camera.** A drag and the wheel turn and move the eye around the point that the
+//! scene's camera looks at, wherever that goes (`frame::orbit_controls`): regions, bounds and planes do not depend on
+//! it. In materials and the sky, `eye` is where the eye really is. A scene's own formulas for the camera's path do
+//! not see the hand.
 
 use std::f64::consts::PI;
 
 use glam::DVec3;
 
-/// A turn around what the camera looks at, and a way towards it.
+/// A turn around the point that the camera looks at, and a change of the distance to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrbitControls {
     /// Turn around the vertical, in radians: how far the eye goes to the left.
@@ -19,17 +20,17 @@ pub struct OrbitControls {
     zoom: f64,
 }
 
-/// Radians for a way as long as the picture is high.
+/// Radians for a drag as long as the picture is high.
 const TURN: f64 = PI;
-/// The eye stays so far off straight above and below, in radians from the horizon.
+/// The eye keeps away from straight above and below: largest angle from the horizon, in radians.
 const PITCH_MAX: f64 = 0.49 * PI;
-/// The distance is multiplied by e to this for each notch of a wheel.
+/// The distance is multiplied by e to this power for each notch of a wheel.
 const NOTCH: f64 = 0.12;
 /// Range of [`OrbitControls::zoom`].
 const ZOOM: (f64, f64) = (1.0 / 64.0, 64.0);
-/// Ways of the pointer below this are ones.
+/// Movements of the pointer of this size or more are ignored.
 const WAY_MAX: f64 = 1e6;
-/// The farthest from what is looked at.
+/// Largest distance from the target.
 const REACH_MAX: f64 = 1e7;
 
 impl Default for OrbitControls {
@@ -42,8 +43,8 @@ impl OrbitControls {
     /// The scene's own camera.
     pub const OFF: Self = Self { yaw: 0.0, pitch: 0.0, zoom: 1.0 };
 
-    /// Turns by a way of the pointer to the right and downwards, in heights of the picture, as if what is looked at was
-    /// moved. `own` is how far up the scene's camera is ([`OrbitControls::pitch_of`]).
+    /// Turns by a movement of the pointer to the right and downwards, in heights of the picture, as if the target was
+    /// dragged. `own` is the pitch of the scene's camera ([`OrbitControls::pitch_of`]).
     pub fn drag(&mut self, (right, down): (f64, f64), own: f64) {
         if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
             return;
@@ -53,7 +54,7 @@ impl OrbitControls {
         self.pitch = (self.pitch + TURN * down).clamp(-PITCH_MAX - own, PITCH_MAX - own);
     }
 
-    /// Comes nearer by so many notches of a wheel.
+    /// Comes nearer by this many notches of a wheel.
     pub fn zoom(&mut self, notches: f64) {
         if notches.is_finite() {
             self.zoom = (self.zoom * (-NOTCH * notches).exp()).clamp(ZOOM.0, ZOOM.1);
@@ -65,7 +66,8 @@ impl OrbitControls {
         (eye - target).normalize_or(DVec3::NEG_Z).y.clamp(-1.0, 1.0).asin()
     }
 
-    /// Where the eye is, and the way it looks, for a scene's eye and target. One that looks at where it is looks around.
+    /// Where the eye is and the direction of its view, for a scene's eye and target. If both are the same point, the
+    /// camera looks around.
     pub(super) fn place(&self, eye: DVec3, target: DVec3) -> (DVec3, DVec3) {
         let away = eye - target;
         let forward = (-away).normalize_or(DVec3::Z);

@@ -1,4 +1,4 @@
-//! How a picture is made of the scene's light: the numbers of the shaders' `PictureBlock` (see
+//! How a picture is made from the scene's light: the numbers of the shaders' `PictureBlock` (see
 //! `shaders/picture_block.glsl`).
 
 use super::camera::Camera;
@@ -13,7 +13,7 @@ pub type PictureBlock = [[f32; 4]; PICTURE_BLOCK_VECTORS];
 /// What happens to the scene's light on its way to the screen. Every number is finite and in its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
-    /// What light is multiplied by, 0..1000.
+    /// The factor by which light is multiplied, 0..1000.
     pub exposure: f32,
     /// Share of the light that is scattered around where it belongs, 0..1.
     pub bloom: f32,
@@ -32,13 +32,13 @@ pub struct Picture {
 pub struct Lens {
     /// Its radius, 0 where everything is sharp.
     pub radius: f32,
-    /// 1 / distance that is sharp.
+    /// 1 / distance at which the picture is sharp.
     pub nearness: f32,
 }
 
 impl Picture {
-    /// The picture that a scene asks for in a frame; `has_lens` is [`mariana_field::world::SceneFeatures::lens`]. What is no number is as
-    /// in scenes that say nothing.
+    /// The picture that a scene asks for in a frame; `has_lens` is [`mariana_field::world::SceneFeatures::lens`]. A
+    /// value that is not a number is replaced by that of scenes that do not set it.
     pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
         let picture = &values.picture;
         let lens = || {
@@ -64,16 +64,17 @@ impl Picture {
     }
 }
 
-/// The largest radius of a blurred point, in heights of the picture: more takes more samples than there is time for.
+/// The largest radius of a blurred point, in heights of the picture: a larger one takes more samples than there is
+/// time for.
 pub const BLUR_MAX: f32 = 0.04;
 /// Ten stops: nobody needs more.
 const EXPOSURE_MAX: f32 = 1000.0;
 const GRAIN_MAX: f32 = 16.0;
 const LENS_RADIUS_MAX: f32 = 1e6;
-/// Range of the distance that is sharp.
+/// Range of the distance at which the picture is sharp.
 const FOCUS: (f32, f32) = (1e-3, 1e7);
 
-/// The value in its range, `otherwise` for what is no number.
+/// The value clamped to its range; `otherwise` if it is not a number.
 fn within(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }
@@ -99,7 +100,7 @@ mod tests {
         assert_eq!((all.exposure, all.bloom, all.vignette, all.grain), (2.0, 1.0, 0.0, 16.0));
         assert_eq!(all.tone_map, ToneMap::Aces);
 
-        // The difference of two infinite numbers is none.
+        // The difference of two infinities is not a number.
         let nan = "exp(99 * t) - exp(98 * t)";
         let none = picture(&format!("picture {{ exposure = {nan}  bloom = {nan}  grain = {nan} }}"));
         assert_eq!((none.exposure, none.bloom, none.grain), (1.0, 0.0, 1.0));

@@ -1,10 +1,11 @@
-//! The sound's tables as the shaders read them: the spectrum, the waveform, the rows of the history (`shaders/scene_inputs.glsl`).
+//! The sound's tables as the shaders read them: spectrum, waveform, rows of the history
+//! (`shaders/scene_inputs.glsl`).
 
 use mariana_field::graph::{FrameInputs, Op, TableData};
 use mariana_field::world::World;
 use mariana_music::{HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
-/// Whether any expression of a world reads them.
+/// Whether any expression of a world reads the tables.
 pub fn are_read_by(world: &World) -> bool {
     let roots: Vec<_> = world.roots.all().collect();
     // A world's graph has been checked.
@@ -12,14 +13,14 @@ pub fn are_read_by(world: &World) -> bool {
     Op::CURVES.iter().any(|table| used.tables.contains(table))
 }
 
-/// The texels, a float each. A table of another shape than the shaders know is silence.
+/// The texels, one float each. A table of another shape than the shaders expect is replaced by silence.
 pub fn texels(inputs: &FrameInputs) -> Vec<f32> {
     let mut values = Vec::new();
     append(&mut values, &inputs.spectrum, SPECTRUM_POINTS);
     append(&mut values, &inputs.waveform, WAVEFORM_POINTS);
     let history = inputs.history.values();
     values.extend(history.chunks_exact(HISTORY_POINTS).flatten());
-    // Shaders read the row behind the last one, if without weight, and two where there is none.
+    // Shaders read the row after the last one, though without weight, and two where there is none.
     values.extend([0.0; 2 * HISTORY_POINTS]);
     values
 }
@@ -60,7 +61,7 @@ mod tests {
         for (text, read) in [
             ("length(p) - 1 - band(3)", false),
             ("length(p) - 1 - spectrum(y)", true),
-            // Computed once a frame.
+            // Computed once per frame.
             ("length(p) - 1 - spectrum(0.5)", false),
             (
                 "object a { shape = sphere(p, 1) material = m }\nmaterial m { color = vec3(history(x, y)) }",

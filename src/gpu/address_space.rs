@@ -1,11 +1,11 @@
-//! Living with little address space, as under `ulimit -v` or in some containers.
+//! Works within a limited address space, as under `ulimit -v` or in some containers.
 
 #![expect(unsafe_code, reason = "the C library's allocator is set up by a C function")]
 
-/// Has all threads share few of the C library's heaps if the process's address space is limited.
+/// Makes all threads share few of the C library's heaps if the process's address space is limited.
 ///
-/// Otherwise each thread, and a driver has many, reserves 64 MiB for a heap of its own, of which it uses little: a show
-/// that needs 0.5 GiB dies within a driver where it may reserve 1 GiB.
+/// Otherwise each thread, and a driver has many, reserves 64 MiB for a heap of its own, of which it uses little: a
+/// show that needs 0.5 GiB then crashes inside a driver although it may reserve 1 GiB.
 pub fn spare_where_limited() {
     if is_limited(&std::fs::read_to_string("/proc/self/limits").unwrap_or_default()) {
         /// Enough that threads seldom wait for each other.
@@ -15,7 +15,7 @@ pub fn spare_where_limited() {
     }
 }
 
-/// Whether `limits`, as the kernel writes them, have one for the address space.
+/// Whether `limits`, in the kernel's format, contain one for the address space.
 fn is_limited(limits: &str) -> bool {
     let row = limits.lines().find_map(|line| line.strip_prefix("Max address space"));
     row.and_then(|row| row.split_whitespace().next()).is_some_and(|soft| soft != "unlimited")

@@ -1,10 +1,10 @@
-//! Programs compiled beside the frame loop, on threads with contexts of their own.
+//! Programs compiled in parallel with the frame loop, on threads with contexts of their own.
 //!
-//! A driver's work on a large shader takes from tens of milliseconds to many seconds, and part of it waits for the first
-//! draw. So a worker links the program and draws a small picture with it in the same states, and with textures of the same
-//! kinds, that the renderer will use. What the drawing thread gets are values, the driver's own form of the program among
-//! them; what the driver compiled at the draw it finds in its cache. No object is ever known to two contexts: drivers
-//! are wrong about those that are ([`super::program::ReadyProgram`]).
+//! A driver's work on a large shader takes from tens of milliseconds to many seconds, and part of it waits for the
+//! first draw. So a worker links the program and draws a small picture with it, in the same states and with textures
+//! of the same kinds that the renderer will use. The drawing thread gets values only, among them the driver's own
+//! form of the program; what the driver compiled at the draw it finds in its cache. No object is ever shared between
+//! two contexts, because drivers mishandle shared objects ([`super::program::ReadyProgram`]).
 
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
 
@@ -38,7 +38,7 @@ pub struct WorkerContext {
 }
 
 impl WorkerContext {
-    /// A context of the display that shares nothing with any other.
+    /// A context on the display that shares nothing with any other.
     ///
     /// # Errors
     /// What EGL says.
@@ -52,7 +52,7 @@ impl WorkerContext {
         Ok(Self { display: display.clone(), context })
     }
 
-    /// Makes it current on this thread. Only EGL can without a window.
+    /// Makes it current on this thread. Without a window only EGL can do that.
     fn make_current(self) -> Result<(Display, PossiblyCurrentContext), String> {
         let current = match self.context {
             #[cfg(any(windows, all(unix, not(target_os = "macos"))))]
@@ -71,11 +71,11 @@ pub type VariantMaker = Box<dyn FnOnce() -> Result<Variant, GpuError> + Send>;
 
 /// A program to be made.
 pub struct ProgramJob {
-    /// The asker's name for it.
+    /// The caller's name for it.
     pub id: u64,
     /// Its text.
     pub variant: VariantMaker,
-    /// What the picture drawn to warm it up shows.
+    /// What the picture that warms it up shows.
     pub block: FrameBlock,
     /// What happens to its light.
     pub picture: Picture,
@@ -87,17 +87,17 @@ pub struct ProgramJob {
 
 /// A job that is done.
 pub struct Finished {
-    /// The asker's name for it.
+    /// The caller's name for it.
     pub id: u64,
     /// The program, as values.
     pub program: Result<ReadyProgram, GpuError>,
 }
 
-/// Size of the pictures that warm a program up; no powers of two, as those of windows are none (see
+/// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
 /// [`super::stand_ins`]).
 const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
-/// How long the end waits for drivers at work: a process that ends under one that compiles may crash.
+/// How long the end waits for drivers at work: a process that ends while one compiles may crash.
 const END_WAIT: Duration = Duration::from_secs(4);
 
 /// The workers and their jobs.
@@ -105,7 +105,7 @@ pub struct BackgroundCompiler {
     queue: Arc<Queue>,
     finished: Receiver<Finished>,
     threads: Vec<JoinHandle<()>>,
-    /// What the texts of programs are made of, if there are no threads.
+    /// What the texts of programs are made from, if there are no threads.
     library: ShaderLibrary,
 }
 
@@ -126,7 +126,7 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The next job; none when it is over.
+    /// The next job; none when the compiler ends.
     fn next(&self) -> Option<ProgramJob> {
         let mut state = self.lock();
         loop {
@@ -142,7 +142,7 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread. Where there is no
+    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread. If there is no
     /// context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
@@ -164,18 +164,18 @@ impl BackgroundCompiler {
         Self { queue, finished, threads, library: library.clone() }
     }
 
-    /// Asks for a program, after those asked for before.
+    /// Requests a program, after those that were requested before.
     pub fn submit(&self, job: ProgramJob) {
         self.queue.lock().jobs.push_back(job);
         self.queue.changed.notify_one();
     }
 
-    /// Drops the jobs that were not begun and that `obsolete` names.
+    /// Drops the jobs that `obsolete` names and that were not begun.
     pub fn forget(&self, obsolete: impl Fn(u64) -> bool) {
         self.queue.lock().jobs.retain(|job| !obsolete(job.id));
     }
 
-    /// A job that is done, if there is one; waits for none.
+    /// A job that is done, if there is one; does not wait.
     pub fn poll(&self) -> Option<Finished> {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
@@ -198,8 +198,8 @@ impl Drop for BackgroundCompiler {
             while !thread.is_finished() && Instant::now() < until {
                 std::thread::sleep(Duration::from_millis(2));
             }
-            // A driver cannot be interrupted, and may need minutes for a large scene. Nothing of its context is the
-            // window's, which can go without it.
+            // A driver cannot be interrupted, and may need minutes for a large scene. Nothing in its context belongs
+            // to the window's, so the window's can go without it.
             if !thread.is_finished() {
                 tracing::info!("a driver is still compiling: nobody waits for it");
                 continue;
@@ -218,7 +218,7 @@ fn work(
     library: &ShaderLibrary,
     wake: &dyn Fn(),
 ) {
-    // Kept current to the end of the thread, after everything that was made in it.
+    // Kept current to the end of the thread, until everything that was made in it is gone.
     let context = worker.make_current();
     let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
         let gl = Gl::load(|name| display.get_proc_address(name), false).map_err(|error| error.to_string())?;
@@ -229,7 +229,7 @@ fn work(
     while let Some(job) = queue.next() {
         let id = job.id;
         let program = match &mut studio {
-            // A panic must not leave the asker waiting.
+            // After a panic the caller must not wait for ever.
             Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(library, job))).unwrap_or_else(|_| {
                 Err(GpuError::NoWorker { reason: "making a program ended by a panic".into() })
             }),
@@ -255,8 +255,8 @@ struct Studio {
 }
 
 impl Studio {
-    /// Links a program and draws with it, so that the driver has nothing left to do. The program itself ends here, with
-    /// all that the driver keeps for it in this context.
+    /// Links a program and draws with it, so that the driver has nothing left to do. The program itself is dropped
+    /// here, with everything that the driver keeps for it in this context.
     fn make(&mut self, library: &ShaderLibrary, job: ProgramJob) -> Result<ReadyProgram, GpuError> {
         let texts = texts_of(library, job.variant)?;
         let program = Program::of(&self.gl, &texts)?;
@@ -268,7 +268,7 @@ impl Studio {
         } else {
             self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, &program)
         };
-        // The program is none the worse for it.
+        // The program is usable all the same.
         if let Err(error) = drawn {
             tracing::debug!("warming up a program: {error}");
         }

@@ -1,9 +1,9 @@
-//! Bloom: light that lens and eye scatter around where it belongs.
+//! Bloom: light that lens and eye scatter around its true place.
 //!
-//! Pictures of half the size, again and again, then back up, each mixed with what came from the smaller ones (Jimenez,
-//! "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike there nothing is added: each mean is
-//! a mean of light, and what `present.frag` mixes in is light that it takes away where it was, so that the picture gets no
-//! brighter.
+//! The picture is halved in size again and again, then brought back up; each level is mixed with what came from the
+//! smaller ones (Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014). Unlike there,
+//! nothing is added: every level is a mean of light, and the light that `present.frag` mixes in is taken away from
+//! its true place, so that the picture gets no brighter.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -15,11 +15,11 @@ use super::post::Passes;
 use super::program::{Program, unit_of};
 use super::target::{Target, Texel};
 
-/// Sizes at most: the smallest is then a 256th of the picture.
+/// Most levels: the smallest is then a 256th of the picture.
 const LEVELS_MAX: u32 = 8;
-/// The smallest level is about so many pixels high.
+/// Approximate height of the smallest level, in pixels.
 const SMALLEST: u32 = 6;
-/// How much less each level counts than the one twice as large.
+/// The weight of each level relative to the one twice as large.
 const FADING: f32 = 0.85;
 
 /// The programs of its passes.
@@ -29,13 +29,13 @@ pub(super) struct Bloom {
     pub(super) up: Program,
 }
 
-/// Its pictures, the largest first.
+/// Its levels, the largest first.
 pub(super) struct BloomTargets {
     levels: Vec<Target>,
 }
 
 impl Bloom {
-    /// Scatters light; what is returned is half as large.
+    /// Scatters light; the result is half as large.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
@@ -69,7 +69,8 @@ impl Bloom {
     }
 }
 
-/// The share of the smaller levels where `levels` are left, so that all together weigh 1, each less than the one before.
+/// The share of the smaller levels when `levels` are left, so that all weights sum to 1 and each is smaller than the
+/// one before.
 fn share_of_smaller(levels: usize) -> f32 {
     let weights = |from: usize| (from..levels).map(|level| FADING.powi(level as i32)).sum::<f32>();
     weights(1) / weights(0)

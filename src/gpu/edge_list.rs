@@ -1,9 +1,9 @@
 //! The pixels at edges as a list, so that their further samples are drawn densely.
 //!
-//! A software renderer runs a shader for eight neighbours at once. Where few of them are at an edge, most of that is in
-//! vain: 13 % of the pixels cost more than all of them at first. Their samples therefore go side by side into a target
-//! of their own, in a block for each pixel. Reading back which pixels those are costs nothing there; a GPU would
-//! have to wait for it, and takes the stencil instead.
+//! A software renderer runs a shader for eight neighbours at once. If few of them are at an edge, most of that work
+//! is wasted: the further samples of 13 % of the pixels would cost more than the first samples of all. Their samples
+//! are therefore placed side by side in a target of their own, in a block for each pixel. Reading back which pixels
+//! those are costs nothing there; a GPU would have to wait for it, and uses the stencil instead.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -17,7 +17,7 @@ use super::program::unit_of;
 use super::target::{Target, Texel};
 use super::tiles::Part;
 
-/// Pixels are listed by squares of so many to each side: what is drawn together then sees similar things.
+/// Pixels are listed by squares with sides of this many pixels, so that pixels drawn together see similar things.
 const TILE: usize = 8;
 
 /// The list of a picture, and the target of its samples.
@@ -25,9 +25,9 @@ pub(super) struct EdgeList {
     gl: Gl,
     size: (u32, u32),
     texels: Vec<Texel>,
-    /// Texels to each side of a block.
+    /// Width and height of a block, in texels.
     block: (u32, u32),
-    /// Rows of blocks that there is room for.
+    /// Rows of blocks for which there is room.
     rows_max: u32,
     /// 255 where an edge is.
     marks: Target,
@@ -40,7 +40,7 @@ pub(super) struct EdgeList {
 }
 
 impl EdgeList {
-    /// For pictures of `size` pixels; the target of the `samples` is of `texels`.
+    /// For pictures of `size` pixels; the texels of the `samples` target are `texels`.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -85,7 +85,8 @@ impl EdgeList {
         self.size.0.min(self.gl.info().texture_side_max / self.block.0).max(1)
     }
 
-    /// Makes room for so many rows of blocks. As many as the driver has room for: what is beyond gets no more samples.
+    /// Makes room for this many rows of blocks, or for as many as the driver can hold; pixels beyond get no more
+    /// samples.
     fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
         let rows = rows.clamp(1, self.rows_max);
         if self.samples.size().1 < self.block.1 * rows {
@@ -95,8 +96,8 @@ impl EdgeList {
         Ok(())
     }
 
-    /// Lists the pixels that are marked and tells which areas of the target their samples are to be drawn in; the rest of it
-    /// is empty.
+    /// Lists the marked pixels and returns the areas of the target in which their samples are to be drawn; the rest
+    /// of it is empty.
     ///
     /// # Errors
     /// No room for the samples.
@@ -122,7 +123,7 @@ impl EdgeList {
         self.upload(&self.pixels, (row as u32, (pixels.len() / row) as u32), &pixels);
 
         self.samples.bind();
-        // SAFETY: plain state. Counts that the last picture left are none of this one's.
+        // SAFETY: plain state. Counts that the last picture left do not belong to this one.
         unsafe { self.gl.clear(glow::COLOR_BUFFER_BIT) }
         let (rows, rest) = ((listed.len() / row) as u32, (listed.len() % row) as u32);
         let (across, down) = self.block;
@@ -132,13 +133,13 @@ impl EdgeList {
         ])
     }
 
-    /// What the scene's shader reads. llvmpipe compiles it once for each kind of texture that is bound, read or not:
-    /// this one is from the first sample on.
+    /// Binds what the scene's shader reads. llvmpipe compiles the shader once for each kind of texture that is bound,
+    /// read or not, so this texture is bound from the first sample on.
     pub(super) fn bind_pixels(&self) {
         self.bind(&self.pixels, "edge_pixels");
     }
 
-    /// What `resolve.frag` reads: the samples, and where those of a pixel are.
+    /// Binds what `resolve.frag` reads: the samples, and where those of each pixel are.
     pub(super) fn bind_samples(&self) {
         self.samples.bind_color(0, unit_of("extra_samples"));
         self.bind(&self.squares, "edge_squares");
@@ -174,13 +175,13 @@ impl EdgeList {
     }
 }
 
-/// A side of at least so many texels that is no power of two, for which software renderers compile programs once more: the
-/// scene's programs read this texture, and a resized window must not make them wait.
+/// A side of at least this many texels that is not a power of two. Software renderers compile programs once more for
+/// powers of two; the scene's programs read this texture, and resizing a window must not make them wait.
 fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }
 
-/// A texture of two whole numbers in each texel.
+/// A texture with two integers in each texel.
 fn index_texture(gl: &Gl, size: (u32, u32)) -> Result<Texture, GpuError> {
     let texture = Texture::new(gl)?;
     // SAFETY: the texture is ours.
@@ -204,7 +205,7 @@ fn index_texture(gl: &Gl, size: (u32, u32)) -> Result<Texture, GpuError> {
     Ok(texture)
 }
 
-/// Where a mark is, x and y, tile by tile.
+/// The places of the marks, x and y, tile by tile.
 fn listed_pixels(marks: &[u8], size: (u32, u32)) -> Vec<[u16; 2]> {
     let (width, height) = (size.0 as usize, size.1 as usize);
     let mut listed = Vec::new();

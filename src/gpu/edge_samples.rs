@@ -1,4 +1,4 @@
-//! Where the further samples of pixels at edges lie.
+//! Where the further samples of pixels at edges are placed.
 
 /// How many further samples a pixel at an edge gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -7,7 +7,7 @@ pub enum EdgeSamples {
     Four,
     /// Twice as many.
     Eight,
-    /// For pictures that are looked at.
+    /// For pictures that are viewed at length.
     Sixteen,
 }
 
@@ -20,8 +20,8 @@ impl EdgeSamples {
         self.places().len()
     }
 
-    /// Places from the pixel's centre, in sixteenths of a pixel: no two share a row or a column, and they are spread as
-    /// evenly as can be (the standard patterns of Direct3D 11; of four, a rotated grid).
+    /// Offsets from the pixel's centre, in sixteenths of a pixel: no two share a row or a column, and they are spread
+    /// as evenly as possible (the standard patterns of Direct3D 11; of four, a rotated grid).
     fn places(self) -> &'static [[i8; 2]] {
         match self {
             EdgeSamples::Four => &[[-2, -6], [6, -2], [-6, 2], [2, 6]],
@@ -49,12 +49,12 @@ impl EdgeSamples {
 
     /// The same in pixels, their mean at the centre.
     pub fn offsets(self) -> impl Iterator<Item = [f32; 2]> {
-        // Sixteen of them begin at -8 and end at 7.
+        // The sixteen begin at -8 and end at 7.
         let middle = if self == EdgeSamples::Sixteen { 0.5 } else { 0.0 };
         self.places().iter().map(move |place| place.map(|at| (f32::from(at) + middle) / 16.0))
     }
 
-    /// Texels to each side of the block that they are drawn into where they lie side by side.
+    /// Width and height, in texels, of the block into which they are drawn when they are placed side by side.
     pub fn block(self) -> (u32, u32) {
         match self {
             EdgeSamples::Four => (2, 2),
@@ -63,8 +63,9 @@ impl EdgeSamples {
         }
     }
 
-    /// The smallest difference between neighbours that gets more samples, as they are seen, 0..1: between different
-    /// surfaces, and on one surface, as at the edge of a shadow. (Textures are filtered by their mip levels.)
+    /// The smallest difference between neighbours that gets more samples, in perceived brightness, 0..1: between
+    /// different surfaces, and on one surface, as at the edge of a shadow. (Textures are filtered by their mip
+    /// levels.)
     pub fn contrasts(self) -> [f32; 2] {
         match self {
             EdgeSamples::Four => [0.03, 0.20],

@@ -1,4 +1,4 @@
-//! What a counting renderer counts.
+//! The counts of a counting renderer.
 
 /// Distance evaluations of one picture, summed over its pixels and samples, by kind of ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
@@ -17,7 +17,7 @@ pub struct Evaluations {
     pub capped_rays: f64,
     /// Clauses of distances and objects that the interpreter ran; 0 for compiled scenes.
     pub clauses: f64,
-    /// The same of materials and light.
+    /// The same for materials and light.
     pub surface_clauses: f64,
     /// Searches for the cell of a point.
     pub lookups: f64,

@@ -1,7 +1,7 @@
-//! Limits the flashes of finished pictures: measures their cells, and dims those that [`Limiter`] says.
+//! Limits the flashes of finished pictures: measures their cells, and dims those that [`Limiter`] names.
 //!
-//! The cells are read back, some 27 kB: what shows the fourth flash is dimmed itself, so the picture waits for the answer. A
-//! picture in which nothing is limited stays as it is.
+//! The cells are read back, some 27 kB. The picture waits for that, because the picture that shows the fourth flash
+//! must itself be dimmed. A picture in which nothing is limited stays as it is.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -18,7 +18,7 @@ use crate::flash::{CELLS, COLUMNS, Correction, Grid, Limiter, ROWS};
 /// The shaders of this pass.
 pub const FLASH_SHADERS: [&str; 2] = ["cells.frag", "limit_flashes.frag"];
 
-/// The limiter, and what it needs of a GPU.
+/// The limiter, and what it needs on the GPU.
 pub(super) struct FlashPass {
     gl: Gl,
     measure: Program,
@@ -54,12 +54,12 @@ impl FlashPass {
         Ok(pass)
     }
 
-    /// Forgets the last picture: another one is drawn.
+    /// Forgets the last picture, because another one is drawn.
     pub(super) fn begin(&mut self) {
         self.is_limited = false;
     }
 
-    /// Begins anew: what comes next is another kind of picture, that somebody asked for.
+    /// Starts afresh: what comes next is another kind of picture, which the user asked for.
     pub(super) fn forget(&mut self) {
         self.limiter = Limiter::default();
     }

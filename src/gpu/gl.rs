@@ -1,4 +1,4 @@
-//! The context's functions, what the driver is, and its complaints.
+//! The context's functions, the driver's properties, and its errors.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -21,7 +21,7 @@ pub struct Gl {
     info: Rc<GlInfo>,
 }
 
-/// What the driver said of itself.
+/// What the driver reports about itself.
 #[derive(Debug, Clone, Serialize)]
 pub struct GlInfo {
     /// GL_VENDOR.
@@ -36,11 +36,11 @@ pub struct GlInfo {
     pub texture_side_max: u32,
     /// Most texels of a texture buffer (OpenGL 3.3 guarantees 65,536).
     pub texture_buffer_texels_max: u32,
-    /// Most anisotropy of texture filters; 1 where the driver has none.
+    /// Highest anisotropy of texture filters; 1 if the driver has none.
     pub anisotropy_max: f32,
-    /// Whether a program can be had in the driver's own form (GL_ARB_get_program_binary, with a format).
+    /// Whether a program can be read back in the driver's own form (GL_ARB_get_program_binary, with a format).
     pub program_binaries: bool,
-    /// Whether the pictures are computed by the processor (llvmpipe and its like). GL timers then tell nothing.
+    /// Whether the pictures are computed by the processor (llvmpipe and similar). GL timers are then meaningless.
     pub software: bool,
 }
 
@@ -58,9 +58,9 @@ impl std::fmt::Display for GlInfo {
 }
 
 impl Gl {
-    /// Takes the functions of the current context by its loader and checks that it is OpenGL 3.3 or newer.
+    /// Loads the functions of the current context with `loader` and checks that it is OpenGL 3.3 or newer.
     ///
-    /// With `log_debug` the driver's debug output is logged, where it has any (KHR_debug).
+    /// With `log_debug` the driver's debug output is logged, if it has any (KHR_debug).
     ///
     /// # Errors
     /// [`GpuError::TooOld`] for anything older than 3.3, OpenGL ES included.
@@ -91,12 +91,12 @@ impl Gl {
         Ok(Self { functions: Arc::new(functions), info })
     }
 
-    /// The functions, for a library that draws with them too. They are of this thread's context, as `self` is.
+    /// The functions, for a library that also draws with them. They belong to this thread's context, as `self` does.
     pub fn shared(&self) -> Arc<glow::Context> {
         self.functions.clone()
     }
 
-    /// What the driver said of itself.
+    /// What the driver reports about itself.
     pub fn info(&self) -> &GlInfo {
         &self.info
     }
@@ -122,7 +122,7 @@ impl Gl {
         Err(GpuError::Driver { what, doing })
     }
 
-    /// Waits until everything that was asked of the driver is done.
+    /// Waits until the driver has done everything that it was asked to do.
     pub fn finish(&self) {
         // SAFETY: as in `check`.
         unsafe { self.functions.finish() }

@@ -1,4 +1,4 @@
-//! Draws of another library in our context: it finds the window's framebuffer, and we find our state again.
+//! Draws of another library in our context: it gets the window's framebuffer, and afterwards our state is restored.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -8,13 +8,13 @@ use super::error::GpuError;
 use super::gl::Gl;
 
 impl Gl {
-    /// Lets `draws` draw over what is in the window's framebuffer, and brings the state back that the renderer
-    /// does not set by itself: OpenGL's defaults, with conversion to sRGB off.
+    /// Lets `draws` draw over what is in the window's framebuffer, and then restores the state that the renderer does
+    /// not set by itself: OpenGL's defaults, with conversion to sRGB off.
     ///
     /// # Errors
-    /// An error that the driver reports, by `draws` or by what was before it.
+    /// An error that the driver reports, caused by `draws` or by what came before.
     pub fn lend_window<T>(&self, doing: &'static str, draws: impl FnOnce() -> T) -> Result<T, GpuError> {
-        // SAFETY: the window's framebuffer is always there; plain state.
+        // SAFETY: the window's framebuffer always exists; plain state.
         unsafe { self.bind_framebuffer(glow::FRAMEBUFFER, None) };
         let drawn = draws();
         self.reset_state();
@@ -23,7 +23,7 @@ impl Gl {
     }
 
     fn reset_state(&self) {
-        // SAFETY: plain state; nothing is bound that could be gone.
+        // SAFETY: plain state; nothing is bound that could have been deleted.
         unsafe {
             for switch in [
                 glow::BLEND,
@@ -107,7 +107,7 @@ mod tests {
             gl.bind_buffer(glow::ARRAY_BUFFER, Some(buffer.native()));
         })
         .unwrap();
-        // SAFETY: questions.
+        // SAFETY: queries only.
         unsafe {
             for switch in SWITCHES {
                 assert!(!gl.is_enabled(switch), "{switch:#06x} is still on");

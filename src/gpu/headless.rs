@@ -1,7 +1,7 @@
 //! A context without a window: EGL on a device, drawing into framebuffers only.
 //!
-//! **Headless first.** Stills, videos, tests and measurements draw with an EGL device context, without a window system.
-//! `Renderer` does not know the difference.
+//! **Headless first.** Stills, videos, tests and measurements draw with an EGL device context, without a window
+//! system. `Renderer` does not know the difference.
 
 #![expect(unsafe_code, reason = "EGL and OpenGL are C interfaces")]
 
@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use super::error::GpuError;
 use super::gl::Gl;
 
-/// Contexts are made one after the other, by whichever threads.
+/// Contexts are made one after the other, whichever thread asks.
 #[cfg(all(unix, not(target_os = "macos")))]
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
@@ -35,7 +35,8 @@ impl Headless {
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
-        // Mesa sets itself up at the first context, and parts of that (`lp_build_init` in 22.3) by a plain flag.
+        // Mesa initializes itself at the first context, and guards parts of that (`lp_build_init` in 22.3) with a
+        // plain flag.
         let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
         let mut devices: Vec<Device> =
@@ -58,7 +59,7 @@ impl Headless {
         Err(no_context(reasons.join("; ")))
     }
 
-    /// Not to be had on this system yet.
+    /// Not available on this system yet.
     ///
     /// # Errors
     /// Always [`GpuError::NoHeadlessContext`].
@@ -94,7 +95,7 @@ fn context_on(
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))
             .build(None);
-        // An older driver refuses that with nothing but a number; a context of any version tells its own.
+        // An older driver refuses that with nothing but a number; a context of any version reports its own.
         let any = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Compatibility)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(2, 1))))

@@ -1,7 +1,8 @@
-//! Depth of field: what a lens spreads over discs.
+//! Depth of field: points that are out of focus are spread over discs.
 //!
-//! `scene.frag` writes how far each point is spread. At half the size each place gathers the light of the discs that reach
-//! it; where a point is spread over less than a pixel the sharp picture stays. No noise: the same picture every time.
+//! `scene.frag` writes how far each point is spread. At half the size each place gathers the light of the discs that
+//! reach it; where a point is spread over less than a pixel the sharp picture stays. There is no noise: the same
+//! picture every time.
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -10,7 +11,7 @@ use super::program::{Program, unit_of};
 use super::target::{Target, Texel};
 use crate::frame::picture::BLUR_MAX;
 
-/// The most places that a pixel gathers from, `TAPS_MAX` of `lens_blur.frag`.
+/// Most places that a pixel gathers from, `TAPS_MAX` of `lens_blur.frag`.
 const TAPS_MAX: f32 = 80.0;
 
 /// The programs of its passes.
@@ -28,7 +29,7 @@ pub(super) struct LensTargets {
 }
 
 impl LensBlur {
-    /// Blurs light, whose points are spread as colour 1 of `samples` says.
+    /// Blurs light whose points are spread as colour 1 of `samples` says.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,

@@ -1,19 +1,19 @@
 //! From the scene's samples to the finished picture: passes over light, after all rays.
 //!
-//! 1. `resolve.frag` makes one light of each pixel's samples.
-//! 2. `lens_*.frag` blur what a lens does not show sharply ([`super::lens`]), in scenes that have one.
+//! 1. `resolve.frag` turns the samples of each pixel into its light.
+//! 2. `lens_*.frag` blur what a lens does not show sharply ([`super::lens`]), in scenes that have a lens.
 //! 3. `bloom_down.frag` and `bloom_up.frag` scatter it ([`super::bloom`]).
-//! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds the
-//!    grain.
+//! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds
+//!    the grain.
 //!
-//! Light has the size of the scene's targets, the finished picture that of the output.
+//! The light has the size of the scene's targets, the finished picture that of the output.
 //!
 //! **Light until the last pass.** Samples, their means, blur and bloom are linear light in 16-bit floats; exposure,
-//! tone map and sRGB come at the very end, in `present.frag`. A mean of samples is weighed by what is seen of them, or
-//! one bright sample would outshine the edge that it is part of. AgX is the default, since bright saturated colours
-//! fade to white in it as on film instead of being cut off; its look is a little more saturated than neutral, as
-//! emissive scenes live by colour. Bloom and lens are means, so a picture gets no brighter by them. Nothing is noise
-//! that changes: a still part stays the same, bit for bit.
+//! tone map and sRGB come at the very end, in `present.frag`. Samples are weighted by how much of their light will be
+//! seen, otherwise one bright sample would outshine the edge that it is part of. AgX is the default, because bright
+//! saturated colours fade to white in it, as on film, instead of being cut off; its look is a little more saturated
+//! than neutral, because emissive scenes depend on colour. Bloom and lens are means, so they make a picture no
+//! brighter. No noise changes from frame to frame: a still part stays the same, bit for bit.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -93,36 +93,36 @@ impl Post {
         &self.passes
     }
 
-    /// Maps tones so from now on, whatever the scene says; none for as the scene says.
+    /// Uses this tone map from now on, whatever the scene says; none means as the scene says.
     pub(super) fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.tone_map = tone_map;
     }
 
-    /// Tells all passes how the picture is made, the scene's, too, and which edges get more samples.
+    /// Gives all passes, including the scene's, the picture's settings, and says which edges get more samples.
     pub(super) fn bind_picture(&self, picture: &Picture, samples: EdgeSamples) {
         let [surfaces, inner] = samples.contrasts();
         self.passes.picture.set(&[picture.block().as_flattened(), &[surfaces, inner, 0.0, 0.0]].concat());
     }
 
-    /// Makes light of a pixel's first samples and of the further ones; both are bound. Of these `block` says how they lie
-    /// side by side.
+    /// Makes light of a pixel's first samples and of the further ones; both are bound. `block` is the arrangement of
+    /// the further samples side by side.
     pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) {
         self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32]);
     }
 
-    /// Makes light of nothing but the sum of samples that is bound as further ones.
+    /// Makes light of only the sum of samples that is bound as further ones.
     pub(super) fn resolve_all(&self, targets: &PostTargets) {
         self.passes.draw(&self.resolve_all, &targets.light);
     }
 
-    /// Finishes the picture of the light that was made last; `samples` are the first ones.
+    /// Finishes the picture from the light that was made last; `samples` are the first ones.
     pub(super) fn finish(&self, targets: &PostTargets, picture: &Picture, samples: &Target) {
         let passes = &self.passes;
         let light = match &targets.lens {
             Some(lens) => self.lens.draw(passes, &targets.light, samples, lens),
             None => &targets.light,
         };
-        // Without bloom its share is 0, and any picture does.
+        // Without bloom its share is 0, so any picture will do.
         let scattered = match picture.bloom {
             share if share > 0.0 => self.bloom.draw(passes, light, &targets.bloom),
             _ => light,
@@ -142,7 +142,7 @@ impl Post {
 }
 
 impl PostTargets {
-    /// For light of `size` pixels, seen through a lens or not, and finished pictures of `output`.
+    /// For light of `size` pixels, seen through a lens or not, and finished pictures of `output` pixels.
     ///
     /// # Errors
     /// As [`Target::new`].
@@ -208,7 +208,7 @@ impl Passes {
         }
     }
 
-    /// The same, and tells the pass two numbers.
+    /// The same, and passes two numbers to the shader.
     pub(super) fn draw_with(&self, program: &Program, target: &Target, told: [f32; 2]) {
         let (width, height) = target.size();
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
@@ -219,7 +219,7 @@ impl Passes {
     }
 }
 
-/// A uniform block that is written anew again and again.
+/// A uniform block that is rewritten again and again.
 pub(super) struct Block {
     gl: Gl,
     buffer: Buffer,

@@ -22,7 +22,7 @@ pub struct Probe {
     program: ProgramObject,
     target: Target,
     vertices: VertexArray,
-    /// The place of each is its unit.
+    /// The index of each is its unit.
     buffers: Vec<TextureBuffer>,
 }
 
@@ -30,7 +30,7 @@ impl Probe {
     /// Compiles and links the whole text of a fragment shader, `#version` included, that writes `outputs` vec4.
     ///
     /// # Errors
-    /// What the driver says about the text, with the places in files that [`super::shader_source`] marked.
+    /// What the driver says about the text, with the places in the files that [`super::shader_source`] marked.
     pub fn new(gl: &Gl, fragment: &str, size: (u32, u32), outputs: usize) -> Result<Self, GpuError> {
         let program = link_texts(gl, ("a probe's vertex shader", VERTEX), ("a probe", fragment))?;
         let target = Target::new(gl, size, &vec![Texel::Rgba32F; outputs], None)?;
@@ -38,8 +38,8 @@ impl Probe {
         Ok(Self { gl: gl.clone(), program, target, vertices, buffers: Vec::new() })
     }
 
-    /// Adds a texture buffer with these bytes under the name of its uniform. A name that the shader does not
-    /// read is ignored.
+    /// Adds a texture buffer with these bytes under the name of its uniform. A name that the shader does not read is
+    /// ignored.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.

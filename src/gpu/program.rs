@@ -14,7 +14,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 5] =
     [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2), ("PostBlock", 3), ("ViewBlock", 4)];
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
-/// number ([`scene_texture`]). What shares a unit is never read by one program.
+/// number ([`scene_texture`]). Textures that share a unit are never read by one program.
 pub const TEXTURE_UNITS: [(&str, u32); 11] = [
     ("edge_pixels", 12),
     ("picture", 12),
@@ -34,17 +34,17 @@ const _: () = assert!(
     "the scene's textures have the units 0..12"
 );
 
-/// The unit of one of [`TEXTURE_UNITS`]; 0 for a name that is none of them.
+/// The unit of one of [`TEXTURE_UNITS`]; 0 for any other name.
 pub(super) fn unit_of(texture: &str) -> u32 {
     TEXTURE_UNITS.iter().find(|(name, _)| *name == texture).map_or(0, |(_, unit)| *unit)
 }
 
-/// The binding point of one of [`UNIFORM_BLOCKS`]; 0 for a name that is none of them.
+/// The binding point of one of [`UNIFORM_BLOCKS`]; 0 for any other name.
 pub(super) fn binding_of(block: &str) -> u32 {
     UNIFORM_BLOCKS.iter().find(|(name, _)| *name == block).map_or(0, |(_, binding)| *binding)
 }
 
-/// The name of a texture of the scene in the shaders; its unit is its number.
+/// The name of a scene's texture in the shaders; its unit is its number.
 pub fn scene_texture(index: usize) -> String {
     format!("scene_texture_{index}")
 }
@@ -75,15 +75,15 @@ impl ProgramTexts {
     }
 }
 
-/// A program on its way from one context to another: values only, no object of either.
+/// A program on its way from one context to another: values only, no object of either context.
 ///
-/// Contexts that share programs are a trap: where a driver compiles a program once for each context (Mesa's software
-/// renderers do), a program that one context deletes leaves its compiled forms to the others, and Mesa up to 22.3
-/// unbinds whatever they are drawing with when it frees those (`free_zombie_shaders`): the next draw of that context
+/// Sharing programs between contexts is a trap. If a driver compiles a program once for each context (Mesa's software
+/// renderers do), a program that one context deletes leaves its compiled forms to the others. When Mesa up to 22.3
+/// frees those (`free_zombie_shaders`), it unbinds whatever the other contexts are drawing with, and their next draw
 /// reads a null pointer.
 pub struct ReadyProgram {
     texts: ProgramTexts,
-    /// The driver's own form of it, where it gives one: linking it again then takes milliseconds.
+    /// The driver's own form of it, if it provides one: linking it again then takes milliseconds.
     binary: Option<glow::ProgramBinary>,
 }
 
@@ -93,7 +93,7 @@ impl From<ProgramTexts> for ReadyProgram {
     }
 }
 
-/// A linked program, its blocks and textures bound to their fixed places.
+/// A linked program, with its blocks and textures bound to their fixed places.
 pub struct Program {
     gl: Gl,
     object: ProgramObject,
@@ -145,7 +145,7 @@ impl Program {
         Self { gl: gl.clone(), object }
     }
 
-    /// What another context of the same driver needs to have the program, too; `texts` are what it was made of.
+    /// What another context of the same driver needs to make the program too; `texts` are what it was made from.
     pub fn ready(&self, texts: ProgramTexts) -> ReadyProgram {
         let binary = if self.gl.info().program_binaries {
             // SAFETY: the program is linked and ours, and the functions are there where the driver has binaries.
@@ -156,15 +156,15 @@ impl Program {
         ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()) }
     }
 
-    /// Makes a program that another context has made before: from the driver's own form or, where it gives none or no
-    /// longer knows it, from the texts.
+    /// Makes a program that another context has made before: from the driver's own form or, if there is none or the
+    /// driver no longer accepts it, from the texts.
     ///
     /// # Errors
     /// What the driver says about the texts.
     pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
         if let Some(binary) = &ready.binary {
             let object = ProgramObject::new(gl)?;
-            // SAFETY: the program is ours; a binary that is no longer good leaves it unlinked.
+            // SAFETY: the program is ours; a binary that is no longer valid leaves it unlinked.
             let linked = unsafe {
                 gl.program_binary(object.native(), binary);
                 gl.get_program_link_status(object.native())
@@ -172,7 +172,7 @@ impl Program {
             if linked {
                 return Ok(Self::with_places(gl, object));
             }
-            // What the driver has noted about it is answered here.
+            // An error that the driver noted about the binary is answered here.
             let _ = gl.check("taking a program");
         }
         Self::of(gl, &ready.texts)
@@ -183,7 +183,7 @@ impl Program {
         self.object.native().0.get()
     }
 
-    /// Leaves the context without a program, so that it holds on to none that is deleted.
+    /// Leaves the context without a program, so that it keeps none that is deleted.
     pub fn unbind(&self) {
         // SAFETY: plain state.
         unsafe { self.gl.use_program(None) }
@@ -196,8 +196,8 @@ impl Program {
     }
 }
 
-/// Compiles and links the texts of a vertex and a fragment shader, each with its name. The driver's complaints name the
-/// places in files that [`super::shader_source`] marked.
+/// Compiles and links the texts of a vertex and a fragment shader, each with its name. The driver's messages name the
+/// places in the files that [`super::shader_source`] marked.
 ///
 /// # Errors
 /// What the driver says.
@@ -221,7 +221,7 @@ pub(super) fn link_texts(
             if compiled {
                 gl.attach_shader(program, shader);
             }
-            // A shader that is attached lives on until its program goes.
+            // A shader that is attached lives until its program is deleted.
             gl.delete_shader(shader);
             if !compiled {
                 return Err(GpuError::Compile { name: name.into(), log });

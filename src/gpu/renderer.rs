@@ -1,21 +1,21 @@
-//! Draws a frame: one sample a pixel, more samples where edges are, then the finished picture ([`super::post`]).
+//! Draws a frame: one sample per pixel, more samples at edges, then the finished picture ([`super::post`]).
 //!
 //! 1. `scene.frag` traces one sample at each pixel's centre.
 //! 2. `edges.frag` marks in the stencil the pixels whose neighbourhood differs visibly.
-//! 3. `scene.frag` again, more samples, only there, each elsewhere in the pixel.
+//! 3. `scene.frag` again, only there: more samples, each at another place in the pixel.
 //!
 //! A picture is drawn in parts, in one go or several ([`making`]).
 //!
-//! The same program draws every sample, so that a driver compiles the scene once. It is the scene's: the renderer draws
-//! any of them.
+//! The same program draws every sample, so that a driver compiles the scene once. The program belongs to the scene:
+//! the renderer draws with any scene's.
 //!
-//! **Samples where edges are.** Every pixel gets one sample. Where neighbours show different surfaces (a key in alpha)
-//! and visibly different colours, more are drawn by the same program: four in the window (6 to 13 % of the pixels),
-//! sixteen in stills and videos, which also look for the edges of shadows. `bench --edges` compares them with 64
-//! samples everywhere. On a GPU a stencil lets them through. A software renderer computes eight neighbours at once, and
-//! those few pixels would cost more than all did at first: there they are read back, listed, and their samples drawn
-//! side by side. All samples are drawn in one GL state, since some drivers compile a program once for each. Textures
-//! are filtered by mip levels with exact footprints.
+//! **Samples where edges are.** Every pixel gets one sample. If neighbours show different surfaces (a key in alpha)
+//! and visibly different colours, the same program draws more: four in the window (6 to 13 % of the pixels), sixteen
+//! in stills and videos, which also look for the edges of shadows. `bench --edges` compares them with 64 samples
+//! everywhere. On a GPU a stencil selects these pixels. A software renderer computes eight neighbours at once, and
+//! those few pixels would cost more than the first samples of all: there they are read back and listed, and their
+//! samples are drawn side by side. All samples are drawn in one GL state, because some drivers compile a program once
+//! for each state. Textures are filtered by mip levels with exact footprints.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -46,7 +46,7 @@ use mariana_field::world::ToneMap;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
-/// Samples of a reference along each side of a pixel.
+/// Samples of a reference picture along each side of a pixel.
 const REFERENCE_SIDE: u32 = 8;
 
 /// Which sample a pass draws, as in `frame_block.glsl`.
@@ -89,7 +89,7 @@ pub struct Renderer {
     making: Option<Making>,
     /// What is shown while a picture of another size is being drawn.
     stands: Option<Target>,
-    /// How long the GPU took for the last picture, until that is taken note of.
+    /// How long the GPU took for the last picture, until it is reported.
     gpu_cost: Option<Duration>,
 }
 
@@ -103,7 +103,7 @@ struct Targets {
 
 /// How pixels at edges get more samples.
 enum Edges {
-    /// Where the stencil is set, all over the picture, summed in a target: on a GPU.
+    /// With the stencil, all over the picture, summed in a target: on a GPU.
     Stencil(Target),
     /// Side by side: on a software renderer.
     List(EdgeList),
@@ -119,8 +119,8 @@ impl Edges {
 }
 
 impl Renderer {
-    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of the
-    /// counting variant.
+    /// Compiles the shaders of `library` that all scenes share. With [`Counting::On`], scenes' programs must be of
+    /// the counting variant.
     ///
     /// # Errors
     /// What the driver refuses, with its log.
@@ -147,7 +147,7 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Gets what only a window needs: to show pictures that are smaller, and to tell how long they take.
+    /// Prepares what only a window needs: showing pictures that are smaller, and reporting how long they take.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -159,7 +159,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// From now on [`Renderer::limit_flashes`] does something.
+    /// From now on [`Renderer::limit_flashes`] takes effect.
     ///
     /// # Errors
     /// As [`Renderer::new`].
@@ -168,12 +168,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Maps tones so from now on, whatever scenes say; none for as they say.
+    /// Uses this tone map from now on, whatever scenes say; none means as they say.
     pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.post.set_tone_map(tone_map);
     }
 
-    /// Gives pixels at edges so many samples from now on: four where nobody said.
+    /// From now on pixels at edges get this many samples; the default is four.
     pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
         if self.edge_samples != samples {
             self.edge_samples = samples;
@@ -192,15 +192,16 @@ impl Renderer {
         self.gl.check("limiting flashes")
     }
 
-    /// What was drawn before is no flash beside what comes next, as somebody changed from one to the other by hand.
+    /// What comes next is not compared with what was drawn before, because the user changed from one to the other by
+    /// hand.
     pub fn forget_flashes(&mut self) {
         if let Some(flashes) = &mut self.flashes {
             flashes.forget();
         }
     }
 
-    /// How long the GPU took for one of the last pictures that were drawn in one go, if that has become known since the
-    /// last call; never on a software renderer.
+    /// How long the GPU took for one of the last pictures that were drawn in one go, if that has become known since
+    /// the last call; never on a software renderer.
     pub fn gpu_time(&mut self) -> Option<Duration> {
         let time = self.timer.as_mut()?.take();
         self.gpu_cost = time.or(self.gpu_cost);
@@ -229,7 +230,7 @@ impl Renderer {
         }
     }
 
-    /// Draws `frame` with a regular grid of 64 samples in each pixel: what other pictures are measured by. Slow.
+    /// Draws `frame` with a regular grid of 64 samples in each pixel, the reference for other pictures. Slow.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -278,7 +279,7 @@ impl Renderer {
         self.gl.check("showing a frame")
     }
 
-    /// The picture that is shown, four bytes a pixel, the top row first. Empty before the first draw.
+    /// The picture that is shown, four bytes per pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
         self.shown().map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
@@ -323,7 +324,7 @@ impl Renderer {
         }
     }
 
-    /// Targets of `size` pixels. A size that is refused leaves the last picture.
+    /// Makes targets of `size` pixels. If the size is refused, the last picture stays.
     fn need_targets(&mut self, size: (u32, u32), has_lens: bool) -> Result<(), GpuError> {
         let fits = |targets: &Targets| targets.first.size() == size && targets.has_lens == has_lens;
         if !self.targets.as_ref().is_some_and(fits) {
@@ -353,7 +354,7 @@ impl Targets {
         samples: EdgeSamples,
         counting: Counting,
     ) -> Result<Self, GpuError> {
-        // What is counted takes the place of what a lens needs: such pictures are not looked at.
+        // Counts are written in place of what a lens needs: such pictures are not looked at.
         let texels: &[Texel] = match (counting, has_lens) {
             (Counting::On, _) => &[Texel::Rgba16F, Texel::Rgba32F, Texel::Rgba32F, Texel::Rgba32F],
             (Counting::Off, true) => &[Texel::Rgba16F, Texel::R16F],

@@ -1,12 +1,13 @@
 //! The program that draws a scene, in its two forms: interpreted and compiled.
 //!
-//! Both are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled one holds the
-//! scene's expressions, the interpreted one runs them from a texture buffer and so fits every scene that its variant has
-//! the operators, registers and textures for.
+//! Both are `scene.frag`; they differ in the file `scene_functions.glsl` that it includes. The compiled form contains
+//! the scene's expressions. The interpreted form runs them from a texture buffer, and so fits every scene for which
+//! its variant has the operators, registers and textures.
 //!
-//! **One loop around the interpreter.** Drivers inline every call and compile it anew: normals, object and occlusion of
-//! a surface are asked by one call in a loop, material and ambient light by another. What never skips a branch meets
-//! textures and rare operators between loops over the rest.
+//! **One loop around the interpreter.** Drivers inline every call and compile it anew. Therefore one call in a loop
+//! computes normals, object and occlusion of a surface, and another the material and ambient light. A renderer that
+//! never skips a branch would compute textures and rare operators for every clause; so they are computed between
+//! loops over the rest.
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
@@ -24,10 +25,10 @@ use mariana_field::world::{SceneFeatures, TapeBuffers, World};
 pub const SCENE_SHADER: &str = "scene.frag";
 /// The define of the variant that counts distance evaluations and clauses.
 pub const COUNTING_DEFINE: &str = "COUNT_EVALUATIONS";
-/// The define of scenes whose distance is none.
+/// The define of scenes whose value is not a distance.
 const STEEP_DEFINE: &str = "STEEP 1";
 
-/// Scenes with more clauses are interpreted unless they are asked to be compiled: drivers take minutes for them.
+/// Scenes with more clauses are interpreted unless compiling is asked for: drivers take minutes for them.
 pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 
 /// How a scene's expressions are run.
@@ -36,7 +37,7 @@ pub const COMPILED_BY_ITSELF_MAX: usize = 6_000;
 pub enum Mode {
     /// From the tape in a texture buffer.
     Interpreted,
-    /// As GLSL of their own.
+    /// As GLSL generated for the scene.
     Compiled,
 }
 
@@ -88,7 +89,7 @@ impl Interpreter {
         Self { tapes, regions: plan.variant().clone(), traits }
     }
 
-    /// Whether what this variant was made for includes what `other` was.
+    /// Whether this variant can draw every scene that `other` can.
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);
         self.tapes.covers(&other.tapes)
@@ -127,7 +128,8 @@ impl Interpreter {
     }
 }
 
-/// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same names.
+/// The shader's text of a scene whose functions are `functions`: [`World::compiled_glsl`], or others of the same
+/// names.
 pub fn compiled_variant(
     functions: &str,
     textures: usize,
@@ -151,15 +153,15 @@ fn common(textures: usize, traits: SceneFeatures, counting: Counting) -> Variant
         variant.defines.push(COUNTING_DEFINE.to_owned());
     }
     variant.generated.push(("cell_hash.glsl".into(), CELL_HASH_GLSL.to_owned()));
-    // Read by views alone.
+    // Read only by views.
     variant.generated.push(("view_scales.glsl".into(), scale::glsl()));
     variant
 }
 
-/// The shader's text of a world as GLSL of its own.
+/// The shader's text of a world as GLSL generated for it.
 ///
 /// # Errors
-/// Generated GLSL that is refused.
+/// Generated GLSL that is rejected.
 pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant, GpuError> {
     let functions = world.compiled_glsl()?;
     let mut variant = compiled_variant(&functions, world.pictures.len(), world.traits, counting);
@@ -173,7 +175,7 @@ pub fn compiled_variant_of(world: &World, counting: Counting) -> Result<Variant,
 /// The variant of a world in a mode.
 ///
 /// # Errors
-/// A scene over its limits, generated GLSL that is refused, or a tape that the driver has no room for.
+/// A scene over its limits, generated GLSL that is rejected, or a tape for which the driver has no room.
 pub fn variant_of(
     world: &World,
     buffers: &TapeBuffers,
@@ -191,7 +193,7 @@ pub fn variant_of(
     }
 }
 
-/// The variant that draws views: of one that counts.
+/// The variant that draws views, made from one that counts.
 pub fn as_views(mut counting: Variant) -> Variant {
     counting.defines.push("VIEWS 1".to_owned());
     counting

@@ -1,4 +1,4 @@
-//! What a scene keeps on the GPU besides its program: its pictures, its tapes and its regions.
+//! What a scene keeps on the GPU in addition to its program: its pictures, its tapes and its regions.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -31,7 +31,7 @@ use mariana_field::world::{TapeBuffers, World};
 pub struct SceneResources {
     world: Arc<World>,
     buffers: Arc<TapeBuffers>,
-    /// Those of the world; scenes that were loaded one after the other share what they both read.
+    /// The world's pictures; scenes that are loaded one after the other share those that both read.
     pictures: Vec<Rc<Texture>>,
     on_gpu: SceneBuffers,
     /// Whether the driver has room for the tape.
@@ -48,10 +48,10 @@ pub struct SceneResources {
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
 }
 
-/// Distance between the places where the tree of a scene without bounds may have its middle.
+/// Grid spacing of the possible centres of the tree of a scene without bounds.
 const CENTER_STEP: f32 = 8.0;
 
-/// What a tree of regions was built for: equal ones, equal trees.
+/// What a tree of regions was built for: equal requests give equal trees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionRequest {
     /// What the distance reads.
@@ -84,7 +84,7 @@ impl BuiltRegions {
         Self::new_while(plan, inputs, request, &|| true)
     }
 
-    /// The same as long as somebody wants it. Of no use if it was given up.
+    /// The same, for as long as somebody wants it. Unusable if it was given up.
     pub fn new_while(
         plan: &RegionPlan,
         inputs: &FrameInputs,
@@ -99,17 +99,17 @@ impl BuiltRegions {
     }
 }
 
-/// The tree of a scene of fewer clauses takes less time than starting a thread.
+/// For a scene of fewer clauses, building the tree takes less time than starting a thread.
 const SMALL_TAPE: usize = 64;
 /// Most threads that build a tree: each has tapes of its own.
 const THREADS_MAX: usize = 4;
 
-/// How many threads are of use.
+/// How many threads are useful.
 fn processors() -> usize {
     std::thread::available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX))
 }
 
-/// Builds each part on a thread of its own, the first on this one, as those that no thread can be had for.
+/// Builds each part on a thread of its own; the first, and those for which there is no thread, on this one.
 fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync)) {
     let Some((first, others)) = parts.split_first_mut() else { return };
     std::thread::scope(|scope| {
@@ -130,7 +130,7 @@ fn build_side_by_side(parts: &mut [Part], is_wanted: &(dyn Fn() -> bool + Sync))
 }
 
 impl SceneResources {
-    /// Uploads a world's pictures and its tape. A tape that the driver has no room for is left out: such a scene can
+    /// Uploads a world's pictures and its tape. A tape for which the driver has no room is left out: such a scene can
     /// only be compiled (see [`Interpreter::fits`]).
     ///
     /// # Errors
@@ -144,7 +144,7 @@ impl SceneResources {
         Self::upload_after(None, gl, world, buffers, plan)
     }
 
-    /// The same, without uploading pictures again that `last` has.
+    /// The same, without uploading again the pictures that `last` has.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -186,9 +186,9 @@ impl SceneResources {
         self.world.pictures.iter().zip(&self.pictures)
     }
 
-    /// What the legend of a view tells of the scene, drawn in a mode.
+    /// What the legend of a view says about the scene, drawn in a mode.
     pub fn drawn(&self, mode: Mode) -> Drawn {
-        // Where the distance is none, there are cells in any case.
+        // If the distance is not a signed distance field, there are cells in any case.
         let cells = self.with_cells.get() || self.world.steep;
         Drawn { interpreted: mode == Mode::Interpreted, cells, clauses: self.buffers.cost.distance }
     }
@@ -213,14 +213,15 @@ impl SceneResources {
         &self.plan
     }
 
-    /// Chooses whether space is divided into cells, of which empty ones are skipped, or the whole tape holds everywhere.
+    /// Chooses whether space is divided into cells, of which empty ones are skipped, or the whole tape holds
+    /// everywhere.
     pub fn set_cells(&self, cells: bool) {
         self.with_cells.set(cells);
     }
 
     /// What the regions of a frame are built for.
     pub fn region_request(&self, frame: &Frame) -> RegionRequest {
-        // The tree of a scene without bounds follows the eye, not with every step.
+        // The tree of a scene without bounds follows the eye, but not at every step.
         let eye = frame.camera.position.as_vec3();
         let center = if self.world.bounds.is_some() {
             glam::Vec3::ZERO
@@ -246,7 +247,7 @@ impl SceneResources {
         *self.uploaded.borrow_mut() = Some(built);
     }
 
-    /// The tree of a frame. What is not there yet is built: no picture is drawn with regions of other inputs.
+    /// The tree of a frame. If it is missing it is built: no picture is drawn with regions of other inputs.
     pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
         let request = self.region_request(frame);
         let known = self.regions().filter(|built| built.request == request);
@@ -283,7 +284,7 @@ pub(super) struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Without a tape and without regions, and with these tables of the sound.
+    /// Without a tape and without regions, but with these tables of the sound.
     ///
     /// # Errors
     /// [`GpuError::Object`] if the driver has no object left.
@@ -306,8 +307,8 @@ impl SceneBuffers {
     }
 }
 
-/// What is bound for a scene. The names are good while its [`SceneResources`] live; later ones draw something else, or
-/// make the driver report an error.
+/// What is bound for a scene. The names are valid while its [`SceneResources`] live; afterwards they draw something
+/// else, or make the driver report an error.
 #[derive(Debug, Clone)]
 pub struct SceneNames {
     pictures: Vec<glow::NativeTexture>,
@@ -319,7 +320,7 @@ pub struct SceneNames {
 impl SceneNames {
     /// Binds everything to its units.
     pub(super) fn bind(&self, gl: &Gl) {
-        // SAFETY: names of another scene or of none at all are an error that the driver reports.
+        // SAFETY: with names of another scene, or invalid ones, the driver reports an error.
         unsafe {
             for (unit, picture) in (glow::TEXTURE0..).zip(&self.pictures) {
                 gl.active_texture(unit);
@@ -335,12 +336,12 @@ impl SceneNames {
     }
 }
 
-/// Texels as a texture buffer takes them.
+/// Texels as the bytes of a texture buffer.
 fn bytes_of(texels: &[[u32; 4]]) -> Vec<u8> {
     texels.as_flattened().iter().flat_map(|word| word.to_ne_bytes()).collect()
 }
 
-/// Floats as a texture buffer takes them.
+/// Floats as the bytes of a texture buffer.
 fn floats_as_bytes(texels: &[f32]) -> Vec<u8> {
     texels.iter().flat_map(|value| value.to_ne_bytes()).collect()
 }

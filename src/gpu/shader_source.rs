@@ -1,8 +1,8 @@
 //! Shader text: where it comes from, and how its includes are resolved.
 //!
-//! A shader is a file of `shaders/`. A line `#include "name.glsl"` takes another file of the same folder by
-//! its bare name, once per shader however often it is named. The files are embedded in the binary;
-//! `--shaders DIR` reads them from disk instead, for work on them. Nothing here knows of OpenGL.
+//! A shader is a file of `shaders/`. A line `#include "name.glsl"` includes another file of the same folder by its
+//! bare name, once per shader however often it is named. The files are embedded in the binary; `--shaders DIR` reads
+//! them from disk instead, for work on them. This module does not depend on OpenGL.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use mariana_field::lang::material_glsl;
 
 static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
-/// A file that is no file: what the shaders know of materials is made of the table of their fields.
+/// A generated file: what the shaders know about materials is made from the table of their fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";
 
 /// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core.
@@ -81,20 +81,20 @@ impl ShaderLibrary {
         Self { folder: None }
     }
 
-    /// The shaders of `folder`, read anew at every [`ShaderLibrary::assemble`].
+    /// The shaders of `folder`, read again at every [`ShaderLibrary::assemble`].
     pub fn on_disk(folder: &Path) -> Self {
         Self { folder: Some(folder.to_owned()) }
     }
 
-    /// The text of `name` after `preamble`, a `#define` line for each of the variant's, and all includes; those that
-    /// the variant generates are taken from it.
+    /// The text of `name` after `preamble`, a `#define` line for each of the variant's macros, and all includes;
+    /// those that the variant generates are taken from it.
     ///
-    /// Comments mark where each file begins and goes on, so that [`name_places`] can turn a driver's line numbers
+    /// Comments mark where each file begins and continues, so that [`name_places`] can turn a driver's line numbers
     /// into those of the files. (`#line` would do, but Mesa forgets the file at the next `#ifdef`.)
     ///
     /// # Errors
-    /// A file that is missing or unreadable, an include line that is no bare name, and text over the limits
-    /// of depth and length.
+    /// A file that is missing or unreadable, an include line that is not a bare name, and text over the limits of
+    /// depth and length.
     pub fn assemble(
         &self,
         name: &str,
@@ -137,12 +137,12 @@ impl ShaderLibrary {
     }
 }
 
-/// What tells one variant of a shader from another.
+/// What distinguishes one variant of a shader from another.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Variant {
     /// Macros, each as `NAME` or `NAME VALUE`.
     pub defines: Vec<String>,
-    /// Files that are no files: names and texts of what is generated for a scene.
+    /// Generated files: the names and texts of what is made for a scene.
     pub generated: Vec<(String, String)>,
 }
 
@@ -201,10 +201,10 @@ impl Assembly<'_> {
     }
 }
 
-/// Begins a comment that tells the file and the line of what follows.
+/// Begins a comment that names the file and the line of what follows.
 const PLACE_MARK: &str = "//@ ";
 
-/// The file and its line that stand at `line` (from 1) of an assembled text, as `name:line`.
+/// The file and its line at `line` (from 1) of an assembled text, as `name:line`.
 fn place_at(text: &str, line: usize) -> Option<String> {
     let before: Vec<&str> = text.lines().take(line.checked_sub(1)?).collect();
     let mark = before.iter().rposition(|line| line.starts_with(PLACE_MARK))?;

@@ -1,8 +1,9 @@
-//! What a program is warmed up with in place of a scene's own pictures and buffers.
+//! What a program is warmed up with instead of a scene's own pictures and buffers.
 //!
-//! A context that compiles beside the window shares no object with it (see [`super::program::ReadyProgram`]), so it has
-//! stand-ins of its own. They are small, but alike in all that a driver compiles into a program: Mesa's software renderers
-//! make another one for textures whose sides are powers of two, and for those of a single level.
+//! A context that compiles beside the window shares no object with it (see [`super::program::ReadyProgram`]), so it
+//! has stand-ins of its own. They are small, but equal in everything that a driver compiles into a program: Mesa's
+//! software renderers make another program for textures whose sides are powers of two, and for those of a single
+//! level.
 
 use std::collections::HashMap;
 
@@ -17,21 +18,22 @@ use crate::frame::sound_tables;
 use mariana_field::graph::FrameInputs;
 use mariana_field::world::World;
 
-/// What a driver compiles of a scene's textures into its programs: width and height of a stand-in for each picture.
+/// The properties of a scene's textures that a driver compiles into programs: width and height of a stand-in for
+/// each.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneShape {
     pictures: Vec<(u32, u32)>,
 }
 
 impl SceneShape {
-    /// That of a world.
+    /// The shape of a world's textures.
     pub fn of(world: &World) -> Self {
         let stand_in = |(width, height): (u32, u32)| (stand_in_side(width), stand_in_side(height));
         Self { pictures: world.pictures.iter().map(|picture| stand_in(picture.dimensions())).collect() }
     }
 }
 
-/// The side of a stand-in for a picture with this side: 1, a power of two, or neither, as that one.
+/// The side of a stand-in for a picture with this side: 1, a power of two, or neither, like that side.
 fn stand_in_side(side: u32) -> u32 {
     match side {
         0 | 1 => 1,
@@ -40,8 +42,8 @@ fn stand_in_side(side: u32) -> u32 {
     }
 }
 
-/// Pictures and buffers of a context that scenes are warmed up in. They grow by a picture for each kind of size, nine in
-/// all.
+/// Pictures and buffers of a context in which scenes are warmed up. They grow by one picture for each kind of size,
+/// nine in all.
 pub(super) struct StandIns {
     gl: Gl,
     pictures: HashMap<(u32, u32), Texture>,

@@ -73,10 +73,10 @@ impl Stencil {
 }
 
 impl Target {
-    /// Whether the driver has targets of `size` pixels.
+    /// Checks that the driver has targets of `size` pixels.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`] if it has not.
+    /// [`GpuError::TooLarge`] if it does not.
     pub fn check_size(gl: &Gl, size: (u32, u32)) -> Result<(), GpuError> {
         let limit = gl.info().texture_side_max;
         if size.0 > limit || size.1 > limit {
@@ -156,7 +156,7 @@ impl Target {
         Ok(Self { gl: gl.clone(), framebuffer, colors, _stencil: stencil, size })
     }
 
-    /// Reads of colour texture 0 between texels mix their neighbours, from now on.
+    /// From now on, reads of colour texture 0 between texels mix their neighbours.
     pub fn smooth(self) -> Self {
         // SAFETY: the texture is ours.
         unsafe {
@@ -173,7 +173,7 @@ impl Target {
         self.size
     }
 
-    /// Draws of the following passes go here, over the whole size.
+    /// Directs the draws of the following passes here, over the whole size.
     pub fn bind(&self) {
         // SAFETY: the framebuffer is ours and complete.
         unsafe {
@@ -182,7 +182,7 @@ impl Target {
         }
     }
 
-    /// Colour texture `index` becomes readable at texture unit `unit`.
+    /// Makes colour texture `index` readable at texture unit `unit`.
     pub fn bind_color(&self, index: usize, unit: u32) {
         // SAFETY: the texture is ours.
         unsafe {
@@ -191,7 +191,7 @@ impl Target {
         }
     }
 
-    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if it is larger.
+    /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if that is larger.
     pub fn blit_to_window(&self, window: (u32, u32)) {
         let filter = if window == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
@@ -215,8 +215,8 @@ impl Target {
         }
     }
 
-    /// Puts a picture of `size` pixels, four bytes each, the top row first, over colour attachment 0: its left and upper
-    /// edge `place` pixels from the target's. What would lie outside is left out altogether.
+    /// Puts a picture of `size` pixels, four bytes each, the top row first, over colour attachment 0, with its left
+    /// and upper edge `place` pixels from the target's. A picture that would reach outside is left out altogether.
     pub fn put_rgba8(&self, place: (u32, u32), size: (u32, u32), rgba: &[u8]) {
         let row = size.0 as usize * 4;
         let fits = place.0 + size.0 <= self.size.0 && place.1 + size.1 <= self.size.1;
@@ -245,7 +245,7 @@ impl Target {
         }
     }
 
-    /// Reads colour attachment `index` as bytes, four a pixel, the top row first.
+    /// Reads colour attachment `index` as bytes, four per pixel, the top row first.
     pub fn read_rgba8(&self, index: u32) -> Vec<u8> {
         let row = self.size.0 as usize * 4;
         let mut bytes = vec![0; row * self.size.1 as usize];
@@ -261,7 +261,7 @@ impl Target {
         bytes
     }
 
-    /// Reads colour attachment `index` as floats, four a pixel, the top row first.
+    /// Reads colour attachment `index` as floats, four per pixel, the top row first.
     pub fn read_rgba32f(&self, index: u32) -> Vec<f32> {
         let row = self.size.0 as usize * 4;
         let mut bytes = vec![0; row * 4 * self.size.1 as usize];

@@ -10,10 +10,10 @@ use super::gl::Gl;
 use super::object::Texture;
 use crate::srgb;
 
-/// Texture anisotropy on a GPU: what grazing floors and cabinet sides need, at little cost.
+/// Texture anisotropy on a GPU: enough for floors at grazing angles and for cabinet sides, at little cost.
 const ANISOTROPY: f32 = 8.0;
-/// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, lanes without a hit
-/// included, and was seen not to come back from it.
+/// The same on a software renderer: Mesa's llvmpipe walks the whole footprint of a texel, including lanes without a
+/// hit, and was seen not to return from it.
 const ANISOTROPY_SOFTWARE: f32 = 1.0;
 
 /// The picture's texels as 32-bit floats in linear light.
@@ -30,12 +30,13 @@ fn linear_texels(picture: &RgbaImage) -> Vec<u8> {
 /// GL_TEXTURE_MAX_ANISOTROPY, which core GL has only since 4.6.
 const TEXTURE_MAX_ANISOTROPY: u32 = 0x84FE;
 
-/// Uploads an sRGB picture: sampled in linear light, all mip levels, trilinear and anisotropic, repeated
-/// beyond 0..1. A software renderer gets it as 16-bit floats in linear light: it would convert eight texels for every
+/// Uploads an sRGB picture: sampled in linear light, with all mip levels, trilinear and anisotropic, repeated beyond
+/// 0..1. A software renderer gets it as 16-bit floats in linear light: it would convert eight texels for every one
+/// that it samples, which took a fifth of a frame.
 /// one that it samples, which was a fifth of a frame.
 ///
 /// # Errors
-/// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no name left.
+/// [`GpuError::TooLarge`] beyond the driver's texture size; [`GpuError::Object`] if it has no object left.
 pub fn upload(gl: &Gl, picture: &RgbaImage) -> Result<Texture, GpuError> {
     let (width, height) = picture.dimensions();
     let limit = gl.info().texture_side_max;

@@ -10,7 +10,7 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::object::{Buffer, Texture};
 
-/// What the texels of a texture buffer are.
+/// The texel format of a texture buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BufferTexel {
     /// Four words: a `usamplerBuffer`.
@@ -55,7 +55,7 @@ impl TextureBuffer {
         self.texture.native()
     }
 
-    /// Replaces what it holds, for a frame.
+    /// Replaces its content, for a frame.
     pub(super) fn replace(&self, bytes: &[u8]) {
         // SAFETY: the buffer is ours.
         unsafe {
@@ -68,11 +68,12 @@ impl TextureBuffer {
 /// Most bytes of a texel.
 const TEXEL_BYTES: usize = 16;
 
-/// The bytes, with a texel more where their number is a power of two. Mesa's software renderers compile a program once more
-/// for buffers of such sizes, which tapes and regions have now and then by chance: in the middle of a show, for seconds.
+/// The bytes, with a texel appended if their number is a power of two. Mesa's software renderers compile a program
+/// once more for buffers of such sizes, which tapes and regions have now and then by chance: in the middle of a show,
+/// for seconds.
 fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
     if bytes.len().is_power_of_two() {
-        // One texel and another one make two.
+        // One texel and one more would make two, again a power of two.
         let more = if bytes.len() == TEXEL_BYTES { 2 } else { 1 };
         Cow::Owned([bytes, &vec![0; more * TEXEL_BYTES]].concat())
     } else {

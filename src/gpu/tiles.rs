@@ -1,35 +1,37 @@
-//! Draws in parts, so that no single one keeps a renderer for long: a window stays alive, and no driver's watchdog takes a
-//! long draw for a hang.
+//! Draws in parts, so that no single draw occupies a renderer for long: a window stays responsive, and no driver's
+//! watchdog takes a long draw for a hang.
 //!
-//! What a pixel costs is measured: by probes all over the picture where nothing is known of a program, then by each part.
+//! The cost of a pixel is measured: by probes all over the picture if nothing is known of a program, then by each
+//! part.
 //!
-//! **Pictures are drawn in parts.** A draw that takes seconds keeps a window from answering and may be taken for a hang
-//! by a driver's watchdog. What a pixel costs is probed all over a scene's first picture, then measured (`gpu::tiles`),
-//! and each pass is cut so that no part takes longer than a quarter of a second. In the window a picture takes as many
-//! goes as it needs, and between two of them the show looks at its keys; the picture before stands meanwhile. A picture
-//! that would take far too long is begun again with fewer pixels. The first tree of a scene is built before it comes on
-//! the stage, and the scene before stays until the first picture is finished: where either takes more than
-//! `picture_seconds_max`, the new scene is refused with what is dear about it. Most pictures are one part, and the same
-//! bit for bit.
+//! **Pictures are drawn in parts.** A draw that takes seconds keeps a window from answering, and a driver's watchdog
+//! may take it for a hang. The cost of a pixel is probed all over a scene's first picture, then measured
+//! (`gpu::tiles`), and each pass is cut so that no part takes longer than a quarter of a second. In the window a
+//! picture takes as many goes as it needs. Between two goes the show handles its keys, and the previous picture
+//! stays. A picture that would take far too long is begun again with fewer pixels. The first tree of a scene is built
+//! before it comes onto the stage, and the previous scene stays until the first picture is finished: if either takes
+//! more than `picture_seconds_max`, the new scene is refused with the reason why it is expensive. Most pictures are
+//! one part; in parts they are the same bit for bit.
 
 use std::cell::Cell;
 use std::time::Duration;
 
 use super::program::Program;
 
-/// What a part is to take, in seconds: half of what is allowed (`limits.rs`), as pixels differ.
+/// The time that a part should take, in seconds: half of what is allowed (`limits.rs`), because pixels differ.
 const PART_SECONDS: f64 = 0.12;
-/// Time that says nothing about pixels: to ask a driver for something and to wait for it.
+/// Time that does not depend on the pixels, in seconds: for giving a driver work and waiting for it.
 const OVERHEAD: f64 = 0.001;
 /// Probes along each side of a picture, each a square of [`GRAIN`] pixels to a side.
 const PROBES: u32 = 6;
-/// Parts have sides of multiples of so many pixels: renderers draw neighbours together.
+/// The sides of parts are multiples of this many pixels, because renderers draw neighbours together.
 const GRAIN: u32 = 8;
-/// Rows of this height, or multiples of it, are best for a software renderer, which sorts work into squares of it.
+/// Rows of this height, or multiples of it, are best for a software renderer, which sorts its work into squares of
+/// this size.
 const ROW: u32 = 64;
-/// Pictures with fewer pixels are not worth probing: parts begin with the smallest.
+/// Pictures with fewer pixels are not worth probing: their parts begin with the smallest.
 const PROBED_MIN: u64 = 4 * (PROBES * GRAIN) as u64 * (PROBES * GRAIN) as u64;
-/// Probes after which a picture's time can be foretold.
+/// Number of probes after which a picture's time can be predicted.
 const TELLING: u32 = 9;
 
 /// A part of a target, in pixels from its lower left corner.
@@ -57,13 +59,13 @@ impl Part {
     }
 }
 
-/// What a pixel of a scene costs with one of its programs: the greatest of the last picture and of this one, as a cheap sky
-/// proves nothing of what lies above it.
+/// The cost of a scene's pixel with one of its programs: the greatest in the last picture and in this one, because a
+/// cheap sky says nothing about what is above it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct PixelCost {
-    /// Seconds that hardly a pixel of the last picture exceeded; 0 if nothing is known.
+    /// Seconds that hardly any pixel of the last picture exceeded; 0 if nothing is known.
     last: f64,
-    /// The same of this one, so far.
+    /// The same for this picture, so far.
     this: f64,
 }
 
@@ -78,15 +80,15 @@ impl PixelCost {
         if self.is_known() { (PART_SECONDS / self.last.max(self.this)) as u64 } else { 0 }
     }
 
-    /// Takes note of a part.
+    /// Notes how long a part took.
     pub(super) fn note(&mut self, pixels: u64, time: Duration) {
         let seconds = time.as_secs_f64();
-        // What takes hardly longer than to ask may cost up to that.
+        // A part that takes hardly longer than the overhead may cost up to that.
         let cost = if seconds > 2.0 * OVERHEAD { seconds - OVERHEAD } else { OVERHEAD };
         self.this = self.this.max(cost / pixels.max(1) as f64);
     }
 
-    /// A picture is finished.
+    /// Notes that a picture is finished.
     pub(super) fn finish_picture(&mut self) {
         if self.this > 0.0 {
             (self.last, self.this) = (self.this, 0.0);
@@ -107,7 +109,7 @@ impl Costs {
             .map_or_else(PixelCost::default, |(_, cost)| cost)
     }
 
-    /// Remembers what has become known.
+    /// Remembers what has been learnt.
     pub(super) fn keep(&self, program: &Program, cost: PixelCost) {
         self.0.set(Some((program.number(), cost)));
     }
@@ -119,19 +121,19 @@ pub(super) struct Parts {
     areas: Vec<Part>,
     /// The row of the last area that is being cut, and what is left of it.
     row: Option<Part>,
-    /// Whether a draw is to come that tells nothing, as the driver may compile the program at it.
+    /// Whether the next draw is not measured, because the driver may compile the program at it.
     warms_up: bool,
-    /// Whether the part that was given last is that one.
+    /// Whether the part that was given last is that draw.
     warming_up: bool,
     /// Probes to come.
     probes: u32,
-    /// Whether the part that was given last is one.
+    /// Whether the part that was given last is a probe.
     probing: bool,
     probed: Measured,
     size: (u32, u32),
 }
 
-/// Pixels and the seconds that they took.
+/// A number of pixels, and the seconds that they took.
 #[derive(Debug, Clone, Copy, Default)]
 struct Measured {
     count: u32,
@@ -140,7 +142,7 @@ struct Measured {
 }
 
 impl Parts {
-    /// Those of some areas of a target of `size`, the last one first.
+    /// The parts of some areas of a target of `size`, the last area first.
     pub(super) fn of(areas: Vec<Part>, size: (u32, u32), cost: PixelCost) -> Self {
         let pixels: u64 = areas.iter().map(|area| area.pixels()).sum();
         let probes = if cost.is_known() || pixels < PROBED_MIN { 0 } else { PROBES * PROBES };
@@ -148,7 +150,7 @@ impl Parts {
         Self { areas, warms_up, probes, size, ..Self::default() }
     }
 
-    /// Whether all that is left is drawn at once.
+    /// Whether everything that is left is drawn at once.
     pub(super) fn are_one(&self, cost: PixelCost) -> bool {
         !self.warms_up && self.probes == 0 && cost.is_known() && cost.pixels() >= self.pixels_left()
     }
@@ -190,7 +192,7 @@ impl Parts {
         Some(part)
     }
 
-    /// The next row of parts of so many pixels.
+    /// The next row of parts of this many pixels.
     fn next_row(&mut self, pixels: u64) -> Option<Part> {
         let area = loop {
             let area = self.areas.last_mut()?;
@@ -215,7 +217,7 @@ impl Parts {
         Some(row)
     }
 
-    /// A square somewhere in the picture. They follow each other all over it: the first few tell of the whole.
+    /// A square somewhere in the picture. The probes are spread all over it, so the first few are representative.
     fn probe(&self) -> Part {
         // 7 and 36 have no common divisor.
         let number = (self.probes * 7 + 3) % (PROBES * PROBES);
@@ -227,7 +229,7 @@ impl Parts {
         Part { x, y, width: GRAIN.min(self.size.0), height: GRAIN.min(self.size.1) }
     }
 
-    /// Takes note of how long the part took that was given last.
+    /// Notes how long the part took that was given last.
     pub(super) fn note(&mut self, part: Part, time: Duration, cost: &mut PixelCost) {
         if self.warming_up {
             return;
@@ -238,7 +240,7 @@ impl Parts {
         self.probed.seconds += (time.as_secs_f64() - OVERHEAD).max(0.0);
     }
 
-    /// How long all of it will take, in seconds, without what the driver compiled; none before enough is known.
+    /// How long everything will take, in seconds, without the driver's compiling; none until enough is known.
     pub(super) fn seconds(&self) -> Option<f64> {
         let known = self.probed;
         let tells = known.count >= TELLING || (self.probes == 0 && known.pixels > 0);
@@ -293,7 +295,7 @@ mod tests {
 
     #[test]
     fn a_dear_scene_was_one_draw_of_minutes() {
-        // A foam, 2.8 ms for each of its pixels, with sky above it or below it.
+        // A foam at 2.8 ms per pixel, with sky above it or below it.
         for foam_is_below in [true, false] {
             let cost = |_, y| if (y < 120) == foam_is_below { 2.8e-3 } else { 1e-6 };
             let (_, longest) = drawn(vec![Part::whole((320, 180))], (320, 180), cost);

@@ -1,4 +1,5 @@
-//! How long the GPU itself takes, by GL_TIME_ELAPSED. Software renderers answer nonsense: don't ask them.
+//! How long the GPU itself takes, by GL_TIME_ELAPSED. The times of software renderers are meaningless: do not use
+//! them.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -39,10 +40,10 @@ impl GpuTimer {
     }
 }
 
-/// Frames whose times may be on their way at once.
+/// Most frames whose times are not known yet.
 const TIMES_ON_THEIR_WAY: usize = 4;
 
-/// A timer of frames that waits for none: times come some frames later.
+/// A timer of frames that never waits: times arrive some frames later.
 pub(super) struct FrameTimer {
     gl: Gl,
     free: Vec<Query>,
@@ -60,7 +61,7 @@ impl FrameTimer {
         Ok(Self { gl: gl.clone(), free, running: None, on_their_way: VecDeque::new() })
     }
 
-    /// A frame begins. It is not timed if too many times are on their way.
+    /// Begins a frame. It is not timed if too many times are still unknown.
     pub(super) fn begin(&mut self) {
         if self.running.is_some() {
             return;
@@ -71,7 +72,7 @@ impl FrameTimer {
         self.running = Some(query);
     }
 
-    /// It ends.
+    /// Ends the frame.
     pub(super) fn end(&mut self) {
         let Some(query) = self.running.take() else { return };
         // SAFETY: the query is the active one.
@@ -79,7 +80,7 @@ impl FrameTimer {
         self.on_their_way.push_back(query);
     }
 
-    /// How long the GPU took for the newest frame of which that has become known since the last call.
+    /// How long the GPU took for the newest frame whose time has become known since the last call.
     pub(super) fn take(&mut self) -> Option<Duration> {
         let mut newest = None;
         while let Some(query) = self.on_their_way.pop_front() {

@@ -1,4 +1,4 @@
-//! What a file held when it was looked at, to tell whether it really changed.
+//! What a file contained when it was looked at, to decide whether it really changed.
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -16,19 +16,19 @@ pub(super) struct Look {
     pub stamp: Stamp,
 }
 
-/// What it held.
+/// Its content.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Content {
     /// There is no such file.
     Missing,
-    /// A file of that many bytes; of more than any scene reads only the beginning is known.
+    /// A file of this many bytes; if that is more than any scene reads, only the beginning is known.
     Bytes { length: u64, hash: u64 },
-    /// A folder, a pipe, or what the system refuses.
+    /// A folder, a pipe, or something that the system refuses to read.
     Unreadable(String),
 }
 
-/// What the system says about it without reading it: length and time of the last change. Alone it proves nothing: two
-/// saves within one tick of the file system's clock look the same.
+/// What the system reports without reading the file: length and time of the last change. Alone it proves nothing,
+/// because two saves within one tick of the file system's clock look the same.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Stamp(Option<(u64, Option<SystemTime>)>);
 
@@ -46,7 +46,7 @@ impl Stamp {
 
 impl Look {
     pub(super) fn at(path: &Path) -> Self {
-        // First the stamp: if the file changes meanwhile, the next look finds another one.
+        // The stamp comes first: if the file changes meanwhile, the next look finds another one.
         let stamp = Stamp::of(path);
         let content = match hash(path) {
             Ok((length, hash)) => Content::Bytes { length, hash },
@@ -58,7 +58,7 @@ impl Look {
 }
 
 impl Content {
-    /// Whether there is nothing where there was something: a save that empties or deletes the file first.
+    /// Whether the file is missing or empty now and was not before: a save that empties or deletes the file first.
     pub(super) fn is_gone_since(&self, before: &Self) -> bool {
         let nothing = |content: &Self| matches!(content, Self::Missing | Self::Bytes { length: 0, .. });
         nothing(self) && !nothing(before)

@@ -1,31 +1,31 @@
-//! When files that are being saved are worth reading: pure, the time is given.
+//! Decides when files that are being saved are worth reading. Pure: the time is passed in.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// What is known of a change.
+/// What is known about a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Somebody writes into the file and has not closed it yet.
+    /// A program writes into the file and has not closed it yet.
     Writing,
-    /// It was closed after writing, or another file took its place or its place is empty.
+    /// It was closed after writing, another file took its place, or its place is empty.
     Written,
-    /// Something happened that says neither.
+    /// Something happened that shows neither.
     Touched,
 }
 
-/// How long to wait for what.
+/// How long to wait in each case.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Waits {
-    /// For how long nothing must happen before files are read.
+    /// For how long nothing must happen before the files are read.
     pub quiet: Duration,
-    /// How long a change waits at most: for quiet, for a writer to close the file, for a file that is gone to return.
+    /// How long a change waits at most: for quiet, for a writer to close the file, for a missing file to return.
     pub patience: Duration,
-    /// How often the files are looked at although the system tells of nothing: a folder that was replaced, or a
-    /// network in between.
+    /// How often the files are checked although the system reports nothing, because a folder may have been replaced
+    /// or a network be in between.
     pub look: Duration,
-    /// The same where the system tells nothing at all.
+    /// The same where the system reports nothing at all.
     pub look_blind: Duration,
 }
 
@@ -38,7 +38,7 @@ impl Waits {
     };
 }
 
-/// The changes that were not dealt with yet.
+/// The changes that have not been handled yet.
 #[derive(Debug, Default)]
 pub(super) struct Changes {
     touched: BTreeSet<PathBuf>,
@@ -63,7 +63,7 @@ impl Changes {
         self.last = Some(now);
     }
 
-    /// When to read the files; none while nothing changed.
+    /// When to read the files; none while nothing has changed.
     pub(super) fn due(&self, waits: &Waits) -> Option<Instant> {
         let latest = self.first? + waits.patience;
         if !self.writing.is_empty() {
@@ -72,7 +72,7 @@ impl Changes {
         Some(latest.min(self.last? + waits.quiet))
     }
 
-    /// The files that changed, which are none from now on.
+    /// The files that changed; they count as handled from now on.
     pub(super) fn take(&mut self) -> BTreeSet<PathBuf> {
         std::mem::take(self).touched
     }

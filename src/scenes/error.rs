@@ -7,7 +7,7 @@ use mariana_field::world::WorldError;
 /// A scene that cannot be read. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// A word that is no scene's name.
+    /// A word that is not a scene's name.
     #[error(
         "there is no scene '{name}': give a file, a formula such as \"length(p) - 1\", or one of: {shipped}"
     )]
@@ -17,7 +17,7 @@ pub enum SceneError {
         /// The shipped scenes.
         shipped: String,
     },
-    /// The system refuses the file.
+    /// The system refuses to read the file.
     #[error("the scene {} cannot be read ({reason}): check the path", .path.display())]
     Unreadable {
         /// The file.
@@ -28,10 +28,10 @@ pub enum SceneError {
     /// A folder, a pipe or a device.
     #[error("the scene {} is not a regular file: save it to a file first", .path.display())]
     NoFile {
-        /// What is no file.
+        /// The path that is not a regular file.
         path: PathBuf,
     },
-    /// The file is larger than [`crate::limits::Limits::scene_bytes_max`].
+    /// The file is larger than [`mariana_field::limits::Limits::scene_bytes_max`].
     #[error("the scene {} is larger than {max} bytes: split it, or let functions and loops repeat what is alike", .path.display())]
     TooLarge {
         /// The file.
@@ -57,7 +57,7 @@ pub enum SceneError {
         /// The same with a terminal's colours.
         colored: String,
     },
-    /// The scene is more than can be drawn.
+    /// The scene is too large to be drawn.
     #[error(transparent)]
     World(#[from] WorldError),
 }

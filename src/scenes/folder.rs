@@ -1,4 +1,4 @@
-//! A scene's folder: what a scene names is read from there and from nowhere else.
+//! A scene's folder: the files that a scene names are read from there and from nowhere else.
 
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -35,29 +35,29 @@ impl Folder {
         Self(scene.parent().map_or_else(PathBuf::new, Path::to_owned))
     }
 
-    /// Where `name` lies, as long as no link is in the way.
+    /// Where `name` is, as long as no link is in the way.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
-    /// The bytes of `name`, `max` at most.
+    /// The bytes of `name`, at most `max`.
     pub(super) fn bytes(&self, name: &str, max: usize) -> Result<Vec<u8>, Refusal> {
         let path = self.inside(name)?;
         let refused = |error: io::Error| Refusal::Unreadable(error.to_string());
-        // Asked before it is opened: opening a pipe waits for somebody who writes.
+        // Checked before it is opened, because opening a pipe waits for somebody who writes.
         if !fs::metadata(&path).map_err(refused)?.is_file() {
             return Err(Refusal::NoFile);
         }
         read_at_most(&path, max).map_err(refused)?.ok_or(Refusal::TooLarge(max))
     }
 
-    /// The text of `name`, `max` bytes at most.
+    /// The text of `name`, at most `max` bytes.
     pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
         String::from_utf8(self.bytes(name, max)?)
             .map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
     }
 
-    /// The names, written as `name` is, of what lies in the same folder as it; those that are no text are left out.
+    /// The names, written as `name` is, of the files in the same folder; those that are not UTF-8 are left out.
     pub(super) fn beside(&self, name: &str) -> Vec<String> {
         let (prefix, folder) = match name.rsplit_once('/') {
             Some((folder, _)) => (format!("{folder}/"), self.inside(folder)),
@@ -68,7 +68,7 @@ impl Folder {
         names.take(ENTRIES_MAX).map(|found| format!("{prefix}{found}")).collect()
     }
 
-    /// Where `name` really lies; refused outside of the folder.
+    /// Where `name` really is; refused if that is outside of the folder.
     fn inside(&self, name: &str) -> Result<PathBuf, Refusal> {
         if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_))) {
             return Err(Refusal::Leaves);
@@ -82,13 +82,13 @@ impl Folder {
         if path.starts_with(&folder) { Ok(path) } else { Err(Refusal::LinkOut) }
     }
 
-    /// The folder as the system knows it: an empty path is no name for the current one.
+    /// The folder as the system knows it: an empty path does not name the current one.
     fn opened(&self) -> &Path {
         if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 }
     }
 }
 
-/// A file's bytes; none if they are more than `max`. Never reads more than that, whatever the file claims to be.
+/// A file's bytes; none if there are more than `max`. Never reads more than that, whatever the file claims to be.
 pub(super) fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;

@@ -1,15 +1,16 @@
 //! Loads scenes on a thread of its own, and loads them again when their files change.
 //!
-//! A file counts as changed when it holds other bytes than those that were loaded, so touching it or a second event
-//! for one save does nothing. Files are read when nothing happened for a short time and nobody is writing; one that
-//! is gone is waited for as editors delete before they write.
+//! A file counts as changed when its bytes differ from those that were loaded, so touching it does nothing, nor does
+//! a second event for one save. Files are read when nothing has happened for a short time and nobody is writing. A
+//! missing file is waited for, because editors delete a file before they write it.
 //!
-//! **Scenes are loaded beside the picture.** `scenes::Loader` compiles on a thread of its own and hands over finished
-//! values, so a large or broken scene costs no frame. It watches folders, not files, since most editors save by putting
-//! another file in the place of the old one, and it compares bytes: what was saved unchanged is not loaded. A file is
-//! read 20 ms after its last event, but not while its writer has it open, and one that is gone is waited for, 400 ms at
-//! most. Every two seconds it looks for what no event tells: folders replaced further up, files across a network. Where
-//! the system has no watches left it looks five times a second instead.
+//! **Scenes are loaded in parallel with the picture.** `scenes::Loader` compiles on a thread of its own and hands
+//! over finished values, so a large or broken scene costs no frame. It watches folders, not files, because most
+//! editors save by putting another file in the place of the old one, and it compares bytes: a file that was saved
+//! unchanged is not loaded. A file is read 20 ms after its last event, but not while its writer has it open; a
+//! missing one is waited for, 400 ms at most. Every two seconds the loader looks for changes without events: folders
+//! replaced further up, files across a network. If the system has no watches left, it looks five times a second
+//! instead.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -26,18 +27,18 @@ use super::content::{Look, Stamp};
 use super::debounce::{Changes, Kind, Waits};
 use super::watch::{Tell, Watch};
 
-/// What loading one source gave.
+/// The result of loading one source.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Loaded<T> {
     /// What was loaded.
     pub source: SceneSource,
     /// What the loader's function made of it.
     pub value: T,
-    /// The files whose change asks for loading it again.
+    /// The files that cause it to be loaded again when they change.
     pub files: Vec<PathBuf>,
 }
 
-/// A thread that loads one source at a time and watches its files. Dropping it ends the thread as soon as it is not
+/// A thread that loads one source at a time and watches its files. Dropping it ends the thread as soon as that is not
 /// loading, without waiting for it; no result comes after that.
 #[derive(Debug)]
 pub struct Loader<T> {
@@ -58,9 +59,9 @@ enum Message {
 }
 
 impl<T: Send + 'static> Loader<T> {
-    /// Starts the thread, which has nothing to do yet. `load` runs on it and gives a value with the files that it
-    /// came from, or would have come from if they were there ([`SceneSource::files`]). `wake` is called on it
-    /// after each result. A panic in `load` is logged and gives no result; the files are watched all the same.
+    /// Starts the thread, which has nothing to do yet. It runs `load`, which gives a value and the files that it came
+    /// from, or would have come from if they were there ([`SceneSource::files`]). It calls `wake` after each result.
+    /// A panic in `load` is logged and gives no result; the files are watched all the same.
     ///
     /// # Errors
     /// The system has no thread left.
@@ -87,7 +88,7 @@ impl<T: Send + 'static> Loader<T> {
             }));
             let publish = move |loaded| {
                 if !results.ended.load(Ordering::Acquire) {
-                    // The old one is dropped behind the lock: it may be large.
+                    // The old one is dropped after the lock is released, because it may be large.
                     let old = {
                         let mut newest = results.newest.lock().unwrap_or_else(PoisonError::into_inner);
                         newest.replace(loaded)
@@ -102,8 +103,8 @@ impl<T: Send + 'static> Loader<T> {
         Ok(Self { requests, shared })
     }
 
-    /// Asks for `source`, which is watched from then on in place of the one before. Replaces a request that was not
-    /// begun yet; the same source again is loaded again.
+    /// Requests `source`, which is watched from then on in place of the one before. Replaces a request that was not
+    /// begun yet; requesting the same source again loads it again.
     pub fn request(&self, source: SceneSource) {
         if self.requests.send(Message::Load(source)).is_err() {
             tracing::error!("the thread that loads scenes has ended");
@@ -115,7 +116,7 @@ impl<T: Send + 'static> Loader<T> {
         match self.shared.newest.try_lock() {
             Ok(mut newest) => newest.take(),
             Err(TryLockError::Poisoned(poisoned)) => poisoned.into_inner().take(),
-            // It is being put there: `wake` follows.
+            // The result is being put there: `wake` follows.
             Err(TryLockError::WouldBlock) => None,
         }
     }
@@ -128,8 +129,8 @@ impl<T> Drop for Loader<T> {
     }
 }
 
-/// What is on the screen or will be, and its files as they were before it was loaded. None for a file that may have
-/// been loaded in another state than it was seen in.
+/// The source that is on the screen or will be, and its files as they were before it was loaded. None for a file that
+/// may have been loaded in another state than was seen.
 struct Current {
     source: SceneSource,
     seen: BTreeMap<PathBuf, Option<Look>>,
@@ -148,11 +149,11 @@ struct Worker<Load, Publish> {
     waits: Waits,
     changes: Changes,
     current: Option<Current>,
-    /// Since when a file is gone that was there.
+    /// Since when a file is missing that was there.
     gone_since: Option<Instant>,
 }
 
-/// By how much the time of a file's change may lie before the clock: file systems take it from the system's last
+/// How much earlier than the clock the time of a file's change may be: file systems take it from the system's last
 /// tick.
 const FILE_CLOCK_STEP: Duration = Duration::from_millis(12);
 
@@ -170,7 +171,7 @@ where
             let look = watching.then_some(looked + every);
             let given_up = self.gone_since.map(|since| since + self.waits.patience);
             let due = [self.changes.due(&self.waits), given_up, look].into_iter().flatten().min();
-            // All that was sent comes before what is due, so the last of several requests is the one that counts.
+            // Everything that was sent is handled before what is due, so that the last of several requests counts.
             let message = match (&asked, due) {
                 (Some(_), _) => inbox.recv_timeout(Duration::ZERO),
                 (None, Some(due)) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
@@ -194,7 +195,7 @@ where
         }
     }
 
-    /// Loads another source, or the same from scratch.
+    /// Loads another source, or the same one from scratch.
     fn begin(&mut self, source: SceneSource) {
         let before = self.current.take().filter(|current| current.source == source);
         let mut files = before.map_or_else(Vec::new, |current| current.files());
@@ -205,7 +206,7 @@ where
         self.load(Current { source, seen });
     }
 
-    /// Notes files that look changed although nothing was told.
+    /// Notes files that look changed although no event came.
     fn look(&mut self) {
         let Some(current) = &self.current else { return };
         self.watch.set(&current.files());
@@ -216,7 +217,7 @@ where
         }
     }
 
-    /// Loads again if it is time to and a file holds something else.
+    /// Loads again if it is time and a file has changed.
     fn check(&mut self) {
         let now = Instant::now();
         let given_up = self.gone_since.is_some_and(|since| since + self.waits.patience <= now);
@@ -226,10 +227,10 @@ where
         }
         let mut touched: BTreeSet<PathBuf> = self.changes.take();
         let Some(mut current) = self.current.take() else { return };
-        // First the watch, then the look: what changes in between is told.
+        // The watch comes before the look, so that a change in between is reported.
         self.watch.set(&current.files());
         if self.gone_since.is_some() {
-            // What else changed was put off.
+            // Other changes were put off.
             touched.extend(current.seen.keys().cloned());
         }
         let mut changed = BTreeMap::new();
@@ -258,7 +259,7 @@ where
         }
     }
 
-    /// Loads `current`, whose known files are watched and were looked at.
+    /// Loads `current`; its known files are watched and have been looked at.
     fn load(&mut self, current: Current) {
         self.gone_since = None;
         let Current { source, mut seen } = current;
@@ -273,7 +274,7 @@ where
         let mut looks = BTreeMap::new();
         for file in &files {
             let look = seen.remove(file).unwrap_or_else(|| {
-                // It is known only now. If it changed since the load began, nobody knows what was loaded.
+                // The file is known only now. If it changed since the load began, nobody knows what was loaded.
                 let look = Look::at(file);
                 let doubtful = look.stamp.is_since(began);
                 if doubtful {

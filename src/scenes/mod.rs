@@ -1,7 +1,7 @@
-//! Where scenes come from: those that are shipped, files, and formulas given in their place.
+//! Where scenes come from: the shipped ones, files, and formulas given instead.
 //!
-//! **A scene reads its own folder.** Includes and pictures come from there, pictures that are not there from what is
-//! shipped; where a path really leads is asked of the system, so that links do not lead out.
+//! **A scene reads its own folder.** Includes and pictures come from there; pictures that are missing there come from
+//! the shipped ones. The system is asked where a path really leads, so that links do not lead out of the folder.
 
 mod content;
 mod debounce;
@@ -29,7 +29,7 @@ use mariana_field::lang::{self, Compiled};
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets/scenes");
 
-/// The ending of scene files.
+/// The extension of scene files.
 const ENDING: &str = "scene";
 
 /// A scene that can be compiled any number of times.
@@ -48,13 +48,13 @@ impl SceneSource {
     /// or else a formula.
     ///
     /// # Errors
-    /// [`SceneError::Unknown`] for a single word that is none of them.
+    /// [`SceneError::Unknown`] for a single word that is none of these.
     pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
         let path = Path::new(argument);
         if path.exists() || path.extension().is_some_and(|ending| ending == ENDING) {
             return Ok(Self::File(path.to_owned()));
         }
-        // Names and formulas are text; what is none can only be a file that is missing.
+        // Names and formulas are text; an argument that is not text can only be a missing file.
         let Some(argument) = path.to_str() else { return Ok(Self::File(path.to_owned())) };
         if shipped(argument).is_some() {
             return Ok(Self::Shipped(argument.to_owned()));
@@ -88,8 +88,9 @@ impl SceneSource {
         }
     }
 
-    /// Every file whose change can change the scene: its own, what it includes and its textures, those too that
-    /// could not be read. Empty where it is no file. `compiled` is none where its own file could not be read.
+    /// Every file whose change can change the scene: its own, those that it includes and its textures, including
+    /// those that could not be read. Empty if the scene is not a file. `compiled` is none if its own file could not
+    /// be read.
     pub fn files(&self, compiled: Option<&Compiled>) -> Vec<PathBuf> {
         let Self::File(path) = self else { return Vec::new() };
         let folder = Folder::of(path);
@@ -102,7 +103,7 @@ impl SceneSource {
         files
     }
 
-    /// What titles call it: the name of a file without its folder and ending.
+    /// What titles call it: a file's name without its folder and extension.
     pub fn title(&self) -> String {
         match self {
             Self::Shipped(name) => name.clone(),
@@ -115,10 +116,10 @@ impl SceneSource {
         }
     }
 
-    /// Reads and compiles it. Mistakes in the text are in what is returned.
+    /// Reads and compiles it. Mistakes in the text are part of the result.
     ///
     /// # Errors
-    /// A file that cannot be read, is too large, or is no text.
+    /// A file that cannot be read, is too large, or is not text.
     pub fn compile(&self) -> Result<Compiled, SceneError> {
         let name = self.name();
         match self {
@@ -166,7 +167,7 @@ fn shipped(name: &str) -> Option<&'static str> {
 fn read(path: &Path) -> Result<String, SceneError> {
     let unreadable =
         |error: std::io::Error| SceneError::Unreadable { path: path.to_owned(), reason: error.to_string() };
-    // Asked before it is opened: opening a pipe waits for somebody who writes.
+    // Checked before it is opened, because opening a pipe waits for somebody who writes.
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(SceneError::NoFile { path: path.to_owned() });
     }

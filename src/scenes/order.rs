@@ -1,4 +1,4 @@
-//! The round of scenes that the keys for the next and the previous one go through.
+//! The cycle of scenes that the keys for the next and the previous scene go through.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -6,41 +6,41 @@ use std::path::{Path, PathBuf};
 use super::folder::Folder;
 use super::{ENDING, SceneSource, shipped_names};
 
-/// Where a round through the scenes started: that scene and its folder stay in the round.
+/// The scene where the cycle started: that scene and its folder stay in the cycle.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneList {
     start: SceneSource,
 }
 
 impl SceneList {
-    /// The round that `start` is in: `start` if it is a formula, then the scene files of its folder if it is a file,
-    /// then the shipped scenes, each sorted by name; and round again.
+    /// The cycle that contains `start`: `start` itself if it is a formula, or the scene files of its folder if it is
+    /// a file; then the shipped scenes, each group sorted by name; then from the beginning again.
     pub fn around(start: &SceneSource) -> Self {
         Self { start: start.clone() }
     }
 
-    /// What comes after `current`. Reads the folder anew. A current scene that is gone, or that never was in the
-    /// round, is where it would be if it were.
+    /// The scene after `current`. Reads the folder again. If the current scene is gone, or was never in the cycle,
+    /// its place is where it would be.
     pub fn next(&self, current: &SceneSource) -> SceneSource {
         let (mut round, at) = self.round(current);
         let next = (at + 1) % round.len();
         round.swap_remove(next)
     }
 
-    /// What comes before `current`; else as [`Self::next`].
+    /// The scene before `current`; otherwise as [`Self::next`].
     pub fn previous(&self, current: &SceneSource) -> SceneSource {
         let (mut round, at) = self.round(current);
         let previous = (at + round.len() - 1) % round.len();
         round.swap_remove(previous)
     }
 
-    /// The round, which holds at least `current`, and where that is.
+    /// The cycle, which contains at least `current`, and the index of `current`.
     fn round(&self, current: &SceneSource) -> (Vec<SceneSource>, usize) {
         let mut round: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
         if let Some(file) = current.file().or(self.start.file()) {
             round.extend(scene_files(file).into_iter().map(SceneSource::File));
         }
-        // A start that has not the ending of scenes is in no listing.
+        // A start without the extension of scenes is in no listing.
         round.push(self.start.clone());
         if self.start.file().is_some_and(|file| !file.is_file()) {
             round.pop();
@@ -53,7 +53,7 @@ impl SceneList {
     }
 }
 
-/// What the round is sorted by.
+/// The key by which the cycle is sorted.
 fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
     match scene {
         SceneSource::Formula(text) => (0, OsStr::new(text), OsStr::new("")),
@@ -90,7 +90,7 @@ mod tests {
         shipped_names().into_iter().map(SceneSource::Shipped).collect()
     }
 
-    /// Goes around from `start`, checks that the way back is the same, and gives what was met.
+    /// Goes around from `start`, checks that the way back is the same, and returns the scenes that were passed.
     #[track_caller]
     fn round(start: &SceneSource) -> Vec<SceneSource> {
         let list = SceneList::around(start);

@@ -1,8 +1,8 @@
 //! The pictures that scenes read.
 //!
-//! A scene that is a file gets PNG and JPEG pictures from its own folder, never from outside of it. Where the folder
-//! holds no picture of that name, a shipped one of the same name serves: so a copy of a shipped scene works
-//! anywhere. Shipped scenes and formulas get shipped pictures only.
+//! A scene that is a file gets PNG and JPEG pictures from its own folder, never from outside of it. If the folder has
+//! no picture of that name, a shipped one of the same name is used, so that a copy of a shipped scene works anywhere.
+//! Shipped scenes and formulas get shipped pictures only.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -21,7 +21,7 @@ use mariana_field::lang::{Diagnostic, Scene, Span, TextureRef, nearest};
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets/textures");
 
-/// The endings of pictures' names.
+/// The extensions of pictures.
 const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// Reads textures, and keeps those of the last scene decoded: loading a scene again decodes only what has changed,
@@ -35,14 +35,14 @@ impl SceneSource {
     /// The pictures of [`Scene::textures`], in their order: sRGB with alpha that is not premultiplied, top row first.
     ///
     /// # Errors
-    /// What is wrong with each picture that cannot be had, with the place in the text that asks for it.
+    /// What is wrong with each picture that cannot be read, with the place in the text that asks for it.
     pub fn textures(&self, scene: &Scene) -> Result<Vec<Arc<RgbaImage>>, Vec<Diagnostic>> {
         TextureCache::default().load(self, scene)
     }
 }
 
 impl TextureCache {
-    /// The same as [`SceneSource::textures`]. What this scene does not read is forgotten.
+    /// The same as [`SceneSource::textures`]. Pictures that this scene does not read are forgotten.
     ///
     /// # Errors
     /// See there; pictures that could be read are kept.
@@ -80,7 +80,7 @@ impl TextureCache {
                 Cow::Owned(bytes)
             }
             (None | Some(Err(Refusal::Missing)), Some(bytes)) => {
-                // Those never change: their name will do.
+                // Shipped pictures never change: their name is enough.
                 texture.name.hash(&mut hasher);
                 Cow::Borrowed(bytes)
             }
@@ -98,7 +98,7 @@ impl TextureCache {
     }
 }
 
-/// What the scene's folder gives; none where the scene has no folder.
+/// The file from the scene's folder; none if the scene has no folder.
 fn own_bytes(source: &SceneSource, name: &str) -> Option<Result<Vec<u8>, Refusal>> {
     Some(Folder::of(source.file()?).bytes(name, LIMITS.texture_bytes_max))
 }
@@ -154,7 +154,7 @@ fn refused(source: &SceneSource, texture: &TextureRef, refusal: &Refusal) -> Dia
     kind(texture.span, message).hint(hint)
 }
 
-/// Decodes a PNG or JPEG, after its header said that it is of a size that may be.
+/// Decodes a PNG or JPEG, after checking in its header that its size is allowed.
 fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaImage, Box<Diagnostic>> {
     let TextureRef { name, span } = texture;
     let diagnostic = |kind: fn(Span, String) -> Diagnostic, message: String, hint: &str| {
@@ -182,7 +182,7 @@ fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaIma
         let hint = format!("scale it down to no more than {side} a side and {pixels} in all");
         return Err(diagnostic(Diagnostic::over_limit, message, &hint));
     }
-    // How a camera was held stands beside its pixels.
+    // How the camera was held is stored beside the pixels.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut picture = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     picture.apply_orientation(orientation);

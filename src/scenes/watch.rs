@@ -1,9 +1,9 @@
-//! Tells of changes of some files.
+//! Reports changes of some files.
 //!
-//! Editors save in many ways: into the file, by a rename over it, by moving it aside and writing another, by
-//! deleting it first. A watch on the file itself would be left behind with the old one, so the folders are watched,
-//! and of what happens in them only what concerns the files is told. Where a folder is missing the one above it is
-//! watched; where a file is a link, so is the folder that the link leads to.
+//! Editors save in many ways: into the file, by a rename over it, by moving it aside and writing another, by deleting
+//! it first. A watch on the file itself would stay with the old file, so the folders are watched, and only the events
+//! that concern the files are reported. If a folder is missing, the one above it is watched; if a file is a link, the
+//! folder that the link leads to is watched too.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::OsString;
@@ -16,40 +16,40 @@ use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
 use super::debounce::Kind;
 
-/// What the thread that takes the events needs to know, and what it found out.
+/// What the thread that receives the events needs to know, and what it found out.
 #[derive(Debug, Default)]
 struct Wanted {
     /// From the path that an event names to the files that it concerns.
     files: HashMap<PathBuf, BTreeSet<PathBuf>>,
     /// Paths that were deleted or moved: no folder there is watched any more, even if there is one of the same
-    /// identity (numbers of deleted folders are given again).
+    /// identity (the inode numbers of deleted folders are used again).
     lost: BTreeSet<PathBuf>,
 }
 
 /// A watch on some files.
 pub(super) struct Watch {
     watcher: Option<RecommendedWatcher>,
-    /// Folders that are watched, and which ones they were: another one may have taken the place since.
+    /// Folders that are watched, with their identities: another folder may have taken the place since.
     folders: BTreeMap<PathBuf, Identity>,
     wanted: Arc<Mutex<Wanted>>,
-    /// Every folder of interest is watched.
+    /// Whether every relevant folder is watched.
     complete: bool,
-    /// It was said that they are not.
+    /// Whether the log already says that they are not.
     told: bool,
 }
 
-/// Takes a file that may have changed, and what is known of the change.
+/// Receives a file that may have changed, and what is known about the change.
 pub(super) type Tell = Box<dyn Fn(PathBuf, Kind) + Send>;
 
-/// What tells folders of the same path apart, where the system has such a thing.
+/// What distinguishes folders of the same path, if the system has such a thing.
 type Identity = Option<(u64, u64)>;
 
 /// Most links that are followed from one file.
 const LINKS_MAX: usize = 16;
 
 impl Watch {
-    /// Watches nothing yet. `tell` is called on a thread of the watch's with a file that may have changed, named as
-    /// it was given to [`Self::set`].
+    /// Watches nothing yet. `tell` is called on a thread of the watch with a file that may have changed, named as it
+    /// was given to [`Self::set`].
     pub(super) fn new(tell: Tell) -> Self {
         let mut watch = Self::blind();
         let known = Arc::clone(&watch.wanted);
@@ -60,14 +60,14 @@ impl Watch {
         watch
     }
 
-    /// One that tells nothing, as where the system has no watches left.
+    /// A watch that reports nothing, as when the system has no watches left.
     pub(super) fn blind() -> Self {
         let wanted = Arc::new(Mutex::new(Wanted::default()));
         Self { watcher: None, folders: BTreeMap::new(), wanted, complete: false, told: false }
     }
 
-    /// Watches these files and no others. To be called again after each change that was told: folders may have come,
-    /// gone, or been replaced.
+    /// Watches these files and no others. To be called again after each reported change, because folders may have
+    /// come, gone, or been replaced.
     pub(super) fn set(&mut self, files: &[PathBuf]) {
         let mut wanted: HashMap<PathBuf, BTreeSet<PathBuf>> = HashMap::new();
         let mut folders = BTreeSet::new();
@@ -79,7 +79,7 @@ impl Watch {
                 folders.insert(folder);
             }
         }
-        // Before the folders, so that nothing that they tell is thrown away.
+        // Before the folders, so that nothing that they report is thrown away.
         let lost = {
             let mut shared = lock(&self.wanted);
             shared.files = wanted;
@@ -90,7 +90,7 @@ impl Watch {
             let same = !lost.contains(folder) && *identity == self::identity(folder);
             let kept = same && folders.contains(folder);
             if !kept {
-                // One that was deleted is not watched any more, which is no trouble.
+                // A folder that was deleted is not watched any more, which is no error.
                 let _ = watcher.unwatch(folder);
             }
             kept
@@ -117,7 +117,7 @@ impl Watch {
         }
     }
 
-    /// Whether the system tells of every change; if not, somebody has to look.
+    /// Whether the system reports every change; if not, the caller has to look.
     pub(super) fn is_complete(&self) -> bool {
         self.complete
     }
@@ -135,7 +135,7 @@ fn lock(wanted: &Mutex<Wanted>) -> MutexGuard<'_, Wanted> {
     wanted.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Tells what an event means for the files that are wanted.
+/// Reports what an event means for the wanted files.
 fn sort(event: notify::Result<Event>, wanted: &Mutex<Wanted>, tell: &Tell) {
     let files = match &event {
         Ok(event) if !event.need_rescan() => {
@@ -160,12 +160,12 @@ fn sort(event: notify::Result<Event>, wanted: &Mutex<Wanted>, tell: &Tell) {
     }
 }
 
-/// What an event says of its file; none if it is only being read.
+/// What an event says about its file; none if it is only being read.
 fn kind(event: &EventKind) -> Option<Kind> {
     match event {
         EventKind::Access(AccessKind::Close(AccessMode::Write)) => Some(Kind::Written),
         EventKind::Access(_) => None,
-        // Elsewhere nobody tells when the file is closed.
+        // Other systems do not report when the file is closed.
         EventKind::Modify(ModifyKind::Data(_)) if cfg!(target_os = "linux") => Some(Kind::Writing),
         EventKind::Modify(ModifyKind::Name(_))
         | EventKind::Create(CreateKind::File)
@@ -174,8 +174,8 @@ fn kind(event: &EventKind) -> Option<Kind> {
     }
 }
 
-/// Where a change of `file` shows: folders that exist, each with the entry that counts. More than one if the file is
-/// a link.
+/// Where a change of `file` shows: existing folders, each with the relevant entry. More than one if the file is a
+/// link.
 fn places(file: &Path) -> Vec<(PathBuf, OsString)> {
     let mut found = Vec::new();
     let Ok(mut path) = std::path::absolute(file) else { return found };
@@ -188,7 +188,7 @@ fn places(file: &Path) -> Vec<(PathBuf, OsString)> {
     found
 }
 
-/// The nearest folder above `path` that exists, without links, and what of `path` lies in it.
+/// The nearest folder above `path` that exists, with links resolved, and the entry of it that `path` passes through.
 fn place(path: &Path) -> Option<(PathBuf, OsString)> {
     path.ancestors().find_map(|entry| {
         let folder = entry.parent()?.canonicalize().ok().filter(|folder| folder.is_dir())?;
@@ -215,7 +215,7 @@ mod tests {
 
     use super::*;
 
-    /// Nothing tells that a folder further up was replaced; the next call must find out.
+    /// No event reports that a folder further up was replaced; the next call must find out.
     #[test]
     fn setting_the_files_again_watches_a_folder_that_took_the_place_of_another() {
         let place = tempfile::tempdir().unwrap();

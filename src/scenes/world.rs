@@ -1,4 +1,4 @@
-//! From a source to a world that can be drawn.
+//! From a source to a world that is ready to be drawn.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,13 +24,14 @@ impl SceneSource {
     /// Reads, compiles and prepares a scene.
     ///
     /// # Errors
-    /// A file that cannot be read, mistakes in the text (with all diagnostics), pictures that are not there, a scene over
-    /// the limits.
+    /// A file that cannot be read, mistakes in the text (with all diagnostics), missing pictures, a scene over the
+    /// limits.
     pub fn ready(&self) -> Result<ReadyScene, SceneError> {
         self.ready_with(&mut TextureCache::default()).0
     }
 
-    /// The same with pictures from a cache, and the files whose change asks for doing it again, whether it worked or not.
+    /// The same with pictures from a cache, and the files that cause it to be repeated when they change, whether it
+    /// worked or not.
     pub fn ready_with(&self, textures: &mut TextureCache) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
         match self.compile() {
             Ok(compiled) => {

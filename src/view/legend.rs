@@ -1,20 +1,21 @@
-//! Legends: what a view's colours mean, drawn by the processor so that they are the same in a window, a still and a video.
+//! Legends: what a view's colours mean. The processor draws them, so that they are the same in a window, a still and
+//! a video.
 
 use std::sync::Arc;
 
 use super::letters::Letters;
 use super::scale::{Color, heat};
 
-/// Everything that a legend says.
+/// The content of a legend.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Legend {
     /// The view's name.
     pub title: String,
     /// What it shows, in lines.
     pub lines: Vec<String>,
-    /// A scale with what its places mean.
+    /// A scale, with the meaning of places on it.
     pub scale: Option<Scale>,
-    /// Single colours with what they mean.
+    /// Single colours with their meanings.
     pub colors: Vec<(Color, String)>,
 }
 
@@ -54,9 +55,9 @@ impl Ramp {
 pub struct LegendPicture {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// Its distance from the picture's left and upper edge, in pixels.
+    /// Its distance from the picture's left and upper edges, in pixels.
     pub margin: u32,
-    /// Four bytes a pixel, the top row first.
+    /// Four bytes per pixel, the top row first.
     pub rgba: Vec<u8>,
 }
 
@@ -64,7 +65,7 @@ const GROUND: Color = [0.035, 0.040, 0.050];
 const TEXT: Color = [0.91, 0.92, 0.93];
 const DIM: Color = [0.66, 0.68, 0.73];
 
-/// Size of letters for a picture's height, and their least and greatest size in pixels.
+/// Size of letters relative to a picture's height, and their smallest and largest size in pixels.
 const LETTERS_SHARE: f32 = 1.0 / 44.0;
 const LETTERS: (f32, f32) = (11.0, 44.0);
 /// The greatest share of the picture's width and height that a legend takes; a larger one is left out.
@@ -72,13 +73,13 @@ const SHARE_MAX: (f32, f32) = (0.7, 0.7);
 /// Entries of single colours in one column.
 const ROWS_MAX: usize = 6;
 
-/// Draws legends, and knows the last one.
+/// Draws legends, and remembers the last one.
 pub struct LegendPainter {
     letters: Letters,
     last: Option<Known>,
 }
 
-/// A legend that was drawn for a picture's size, if it fits.
+/// A legend that was drawn for a picture's size; none if it did not fit.
 struct Known {
     legend: Legend,
     size: (u32, u32),
@@ -92,7 +93,7 @@ impl Default for LegendPainter {
 }
 
 impl LegendPainter {
-    /// The legend for a picture of `size` pixels; none if it would take too much of it.
+    /// The legend for a picture of `size` pixels; none if it would cover too much of it.
     pub fn picture(&mut self, legend: Legend, size: (u32, u32)) -> Option<Arc<LegendPicture>> {
         if let Some(known) = self.last.as_ref().filter(|known| known.legend == legend && known.size == size) {
             return known.drawn.clone();
@@ -103,7 +104,7 @@ impl LegendPainter {
     }
 }
 
-/// Something at a place.
+/// Something at a position.
 enum Part {
     Text { text: String, size: f32, color: Color },
     Block { size: (usize, usize), ramp: Option<Ramp>, color: Color },
@@ -158,7 +159,7 @@ fn draw(letters: &mut Letters, legend: &Legend, picture: (u32, u32)) -> Option<L
     lay_out(letters, &parts, (padding, bottom), picture)
 }
 
-/// Paints the parts, if they fit the picture.
+/// Places the parts and paints them, if they fit the picture.
 fn lay_out(
     letters: &mut Letters,
     parts: &[((usize, usize), Part)],
@@ -217,7 +218,7 @@ fn lay_out(
     Some(LegendPicture { size: (width, height), margin, rgba })
 }
 
-/// As the screen stores it.
+/// A value as the byte that the screen stores.
 pub fn byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0).round() as u8
 }
@@ -254,7 +255,7 @@ mod tests {
         for size in [(160, 90), (1, 1), (16_384, 1)] {
             assert_eq!(painter.picture(legend(), size), None, "{size:?}");
         }
-        // Another text is another picture, of letters that differ.
+        // Another text gives another picture, because its letters differ.
         let other = Legend { title: "depth".into(), ..legend() };
         assert_ne!(painter.picture(other, (1280, 720)).unwrap(), picture);
     }

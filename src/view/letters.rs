@@ -6,7 +6,7 @@ use egui::{Color32, ColorImage, FontDefinitions, FontId};
 /// The font, and the letters that were needed so far.
 pub(super) struct Letters(Fonts);
 
-/// A line of text: how much of each pixel its letters cover.
+/// A line of text: how much of each pixel is covered by its letters.
 pub(super) struct Line {
     /// Width and height in pixels.
     pub size: (usize, usize),

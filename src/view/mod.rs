@@ -1,14 +1,14 @@
-//! Views: how a picture is made, shown in colours with a legend. One table names them for the key, the command line and
-//! the shaders.
+//! Views: how a picture is made, shown in colours with a legend. One table names them for the key, the command line
+//! and the shaders.
 //!
-//! `shaders/view.glsl` draws them; the colours and the numbers that it shares with the legends come from [`scale`].
+//! `shaders/view.glsl` draws them; the colours and numbers that it shares with the legends come from [`scale`].
 //!
 //! **Views are programs of their own.** A view (key V, `--view`) is drawn by a variant of the scene's program that
-//! counts and takes note of the first surface that it meets, so that it shows what the picture is made of, not a copy
-//! of it. It is compiled when a view is first asked for, while the picture goes on, and costs the picture nothing. Its
-//! colours go straight into the finished picture, one sample a pixel: a mean of two counts, or a tone-mapped normal,
-//! would mean nothing. Its legend is drawn by the processor and put over it, the same bytes in a window, a still and a
-//! video; shaders and legends have their colours from one table (`view::scale`).
+//! counts and records the first surface that it meets, so that it shows how the picture itself is made, not a copy of
+//! it. It is compiled when a view is first asked for, while the picture goes on, and costs the picture nothing. Its
+//! colours go straight into the finished picture, one sample per pixel, because a mean of two counts, or a
+//! tone-mapped normal, would mean nothing. Its legend is drawn by the processor and put over it, with the same bytes
+//! in a window, a still and a video; shaders and legends take their colours from one table (`view::scale`).
 
 pub mod legend;
 mod letters;
@@ -17,26 +17,26 @@ pub mod setup;
 
 use std::str::FromStr;
 
-/// What a view shows. The number of each is its place in [`VIEWS`], in the shaders too.
+/// What a view shows. Each view's number is its place in [`VIEWS`], in the shaders too.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum View {
     /// Steps of the ray from the eye.
     Steps,
     /// The distance on a plane through what the camera looks at.
     Slice,
-    /// Normals by differences.
+    /// Normals by finite differences.
     Normals,
     /// The share of the lamps' light that arrives.
     Shadow,
     /// The share of the ambient light that arrives.
     Occlusion,
-    /// What is computed for a pixel.
+    /// The work done for a pixel.
     Clauses,
     /// The cells of the regions.
     Cells,
     /// Objects.
     Materials,
-    /// The way to the surface.
+    /// The distance along the ray to the surface.
     Depth,
 }
 
@@ -48,7 +48,7 @@ pub struct ViewRow {
     pub name: &'static str,
     /// What it shows.
     pub meaning: &'static str,
-    /// What the number after its name is, for views that take one.
+    /// What the number after its name means, for views that take one.
     pub number: Option<&'static str>,
 }
 
@@ -95,22 +95,22 @@ const NUMBERS: (f32, f32) = (1e-5, 1e6);
 /// A view, and its number if one was chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewChoice {
-    /// Which.
+    /// Which view.
     pub view: View,
-    /// What [`ViewRow::number`] says; none is the view's own choice.
+    /// The number, as [`ViewRow::number`] explains it; none for the view's own choice.
     pub number: Option<f32>,
 }
 
-/// Why a text is no view.
+/// Why a text does not name a view.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoView {
-    /// There is none of that name.
+    /// There is no view of that name.
     #[error("there is no view '{0}'; there are {names}", names = names())]
     Unknown(String),
     /// It takes no number.
     #[error("the view '{0}' takes no number: leave ':{1}' away")]
     TakesNone(&'static str, String),
-    /// What stands after the colon is no number.
+    /// What follows the colon is not a number.
     #[error("'{1}' after '{0}:' is no number: write it as {0}:0.5")]
     NoNumber(&'static str, String),
     /// The number is out of its range.
@@ -138,11 +138,11 @@ pub fn help() -> String {
 impl View {
     /// Its row.
     pub fn row(self) -> &'static ViewRow {
-        // The enum's order is the table's, which a test holds.
+        // The enum's order is that of the table; a test checks this.
         &VIEWS[self as usize % VIEWS.len()]
     }
 
-    /// The view after this one, or before; none at the table's ends and from none to them.
+    /// The view after this one, or before; none at the table's ends, and the first or last from none.
     pub fn beside(view: Option<Self>, forward: bool) -> Option<Self> {
         let places = VIEWS.len() + 1;
         let place = view.map_or(0, |view| view as usize + 1);
@@ -194,8 +194,8 @@ impl std::fmt::Display for ViewChoice {
 }
 
 impl ViewChoice {
-    /// The same view with the next larger or smaller number of 1, 2, 5, 10 ... after `present`; below the least one it
-    /// is the view's own choice again.
+    /// The same view with the next larger or smaller number of 1, 2, 5, 10 ... after `present`; below the smallest
+    /// one it is the view's own choice again.
     pub fn stepped(self, present: Option<f32>, larger: bool) -> Self {
         let row = self.view.row();
         if row.number.is_none() {
@@ -210,7 +210,7 @@ impl ViewChoice {
     }
 }
 
-/// The least number by key.
+/// The smallest number that the key reaches.
 const STEP_MIN: f32 = 1e-3;
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
-//! Colours of the views, the same in the shaders and in the legends, and numbers for people.
+//! Colours of the views, the same in the shaders and in the legends, and numbers written for people.
 //!
-//! Colours are bytes over 255 as the screen gets them: no exposure, no tone mapping.
+//! Colours are the values that the screen gets, bytes divided by 255: no exposure, no tone mapping.
 
 use super::VIEWS;
 
 /// A colour as the screen gets it, 0..1.
 pub type Color = [f32; 3];
 
-/// From little, blue, to much, red; equally far apart.
+/// From little, blue, to much, red; the steps are of equal width.
 pub const HEAT: [Color; 6] = [
     [0.07, 0.13, 0.50],
     [0.10, 0.45, 0.90],
@@ -19,7 +19,7 @@ pub const HEAT: [Color; 6] = [
 
 /// Where a view has nothing to show.
 pub const NOTHING: Color = [0.11, 0.12, 0.18];
-/// A surface that no lamp reaches, shadows apart.
+/// A surface that faces away from every lamp; shadows do not count.
 pub const FACES_AWAY: Color = [0.20, 0.25, 0.45];
 /// A cell that holds no surface.
 pub const EMPTY_CELL: Color = [0.27, 0.29, 0.34];
@@ -32,7 +32,7 @@ pub const INSIDE: Color = [0.32, 0.55, 0.86];
 /// Where the distance is 0.
 pub const ZERO: Color = [1.0, 1.0, 1.0];
 
-/// Colours of objects: each of them, then again from the first.
+/// Colours of objects, in order; after the last they begin again.
 pub const OBJECTS: [Color; 12] = [
     [0.90, 0.62, 0.20],
     [0.34, 0.71, 0.91],
@@ -48,7 +48,7 @@ pub const OBJECTS: [Color; 12] = [
     [0.86, 0.30, 0.42],
 ];
 
-/// The colour of a share of a scale, 0..1.
+/// The colour at a place on a scale, 0..1.
 pub fn heat(share: f32) -> Color {
     let along = share.clamp(0.0, 1.0) * (HEAT.len() - 1) as f32;
     let left = (along as usize).min(HEAT.len() - 2);
@@ -88,7 +88,7 @@ pub fn glsl() -> String {
     text
 }
 
-/// The least of 1, 2, 5, 10, 20 ... and their tenths that is no less than `value`.
+/// The smallest of 1, 2, 5, 10, 20 ... and their tenths that is not less than `value`.
 pub fn nice(value: f32) -> f32 {
     let value = if value.is_finite() { value.clamp(1e-6, 1e9) } else { 1.0 };
     let decade = 10_f64.powi(f64::from(value).log10().floor() as i32);
@@ -109,7 +109,7 @@ pub fn beside(value: f32, larger: bool) -> f32 {
     below
 }
 
-/// A number for people: three digits that matter, thousands apart.
+/// A number written for people: three significant digits, thousands separated.
 pub fn written(value: f32) -> String {
     let decimals = match value.abs() {
         size if size >= 100.0 || size.fract() == 0.0 => 0,

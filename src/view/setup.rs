@@ -11,7 +11,7 @@ use mariana_field::world::World;
 /// The block `ViewBlock` of `shaders/view_notes.glsl`.
 pub type ViewBlock = [[f32; 4]; 2];
 
-/// What a legend tells of the way a scene is drawn.
+/// What a legend says about the way a scene is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Drawn {
     /// Whether the interpreter draws it.
@@ -29,19 +29,19 @@ pub struct ViewSetup {
     pub block: ViewBlock,
     /// What the colours mean.
     pub legend: Legend,
-    /// The view's number, chosen or its own; none if it has none.
+    /// The view's number, chosen or its own; none if it takes none.
     pub number: Option<f32>,
 }
 
-/// Steps that are red: as many as the thesis allowed (figure 4).
+/// Number of steps shown in red: as many as the thesis allowed (Abt 2022, figure 4).
 const STEPS_RED: f32 = 100.0;
-/// Runs of the distance for a pixel that are red.
+/// Number of distance evaluations of a pixel shown in red.
 const RUNS_RED: f32 = 100.0;
-/// Lines of the slice across the picture's height, about.
+/// Approximate number of the slice's lines across the picture's height.
 const SLICE_LINES: f32 = 40.0;
-/// Times the way to what the camera looks at that is black.
+/// Distance shown in black, as a multiple of the distance to what the camera looks at.
 const DEPTH_BLACK: f32 = 1.6;
-/// Objects that a legend names.
+/// Most objects that a legend names.
 const OBJECTS_NAMED: usize = 11;
 
 impl ViewSetup {
@@ -70,7 +70,7 @@ impl ViewSetup {
             View::Materials => materials(legend, world),
             View::Depth => depth(legend, number),
         };
-        // The plane of the slice: through what the camera looks at, and facing it.
+        // The plane of the slice goes through what the camera looks at, and faces the camera.
         let normal: DVec3 = frame.camera.forward;
         let offset = -normal.dot(frame.target());
         let [x, y, z] = normal.as_vec3().to_array();
@@ -83,7 +83,7 @@ impl ViewSetup {
     }
 }
 
-/// A legend's entry for where nothing is met.
+/// A legend's entry for places where nothing is met.
 fn nothing() -> (Color, String) {
     (scale::NOTHING, "no surface".to_owned())
 }

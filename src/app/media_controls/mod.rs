@@ -1,12 +1,11 @@
 //! Media keys and the desktop's controls for players: what they ask of the show, and what they show of it.
 //!
-//! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus. Where there is
-//! no bus, and on other systems, nothing is asked and nothing said; media keys then work while the window has the
-//! keyboard.
+//! On Linux this is MPRIS (the Media Player Remote Interfacing Specification 2.2) on the session's D-Bus. Without a
+//! bus, and on other systems, nothing is served; media keys then work while the window has the keyboard.
 //!
 //! **Media keys ask the show.** `app::media_controls` serves MPRIS on a thread of its own and hands over what was
-//! asked; it answers from a copy of what the window last told. No bus, a dead one or another system: nothing is served,
-//! nothing said.
+//! asked; it answers from a copy of what the window last reported. Without a bus, with a dead one or on another
+//! system nothing is served and nothing is reported.
 
 #[cfg(target_os = "linux")]
 mod mpris;
@@ -18,7 +17,7 @@ use std::time::Instant;
 use mariana_player::PlayerStatus;
 use mariana_player::track::{Repeat, TrackInfo};
 
-/// A position that is further than this from where it would have come by itself was jumped to, in seconds.
+/// A position is a jump if it differs by more than this from where playback would have come by itself, in seconds.
 const JUMP: f64 = 0.5;
 
 /// What the desktop asks for.
@@ -33,19 +32,19 @@ pub(super) enum Asked {
         /// Whether it is the next.
         forward: bool,
     },
-    /// Seek by so many seconds.
+    /// Seek by this many seconds.
     SeekBy(f64),
     /// Seek to a time of the track, in seconds.
     SeekTo(f64),
     /// Set the volume, 0..1.
     Volume(f32),
-    /// Change what follows what.
+    /// Change what plays after a track.
     Repeat(Repeat),
     /// Change to a random order, or to the list's.
     Shuffle(bool),
     /// Enter or leave full screen.
     Fullscreen(bool),
-    /// Show the window before others.
+    /// Show the window in front of others.
     Raise,
     /// End the program.
     Quit,
@@ -106,12 +105,12 @@ pub(super) struct MediaControls {
 }
 
 impl MediaControls {
-    /// Offers the program to the desktop, on a thread of its own; `wake` is called when something is asked.
+    /// Offers the program to the desktop, on a thread of its own; `wake` is called when something is asked for.
     pub(super) fn start(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let seen = SharedSeen(Arc::new(Mutex::new(Seen::new())));
         let (asks, asked) = channel();
         let ask = move |what| {
-            // After the show's end nobody does what is asked.
+            // After the show's end nobody does what is asked for.
             if asks.send(what).is_ok() {
                 wake();
             }
@@ -133,7 +132,7 @@ impl MediaControls {
         self.asked.try_recv().ok()
     }
 
-    /// Shows the desktop how playback stands.
+    /// Reports the state of playback to the desktop.
     pub(super) fn show(&self, status: &PlayerStatus, fullscreen: bool) {
         let now = Instant::now();
         let new = Seen {

@@ -1,4 +1,4 @@
-//! The player on the session's D-Bus, by MPRIS.
+//! The player on the session's D-Bus, through MPRIS.
 
 use std::time::Instant;
 
@@ -12,9 +12,9 @@ use mpris_server::{
 use super::{Asked, Seen, SharedSeen};
 use mariana_player::track::{Repeat, TrackInfo};
 
-/// The program's name on the bus and of its desktop entry. Behind it stands the number of the process, as several may run.
+/// The program's name on the bus and of its desktop entry. The process id is appended, because several may run.
 const NAME: &str = "mariana";
-/// Changes that may wait for a bus that does not take them; of more the newest are lost.
+/// Most changes that wait for a bus that does not take them; if there are more, the newest are lost.
 const CHANGES_MAX: usize = 64;
 /// The playback's rate: it cannot be changed.
 const RATE: f64 = 1.0;
@@ -24,11 +24,11 @@ enum Change {
     Seeked(Time),
 }
 
-/// Tells the bus what changes.
+/// Reports changes to the bus.
 pub(super) struct Changes(Sender<Change>);
 
 impl Changes {
-    /// Tells how `new` differs from `old`; `jumped` if the position is not where it would have come by itself.
+    /// Reports how `new` differs from `old`; `jumped` if the position is not where it would have come by itself.
     pub(super) fn tell(&self, old: &Seen, new: &Seen, jumped: bool) {
         let mut properties = Vec::new();
         let mut add = |changed: bool, property: Property| {
@@ -57,7 +57,7 @@ pub(super) fn serve(seen: SharedSeen, ask: impl Fn(Asked) + Send + Sync + 'stati
     let (changes, inbox) = async_channel::bounded(CHANGES_MAX);
     let player = Offered { seen, ask: std::sync::Arc::new(ask) };
     let started = std::thread::Builder::new().name("media controls".into()).spawn(move || {
-        // What is not there cannot be used: no bus, no keys.
+        // Without a bus there are no keys, which is no error.
         if let Err(error) = zbus::block_on(run(player, &inbox)) {
             tracing::info!("no media controls: {error}");
         }
@@ -219,7 +219,7 @@ impl PlayerInterface for Offered {
             let seen = self.seen.lock();
             (seen.track.as_deref().and_then(track_id), seen.track.as_ref().and_then(|track| track.duration))
         };
-        // Of another track, or beyond the end: to be ignored, says the specification.
+        // A position of another track, or beyond the end: to be ignored, says the specification.
         let within = seconds(position) >= 0.0 && length.is_none_or(|length| seconds(position) <= length);
         if within && current == Some(track) { self.asked(Asked::SeekTo(seconds(position))) } else { Ok(()) }
     }
@@ -249,7 +249,7 @@ impl PlayerInterface for Offered {
     }
 
     async fn set_rate(&self, rate: f64) -> zbus::Result<()> {
-        // 0 is to act as a pause; others are out of range.
+        // 0 means pause; other rates are out of range.
         if rate == 0.0 { Ok(self.asked(Asked::Play(false))?) } else { Ok(()) }
     }
 
@@ -270,7 +270,7 @@ impl PlayerInterface for Offered {
     }
 
     async fn set_volume(&self, volume: f64) -> zbus::Result<()> {
-        // Where it is clamped, and what is no number is silence.
+        // The volume is clamped where it is set, and a value that is not a number is silence.
         Ok(self.asked(Asked::Volume(volume as f32))?)
     }
 

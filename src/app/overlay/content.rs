@@ -1,14 +1,14 @@
-//! What the overlay is asked to show, and for how long a notice shows.
+//! What the overlay is asked to show, and for how long a notice stays.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
-/// What is shown over the picture; everything is optional, and nothing at all by default.
+/// What is shown over the picture; every part is optional, and by default there is none.
 #[derive(Debug, Default)]
 pub struct OverlayContent<'a> {
     /// A line in the lower left corner, such as "speakers · interpreted · 230 clauses".
     pub corner: Option<&'a str>,
-    /// What is wrong; stays as long as it is given.
+    /// What is wrong; stays for as long as it is given.
     pub problem: Option<Problem<'a>>,
     /// A short line that fades.
     pub notice: Option<Notice<'a>>,
@@ -16,7 +16,7 @@ pub struct OverlayContent<'a> {
     pub params: Option<&'a mut [Slider]>,
     /// The table of keys.
     pub help: bool,
-    /// A line that stays as long as it is given.
+    /// A line that stays for as long as it is given.
     pub hint: Option<&'a str>,
     /// What can be listened to.
     pub sources: Option<SourceList>,
@@ -25,9 +25,9 @@ pub struct OverlayContent<'a> {
 /// What can be listened to.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SourceList {
-    /// In the order in which they follow each other.
+    /// In the order of the key.
     pub names: Vec<String>,
-    /// The place of the present one.
+    /// The index of the present one.
     pub present: Option<usize>,
 }
 
@@ -54,7 +54,7 @@ pub struct Notice<'a> {
 pub struct Slider {
     /// Its name in the scene.
     pub name: String,
-    /// `min` to `max`.
+    /// Its value, from `min` to `max`.
     pub value: f32,
     /// Its least value.
     pub min: f32,
@@ -64,11 +64,11 @@ pub struct Slider {
     pub default: f32,
 }
 
-/// How long a notice stands before it fades, at least, and for each of its characters.
+/// How long a notice stays before it fades, at least, and for each of its characters.
 const NOTICE_STANDS: Duration = Duration::from_millis(1_600);
 /// See [`NOTICE_STANDS`].
 const CHARACTER_STANDS: Duration = Duration::from_millis(55);
-/// How long even the longest one stands.
+/// How long even the longest notice stays.
 const NOTICE_STANDS_MAX: Duration = Duration::from_secs(9);
 /// How long it takes to fade.
 const NOTICE_FADES: Duration = Duration::from_millis(500);
@@ -80,18 +80,18 @@ impl Notice<'_> {
         1.0 - (fading.as_secs_f32() / NOTICE_FADES.as_secs_f32()).min(1.0)
     }
 
-    /// When it will look different; never again once it is gone.
+    /// When it will look different; never once it is gone.
     pub(super) fn next_change(&self, now: Instant) -> Option<Instant> {
         (self.opacity(now) > 0.0).then(|| now.max(self.since + self.stands()))
     }
 
-    /// How long it stands: as long as it takes to be read.
+    /// How long it stays: long enough to be read.
     fn stands(&self) -> Duration {
         let characters = u32::try_from(self.text.chars().count()).unwrap_or(u32::MAX);
         CHARACTER_STANDS.saturating_mul(characters).clamp(NOTICE_STANDS, NOTICE_STANDS_MAX)
     }
 
-    /// Whether it shows no more.
+    /// Whether it no longer shows.
     pub fn is_gone(&self, now: Instant) -> bool {
         self.opacity(now) <= 0.0
     }
@@ -115,7 +115,7 @@ impl Slider {
         self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
     }
 
-    /// The value with as many digits as a slider can tell apart.
+    /// The value with as many digits as a slider can distinguish.
     pub(super) fn value_text(&self) -> String {
         let decimals = match self.max - self.min {
             span if span >= 200.0 => 0,
@@ -152,7 +152,7 @@ impl OverlayContent<'_> {
         self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
     }
 
-    /// A number that is another one when something else shows. A notice counts as long as it shows, faded or not.
+    /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
     pub(super) fn fingerprint(&self, now: Instant) -> u64 {
         let mut hasher = DefaultHasher::new();
         (self.corner, self.problem, self.help).hash(&mut hasher);
@@ -179,13 +179,13 @@ mod tests {
         assert_eq!([0, 1_600].map(|ms| notice.opacity(at(ms))), [1.0, 1.0]);
         assert!((notice.opacity(at(1_850)) - 0.5).abs() < 0.01);
         assert_eq!([2_100, 9_000].map(|ms| notice.opacity(at(ms))), [0.0, 0.0]);
-        // It rests while it stands, changes all the time while it fades, and never when it is gone.
+        // It stays unchanged, then changes all the time while it fades, and never again when it is gone.
         assert_eq!(notice.next_change(at(100)), Some(at(1_600)));
         assert_eq!(notice.next_change(at(1_700)), Some(at(1_700)));
         assert_eq!(notice.next_change(at(2_100)), None);
         let content = || OverlayContent { notice: Some(notice), ..Default::default() };
         assert!(!content().is_empty(at(2_099)) && content().is_empty(at(2_100)));
-        // A sentence stands longer, but not for ever.
+        // A longer sentence stays longer, but not for ever.
         for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
             let text = "a".repeat(length);
             let sentence = Notice { text: &text, since };
@@ -218,7 +218,7 @@ mod tests {
             let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
             assert!(seen.insert(content.fingerprint(now)), "{content:?} is taken for another");
         }
-        // The same words again are news, and a notice that is gone is none.
+        // The same words again count as new, and a notice that is gone does not count.
         let later = now + Duration::from_secs(1);
         let again = OverlayContent { notice: Some(Notice { text: "a", since: later }), ..Default::default() };
         assert!(seen.insert(again.fingerprint(later)));

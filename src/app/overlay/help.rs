@@ -7,7 +7,7 @@ use egui::{CornerRadius, Galley, Painter, Rect, vec2};
 use super::style;
 use crate::app::keys::{BINDINGS, Binding};
 
-/// The least size of the text, in points, for windows that are too small for the table.
+/// The smallest size of the text, in points, for windows that are too small for the table.
 const SIZE_MIN: f32 = 6.0;
 /// Most columns of keys.
 const COLUMNS_MAX: usize = 2;
@@ -32,14 +32,14 @@ struct Table {
     em: f32,
 }
 
-/// Draws the panel in the middle of `space`; where it is.
+/// Draws the panel in the middle of `space` and returns where it is.
 pub(super) fn draw(painter: &Painter, space: Rect) -> Rect {
     let room = space.size() - 2.0 * style::PADDING;
-    // As many columns as make for the largest text.
+    // The number of columns that allows the largest text.
     let shrink_of = |table: &Table| (room / table.size()).min_elem().min(1.0);
     let tables = (1..=COLUMNS_MAX).map(|columns| Table::new(painter, style::TEXT_SIZE, columns));
     let Some(mut table) = tables.max_by(|a, b| {
-        // The first of equals: fewer columns.
+        // Among equals the one with fewer columns.
         shrink_of(a).total_cmp(&shrink_of(b)).then(b.columns.cmp(&a.columns))
     }) else {
         return Rect::NOTHING;

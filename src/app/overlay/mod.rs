@@ -1,12 +1,12 @@
-//! What is shown over the picture: a line in the corner, mistakes of the scene, notices, hints, what can be listened to,
-//! sliders and the keys.
+//! What is shown over the picture: a line in the corner, the scene's mistakes, notices, hints, what can be listened
+//! to, sliders and the keys.
 //!
-//! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again for
-//! it. What has not changed is painted again as it was laid out; what shows nothing costs nothing.
+//! The show says what there is ([`OverlayContent`]) and asks [`Overlay::due`] whether the window must be drawn again
+//! for it. Content that has not changed is painted again as it was laid out; an empty overlay costs nothing.
 //!
-//! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when what stands over the picture
-//! does, so a fading notice moves in a paused show and a panel that stands still costs nothing. egui gets no keys: they
-//! are the show's, whatever was clicked last. A click that begins on a panel is the overlay's.
+//! **The overlay asks.** The show draws when its picture changes. `Overlay::due` says when the overlay changes, so a
+//! fading notice moves in a paused show, and a panel that does not change costs nothing. egui gets no keys: they
+//! belong to the show, whatever was clicked last. A click that begins on a panel belongs to the overlay.
 
 mod content;
 mod help;
@@ -76,7 +76,8 @@ impl Overlay {
         Self { gl: gl.clone(), panels, input, painter: None, pointer: Pointer::default(), shown: None }
     }
 
-    /// Takes note of an event of the window; whether it is the overlay's alone. Keys never are: they are the show's.
+    /// Takes an event of the window and returns whether it belongs to the overlay alone. Keys never do: they are the
+    /// show's.
     pub fn on_event(&mut self, window: &Window, event: &WindowEvent) -> bool {
         let consumed = self.pointer.on_event(event);
         if matches!(
@@ -97,8 +98,8 @@ impl Overlay {
         consumed
     }
 
-    /// When the window has to be drawn again for `content`'s sake: `now` or a later moment, or not at all unless
-    /// something happens.
+    /// When the window has to be drawn again because of `content`: now, at a later moment, or not until something
+    /// happens.
     pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
         let Some(shown) = &self.shown else { return (!content.is_empty(now)).then_some(now) };
         let changed = content.fingerprint(now) != shown.fingerprint;
@@ -149,7 +150,7 @@ impl Overlay {
         content: &mut OverlayContent<'_>,
         now: Instant,
     ) -> Result<Painted, AppError> {
-        // First, as egui's textures have to go somewhere.
+        // First, because egui's textures need a place.
         if self.painter.is_none() {
             let painter = Painter::new(self.gl.shared(), "", None, false);
             self.painter = Some(painter.map_err(|error| AppError::Overlay(error.to_string()))?);
@@ -190,17 +191,17 @@ impl Overlay {
         Ok(Painted { params_changed: laid_out.params_changed })
     }
 
-    /// What egui is to know: time, size and what the pointer did.
+    /// What egui needs to know: time, size and what the pointer did.
     fn take_input(&mut self, window: &Window, size: (u32, u32), interactive: bool) -> RawInput {
         let scale = window.scale_factor() as f32;
         let zoom = style::zoom(points(size, scale));
-        // Not by `set_zoom_factor`, which holds from the next pass on and guesses this one's size.
+        // Not with `set_zoom_factor`, which applies from the next pass on and guesses the size in this one.
         self.panels.context().options_mut(|options| options.zoom_factor = zoom);
         let mut input = self.input.take_egui_input(window);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
         if interactive && !was {
-            // What it has missed.
+            // What egui has missed.
             if self.panels.context().input(|input| input.pointer.any_down()) {
                 input.events.push(egui::Event::PointerGone);
             }

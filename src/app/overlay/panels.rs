@@ -46,7 +46,7 @@ impl Panels {
         &self.context
     }
 
-    /// Lays `content` out in the screen that `input` tells.
+    /// Lays `content` out in the screen that `input` describes.
     pub(super) fn lay_out(&self, input: RawInput, content: &mut OverlayContent<'_>, now: Instant) -> LaidOut {
         let (mut panels, mut params_changed) = (Vec::new(), false);
         // egui may ask for another pass when it learns sizes.
@@ -60,7 +60,7 @@ impl Panels {
     }
 }
 
-/// Shows everything; whether the user moved a slider.
+/// Shows everything; returns whether the user moved a slider.
 fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panels: &mut Vec<Rect>) -> bool {
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
@@ -100,7 +100,7 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
     changed
 }
 
-/// Draws the line in the lower left corner; where it is.
+/// Draws the line in the lower left corner and returns where it is.
 fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
     let font = style::proportional(style::SMALL_SIZE);
     let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
@@ -117,7 +117,7 @@ fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant
     draw_sentence(&painter, space, notice.text, style::TEXT)
 }
 
-/// Draws a sentence at the top; where it is.
+/// Draws a sentence at the top and returns where it is.
 fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color32) -> Rect {
     let font = style::proportional(style::HEADING_SIZE);
     let width = LINE_WIDTH_MAX * space.width();
@@ -125,7 +125,7 @@ fn draw_sentence(painter: &Painter, space: Rect, text: &str, color: egui::Color3
     let size = galley.size() + vec2(32.0, 14.0);
     let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
     style::ground(painter, rect);
-    // Centred lines stand around the place that they are drawn at.
+    // Centred lines extend to both sides of the place where they are drawn.
     painter.galley(rect.center() - galley.rect.center().to_vec2(), galley, color);
     rect
 }

@@ -1,19 +1,19 @@
 //! Sliders of the scene's parameters.
 //!
-//! Made by hand: egui's own take the keyboard's focus, and the keys belong to the show.
+//! They are made by hand, because egui's own sliders take the keyboard's focus and the keys belong to the show.
 
 use egui::{Align2, Area, Id, Order, Rect, Response, Sense, Ui, UiKind, pos2, vec2};
 
 use super::content::Slider;
 use super::style;
 
-/// Width of the panel in points, where the window has it.
+/// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
 /// Width of the scroll bar's lane beside the sliders.
 const LANE: f32 = 10.0;
 const RAIL_HEIGHT: f32 = 3.0;
 const KNOB_RADIUS: f32 = 5.5;
-/// Height of a slider's hold, in points: larger than it looks.
+/// Height of the area in which a slider can be grabbed, in points: larger than it looks.
 const HOLD_HEIGHT: f32 = 18.0;
 const RESET_SIZE: f32 = 16.0;
 
@@ -22,8 +22,8 @@ pub(super) fn width(window: f32) -> f32 {
     WIDTH.min(window - 2.0 * style::MARGIN).max(0.0)
 }
 
-/// Lays the panel out at the upper right of `space`: where it is, and whether a value changed. Sliders that `cover` may
-/// hide are not to be moved by accident.
+/// Lays the panel out at the upper right of `space`; returns where it is and whether a value changed. Sliders that
+/// `cover` may hide cannot be moved by accident.
 pub(super) fn show(
     context: &egui::Context,
     space: Rect,
@@ -33,7 +33,7 @@ pub(super) fn show(
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
     if context.memory(|memory| memory.area_rect(id)).is_none() {
-        // Its first pass finds its size and shows nothing.
+        // egui's first pass finds the size and shows nothing.
         context.request_discard("the size of the parameters' panel");
     }
     let area = Area::new(id)
@@ -46,7 +46,7 @@ pub(super) fn show(
     let shown = area.show(context, |ui| {
         style::frame()
             .show(ui, |ui| {
-                // In a window of a few pixels nothing is left.
+                // In a window of a few pixels no width is left.
                 ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
                 let height = space.height() - 2.0 * style::PADDING.y;
                 egui::ScrollArea::vertical()
@@ -65,7 +65,7 @@ pub(super) fn show(
     (shown.response.rect, shown.inner)
 }
 
-/// Name, value and rail of one parameter; whether the value changed.
+/// Name, value and rail of one parameter; returns whether the value changed.
 fn row(ui: &mut Ui, slider: &mut Slider) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);
@@ -112,7 +112,7 @@ fn row(ui: &mut Ui, slider: &mut Slider) -> bool {
     slider.value.to_bits() != before.to_bits()
 }
 
-/// What resets a parameter.
+/// The sign that resets a parameter.
 const RESET_SIGN: &str = "↺";
 
 fn draw_rail(ui: &Ui, slider: &Slider, rail: Rect, response: &Response) {

@@ -1,4 +1,4 @@
-//! Whose a click is: the overlay's if it began on a panel, else the show's.
+//! Decides whose a click is: the overlay's if it began on a panel, otherwise the show's.
 
 use egui::{Pos2, Rect, pos2};
 use winit::event::{ElementState, TouchPhase, WindowEvent};
@@ -15,12 +15,12 @@ pub(super) struct Pointer {
 }
 
 impl Pointer {
-    /// Takes note of an event; whether it is the overlay's alone.
+    /// Takes an event and returns whether it belongs to the overlay alone.
     pub(super) fn on_event(&mut self, event: &WindowEvent) -> bool {
         match event {
             WindowEvent::CursorMoved { position, .. } => {
                 self.place = Some(pos2(position.x as f32, position.y as f32));
-                // The show wants to know where the pointer is, wherever it is.
+                // The show needs the pointer's place wherever it is.
                 false
             }
             WindowEvent::CursorLeft { .. } => {

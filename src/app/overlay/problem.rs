@@ -1,4 +1,4 @@
-//! A compiler's messages: in columns as in a terminal, so that underlines stand under what they mean.
+//! A compiler's messages: in columns as in a terminal, so that underlines are below what they mark.
 
 use egui::{Color32, Painter, Pos2, Rect, Vec2, pos2, vec2};
 
@@ -9,11 +9,11 @@ use mariana_field::lang::columns;
 /// Sizes of the text, in points: it shrinks until the longest line fits.
 const SIZES: [f32; 5] = [13.0, 12.0, 11.0, 10.0, 9.0];
 const HEADING_GAP: f32 = 8.0;
-/// Distance of two lines, in heights of the font's own.
+/// Distance between lines, in heights of the font's own line.
 const LINE_HEIGHT: f32 = 1.1;
 
-/// Draws the panel at the lower left of `space`; where it is. It is as large as its text, which is cut where it does
-/// not fit.
+/// Draws the panel at the lower left of `space` and returns where it is. It is as large as its text, which is cut if
+/// it does not fit.
 pub(super) fn draw(painter: &Painter, space: Rect, problem: &Problem<'_>) -> Rect {
     let inner = space.size() - 2.0 * style::PADDING;
     let heading = style::line(
@@ -57,8 +57,8 @@ fn cell_of(painter: &Painter, size: f32) -> Vec2 {
     })
 }
 
-/// Draws text so that each character begins in its column. Characters beyond ASCII may come from another font with other
-/// widths, so each of them is placed by itself.
+/// Draws text so that each character begins in its column. Characters beyond ASCII may come from another font with
+/// other widths, so each of them is placed by itself.
 fn draw_cells(painter: &Painter, start: Pos2, text: &str, color: Color32, size: f32, cell: f32) {
     let mut column = 0;
     for run in runs(text) {
@@ -87,7 +87,7 @@ fn width(text: &str) -> usize {
     text.chars().map(columns).sum()
 }
 
-/// The first lines of `text`, no more than `rows` of `width_max` columns; the last tells how many more there are.
+/// The first lines of `text`, at most `rows` of `width_max` columns; the last says how many more there are.
 fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     let all: Vec<&str> = text.trim_end().lines().collect();
     let mut kept = all.clone();
@@ -106,7 +106,7 @@ fn cut(text: &str, rows: usize, width_max: usize) -> Vec<String> {
     lines
 }
 
-/// `line`, ending with an ellipsis where it is wider than `width_max`.
+/// `line`, ending with an ellipsis if it is wider than `width_max`.
 fn cut_line(line: &str, width_max: usize) -> String {
     if width(line) <= width_max {
         return line.to_owned();
@@ -136,7 +136,7 @@ fn pieces(line: &str) -> Vec<(usize, &str, Color32)> {
     if text.starts_with("= ") {
         return split(indent + 1, style::DIM, style::ACCENT);
     }
-    // A line number, or none, then a bar.
+    // An optional line number, then a bar.
     if let Some((number, after)) = line.split_once('|')
         && number.chars().all(|character| character == ' ' || character.is_ascii_digit())
     {

@@ -10,7 +10,8 @@ const ROW: f32 = 1.6;
 /// Widest row, as a share of the window's width.
 const WIDTH_MAX: f32 = 0.6;
 
-/// Draws the panel at the upper left of `space`, which lies below the sentences at the top: the rows that fit around the present source.
+/// Draws the panel at the upper left of `space`, below the sentences at the top: the rows that fit around the present
+/// source.
 pub(super) fn draw(painter: &Painter, space: Rect, list: &SourceList) {
     let row_height = ROW * style::TEXT_SIZE;
     let room = ((space.height() - 2.0 * style::PADDING.y) / row_height).floor().max(2.0) as usize - 1;

@@ -1,6 +1,6 @@
 //! The look: one set of colours, sizes and shapes for all panels.
 //!
-//! Dark, mostly opaque grounds under light text keep their contrast over a white picture as over a black one.
+//! Dark, mostly opaque backgrounds keep light text readable over a white picture as well as over a black one.
 
 use std::sync::Arc;
 
@@ -9,16 +9,16 @@ use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeK
 
 /// Text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
-/// Text that steps back.
+/// Less important text.
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
 /// What is wrong.
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
-/// What helps, and what is set.
+/// Hints, and values that are set.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
 /// Rails of sliders and caps of keys.
 pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
-/// The ground of a panel: near black, 84 % opaque.
+/// The background of a panel: near black, 84 % opaque.
 const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
 const CORNERS: CornerRadius = CornerRadius::same(7);
@@ -34,12 +34,12 @@ pub(super) const SMALL_SIZE: f32 = 12.5;
 /// The same for a heading.
 pub(super) const HEADING_SIZE: f32 = 15.5;
 
-/// Text whose letters have their own widths.
+/// Text in a proportional font.
 pub(super) fn proportional(size: f32) -> FontId {
     FontId::proportional(size)
 }
 
-/// Text whose letters all have one width.
+/// Text in a monospaced font.
 pub(super) fn monospace(size: f32) -> FontId {
     FontId::monospace(size)
 }
@@ -66,7 +66,7 @@ pub(super) fn lines(
     painter.layout_job(job)
 }
 
-/// The ground of a panel.
+/// Draws the background of a panel.
 pub(super) fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
 }
@@ -91,8 +91,8 @@ pub(super) fn apply(context: &egui::Context) {
     });
 }
 
-/// How much larger than the window system's points a window's panels are: smaller in windows too small for them, larger
-/// in those larger than 1920x1080 points, which are looked at from further away.
+/// How much larger a window's panels are than the window system's points: smaller in windows that are too small for
+/// them, larger in windows of more than 1920x1080 points, because those are viewed from further away.
 pub(super) fn zoom(size: Vec2) -> f32 {
     let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(0.6, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);

@@ -1,4 +1,4 @@
-//! The panels as a user meets them, in a window that is only thought of.
+//! The panels as a user meets them, in an imaginary window.
 
 use std::time::Instant;
 
@@ -27,12 +27,12 @@ impl Stage {
         let time = Some(self.seconds);
         let input = RawInput { screen_rect: Some(self.screen), time, events, ..Default::default() };
         let mut laid_out = self.panels.lay_out(input, &mut content, Instant::now());
-        // egui fails when nobody uses them.
+        // egui fails if nobody uses them.
         laid_out.output.textures_delta.clear();
         laid_out
     }
 
-    /// Moves the pointer to `place` and clicks; whether a slider moved.
+    /// Moves the pointer to `place` and clicks; returns whether a slider moved.
     fn click(&mut self, place: Pos2, sliders: &mut [Slider]) -> bool {
         let button = |pressed| Event::PointerButton {
             pos: place,
@@ -54,7 +54,7 @@ fn sliders(count: usize) -> Vec<Slider> {
     (0..count).map(slider).collect()
 }
 
-/// The bounds of all that is drawn, and the texts with their places.
+/// The bounds of everything that is drawn, and the texts with their places.
 fn drawn(laid_out: &LaidOut) -> (Rect, Vec<(String, Rect)>) {
     let mut texts = Vec::new();
     let mut bounds = Rect::NOTHING;

@@ -1,4 +1,5 @@
-//! Draws the scene on the stage, a picture in as many goes as it takes, and takes a scene back that is too dear to be drawn.
+//! Draws the scene on the stage, each picture in as many goes as it takes, and takes back a scene that is too
+//! expensive.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -19,7 +20,7 @@ use crate::view::legend::LegendPicture;
 use mariana_music::Sound;
 use mariana_player::Moment;
 
-/// How long one go draws before it is looked whether anything has happened.
+/// How long one go draws before the show looks whether anything has happened.
 const GO: Duration = Duration::from_millis(100);
 
 /// A picture that was finished.
@@ -33,7 +34,7 @@ pub(crate) struct Drawn {
 
 /// A picture that was begun.
 pub(super) struct Making {
-    /// The scene, how it is drawn and in which view.
+    /// The scene, its mode and its view.
     of: (u64, Mode, Option<ViewChoice>),
     program: Rc<Program>,
     legend: Option<Arc<LegendPicture>>,
@@ -43,8 +44,9 @@ pub(super) struct Making {
 }
 
 impl SceneStage {
-    /// Draws the scene on the stage as it was at a moment for which its regions are built, or goes on with a picture that was
-    /// begun. None if no picture was finished. `moment` is what should be shown next: what it needs is asked for.
+    /// Draws the scene on the stage as it was at a moment for which its regions are built, or continues a picture
+    /// that was begun. None if no picture was finished. `moment` is what should be shown next: what it needs is
+    /// requested.
     ///
     /// # Errors
     /// What the driver refuses.
@@ -111,13 +113,13 @@ impl SceneStage {
         self.making.as_ref()?.seconds
     }
 
-    /// Gives up the picture that was begun, as the next one is to be drawn in another way.
+    /// Gives up the picture that was begun, because the next one is to be drawn in another way.
     pub(crate) fn give_picture_up(&mut self) {
         self.making = None;
     }
 
-    /// Takes a scene from the stage whose first picture would take so many seconds, and brings the one before back, if there is
-    /// one. It is drawn in the other way, if that is in the making.
+    /// Takes a scene from the stage whose first picture would take this many seconds, and brings the previous one
+    /// back, if there is one. If a program of the other mode is being made, the scene is drawn in that mode.
     pub(crate) fn take_back(&mut self, seconds: f64) {
         let Some((mode, before)) = self.mode().zip(self.before.take()) else { return };
         let Some(mut dear) = self.on_stage.replace(before) else { return };
@@ -136,7 +138,7 @@ impl SceneStage {
         self.tell_dear(&dear, &format!("a picture of this window would take about {seconds:.0} s"));
     }
 
-    /// Takes the first tree of the scene that is coming, or that there is none.
+    /// Takes the first tree of the scene that is coming, or the fact that there is none.
     pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
         let is_first = self.on_stage.is_none();
         let Some(cast) = self.coming.as_mut().filter(|cast| cast.id == id) else { return };
@@ -168,7 +170,7 @@ impl SceneStage {
     fn tell_dear(&mut self, dear: &Cast, why: &str) {
         let heading =
             format!("{} is too much for this machine; the last good scene stays", dear.source.title());
-        // A line each: a small window has no room for long ones.
+        // One line each: a small window has no room for long ones.
         let text = format!(
             "{why}; {:.0} s is the most that is waited for\n{}\nmake it of fewer or simpler parts, or the window smaller",
             LIMITS.picture_seconds_max,
@@ -179,7 +181,7 @@ impl SceneStage {
     }
 }
 
-/// What a scene's pixels cost so much for.
+/// Why a scene's pixels are so expensive.
 fn what_is_dear(cast: &Cast) -> String {
     let world = cast.resources.world();
     let mut what = vec![format!("its distance has {} clauses", cast.resources.buffers().cost.distance)];

@@ -1,14 +1,14 @@
-//! Programs that serve more than one scene, kept while they are of use.
+//! Programs that serve more than one scene, kept for as long as they are useful.
 
 use std::rc::Rc;
 
 use crate::gpu::program::Program;
 use crate::limits::LIMITS;
 
-/// Programs by what they were made for; the one that was used longest ago goes first. Each holds some 20 MiB of a software
-/// renderer's memory.
+/// Programs by what they were made for; the least recently used one goes first. Each takes some 20 MiB of memory on a
+/// software renderer.
 pub(super) struct KeptPrograms<K> {
-    /// The one that was used last stands last.
+    /// The most recently used one is last.
     programs: Vec<(K, Rc<Program>)>,
 }
 
@@ -24,7 +24,7 @@ impl<K> KeptPrograms<K> {
         self.programs.iter().any(|(of, _)| serves(of))
     }
 
-    /// The one that `serves`; of several the one that was used last.
+    /// The one that `serves`; of several, the most recently used.
     pub(super) fn find(&mut self, serves: impl Fn(&K) -> bool) -> Option<Rc<Program>> {
         let place = self.programs.iter().rposition(|(of, _)| serves(of))?;
         let found = self.programs.remove(place);
@@ -41,7 +41,7 @@ impl<K> KeptPrograms<K> {
         }
     }
 
-    /// Forgets those that are of no use any more.
+    /// Forgets those that are no longer useful.
     pub(super) fn retain(&mut self, is_of_use: impl Fn(&K) -> bool) {
         self.programs.retain(|(of, _)| is_of_use(of));
     }

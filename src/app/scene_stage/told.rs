@@ -1,4 +1,4 @@
-//! What there is to tell of the scene on the stage.
+//! What there is to report of the scene on the stage.
 
 use super::SceneStage;
 use crate::app::overlay::{Notice, OverlayContent, Problem};
@@ -9,7 +9,7 @@ impl SceneStage {
         self.on_stage.as_ref().map(|cast| cast.source.title())
     }
 
-    /// What the title says of the scene: its name, how it is drawn, its view.
+    /// What the title says of the scene: its name, its mode, its view.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some((name, mode)) = self.name().zip(self.mode()) else { return Vec::new() };
         let view = self.view().map(|view| format!("view {view}"));

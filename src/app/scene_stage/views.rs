@@ -1,5 +1,6 @@
-//! Views of the scene on the stage, and the hand at its camera: which is shown, and the programs that draw it, made beside
-//! the picture when they are asked for. Until one is there the picture goes on.
+//! Views of the scene on the stage, and the user's hand at its camera: which view is shown, and the programs that
+//! draw it. They are made in parallel with the picture when they are first asked for; until one is there the picture
+//! goes on.
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -46,13 +47,13 @@ pub(super) struct Views {
 }
 
 impl Views {
-    /// Shows one from the start.
+    /// Shows this view from the start.
     pub(super) fn starting_with(choice: Option<ViewChoice>) -> Self {
         Self { choice, ..Self::default() }
     }
 
-    /// The chosen view of a scene with a program that draws it and its mode: the scene's or, until there is one, the
-    /// other, so that a view stays when the mode changes.
+    /// The chosen view of a scene, with a program that draws it and that program's mode: the given mode or, until its
+    /// program is there, the other one, so that a view stays when the mode changes.
     pub(super) fn program(&mut self, cast: &Cast, mode: Mode) -> Option<(ViewChoice, Mode, Rc<Program>)> {
         let choice = self.choice?;
         let other = if mode == Mode::Compiled { Mode::Interpreted } else { Mode::Compiled };
@@ -75,7 +76,7 @@ impl Views {
         self.choice
     }
 
-    /// Begins a view of a frame, and gives the legend that is to stand over it.
+    /// Begins a view of a frame, and returns the legend that is to be put over it.
     pub(super) fn begin(
         &mut self,
         renderer: &mut Renderer,
@@ -93,7 +94,7 @@ impl Views {
 }
 
 impl Cast {
-    /// What a program must draw that shows views of this scene.
+    /// What a program must draw to show views of this scene.
     fn views(&self, mode: Mode) -> Option<ViewsOf> {
         match mode {
             Mode::Compiled => Some(ViewsOf::Compiled(self.id)),
@@ -108,7 +109,7 @@ impl SceneStage {
         self.views.choice
     }
 
-    /// Shows the next view, or the one before; the picture is between the last and the first.
+    /// Shows the next view, or the one before; the plain picture is between the last and the first.
     pub(crate) fn go_view(&mut self, forward: bool) {
         let next = View::beside(self.views.choice.map(|choice| choice.view), forward);
         self.show_view(next.map(ViewChoice::from));
@@ -142,7 +143,7 @@ impl SceneStage {
         });
     }
 
-    /// Asks for the program of the view that is shown, if it is not there or in the making.
+    /// Requests the program of the view that is shown, if it is neither there nor being made.
     pub(super) fn ask_for_view(&mut self) {
         if self.views.choice.is_none() {
             return;
@@ -171,7 +172,7 @@ impl SceneStage {
         self.submit(job, Task::Views(wanted));
     }
 
-    /// Takes the program of views that was asked for.
+    /// Takes the requested program of views.
     pub(super) fn take_views(&mut self, of: ViewsOf, program: Result<Program, GpuError>) {
         self.revision += 1;
         match program {
@@ -188,7 +189,7 @@ impl SceneStage {
         }
     }
 
-    /// Moves the camera by hand; the first move tells how it comes back.
+    /// Moves the camera by hand; the first move also tells the user how to return.
     pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
         let was_off = self.hand == OrbitControls::OFF;
         change(&mut self.hand, self.own_pitch);

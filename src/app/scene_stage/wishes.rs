@@ -5,7 +5,7 @@ use crate::config::SdfChoice;
 use crate::gpu::scene_program::Mode;
 
 impl SceneStage {
-    /// Changes between interpreted and compiled. What is not there yet is made; until then the picture stays.
+    /// Changes between interpreted and compiled. A missing program is made; until then the picture stays.
     pub(crate) fn toggle_mode(&mut self) {
         let Some((mode, id)) = self.mode().zip(self.on_stage.as_ref().map(|cast| cast.id)) else { return };
         let other = match mode {
@@ -17,13 +17,13 @@ impl SceneStage {
             SdfChoice::Interpreted => Some(Mode::Interpreted),
             SdfChoice::Compiled => Some(Mode::Compiled),
         };
-        // A wish that is not fulfilled yet is taken back.
+        // A wish that is not fulfilled yet is withdrawn.
         let wanted = if waited_for == Some(other) && self.in_the_making(id, other) { mode } else { other };
         self.choice = match wanted {
             Mode::Interpreted => SdfChoice::Interpreted,
             Mode::Compiled => SdfChoice::Compiled,
         };
-        // The scene that is coming waits for what is wanted now, too.
+        // The scene that is coming also waits for what is wanted now.
         for id in [Some(id), self.coming.as_ref().map(|cast| cast.id)].into_iter().flatten() {
             match wanted {
                 Mode::Interpreted => self.ask_for_interpreter(id),

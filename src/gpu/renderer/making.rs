@@ -1,7 +1,7 @@
-//! A picture in the making: its passes, each in as many parts as it takes, in one go or in several.
+//! A picture that is being made: its passes, each in as many parts as it takes, in one go or in several.
 //!
-//! Between two goes anything may be drawn and shown, as long as the scene's tape, regions and sound stay as they are; what is
-//! shown meanwhile is the picture before.
+//! Between two goes anything may be drawn and shown, as long as the scene's tape, regions and sound stay as they are;
+//! meanwhile the previous picture is shown.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -60,7 +60,7 @@ enum Pass {
     Post,
 }
 
-/// Share of a picture's time that goes into its further samples, where nothing is known.
+/// Share of a picture's time that goes into its further samples, if nothing else is known.
 const FURTHER_SHARE: f64 = 0.3;
 
 impl Renderer {
@@ -84,8 +84,8 @@ impl Renderer {
         self.begin_block(frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
     }
 
-    /// Goes on with the picture that was begun, in the scene that it was begun for and with one program, for about `patience`:
-    /// as long as it takes, if that is [`Duration::MAX`].
+    /// Continues the picture that was begun, in the same scene and with one program, for about `patience`; until the
+    /// picture is finished if that is [`Duration::MAX`].
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -113,8 +113,8 @@ impl Renderer {
         self.go_on_block(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
     }
 
-    /// Draws a view of `frame` with a program of [`crate::gpu::scene_program::as_views`], and its legend over it. Its colours
-    /// are the screen's: no pass of the picture changes them, and no pixel is a mean of several samples.
+    /// Draws a view of `frame` with a program of [`crate::gpu::scene_program::as_views`], and its legend over it. Its
+    /// colours are the screen's: no pass of the picture changes them, and no pixel is a mean of several samples.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -130,7 +130,7 @@ impl Renderer {
         self.put_legend(legend)
     }
 
-    /// Begins a view as [`Renderer::begin`] does a picture. Its legend is put over it at the end.
+    /// Begins a view as [`Renderer::begin`] begins a picture. Its legend is put over it at the end.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -173,7 +173,7 @@ impl Renderer {
         self.go_on_block(scene, (program, &Costs::default()), Duration::MAX).map(|_| ())
     }
 
-    /// Makes the picture that was begun a view.
+    /// Turns the picture that was begun into a view.
     fn become_view(&mut self, view: &ViewBlock) {
         self.view_block.set(view.as_flattened());
         if let Some(making) = &mut self.making {
@@ -207,7 +207,7 @@ impl Renderer {
         patience: Duration,
     ) -> Result<Progress, GpuError> {
         let begun = Instant::now();
-        // Taken out, so that lists can grow while the rest is used.
+        // Taken out of `self`, so that lists can grow while the rest is used.
         let (Some(mut making), Some(mut targets)) = (self.making.take(), self.targets.take()) else {
             return Ok(Progress::Finished { spent: Duration::ZERO });
         };
@@ -251,7 +251,7 @@ impl Renderer {
         Ok(progress)
     }
 
-    /// What a go needs, whatever was drawn since the last one.
+    /// Sets what a go needs, whatever was drawn since the last one.
     fn prepare_go(&self, scene: &SceneNames) {
         // SAFETY: the vertices are ours.
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
@@ -259,7 +259,7 @@ impl Renderer {
         self.reset_state();
     }
 
-    /// Draws the next part of a picture, or passes on to the next pass. Whether the picture is finished.
+    /// Draws the next part of a picture, or moves on to the next pass. Returns whether the picture is finished.
     fn step(
         &self,
         making: &mut Making,
@@ -267,7 +267,7 @@ impl Renderer {
         (program, cost): (&Program, &mut PixelCost),
     ) -> Result<bool, GpuError> {
         if let Some(part) = making.parts.next(*cost) {
-            // A draw that is all of a pass and is known to be short is not waited for on a GPU.
+            // On a GPU, a draw that is a whole pass and is known to be short is not waited for.
             let is_measured = self.gl.info().software || !making.parts.were_one();
             let begun = Instant::now();
             self.draw_part(making, targets, program, part);
@@ -353,7 +353,7 @@ impl Renderer {
         }
     }
 
-    /// Sets the stencil of `sum`'s edges, which it shares with `first`, and clears the sum.
+    /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
     fn mark_in_stencil(&self, first: &Target, sum: &Target) {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
@@ -410,7 +410,7 @@ impl Renderer {
         program.bind();
     }
 
-    /// Where no list of edges is read: what stood in its place may be the target of the draw.
+    /// Unbinds the list of edges where none is read: a texture left in its place may be the target of the draw.
     fn unbind_edge_pixels(&self) {
         // SAFETY: plain state.
         unsafe {
@@ -419,14 +419,14 @@ impl Renderer {
         }
     }
 
-    /// Draws a sample everywhere: where in the pixel, which of the further ones, and of which kind.
+    /// Draws a sample everywhere: `place` in the pixel, `number` among the further ones, and `kind`.
     pub(super) fn draw_sample(&self, place: [f32; 2], number: f32, kind: f32) {
         let (across, down) = self.edge_samples.block();
         let head = [place[0], place[1], kind, number, across as f32, down as f32, 0.0, 0.0];
         let mut block = head.into_iter().chain(self.edge_samples.offsets().flatten()).collect::<Vec<f32>>();
         block.resize(PASS_BLOCK_NUMBERS, 0.0);
         self.pass_block.set(&block);
-        // SAFETY: the draw reads nothing else than what was bound for the go.
+        // SAFETY: the draw reads only what was bound for the go.
         unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
 }

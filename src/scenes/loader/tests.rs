@@ -9,12 +9,12 @@ use tempfile::TempDir;
 use super::*;
 
 const WAIT_LIMIT: Duration = Duration::from_secs(10);
-/// Longer than any wait of the loader takes, so that what it waits for must have happened.
+/// Longer than any wait of the loader, so that the loader must have seen what it waits for.
 const EVER: Duration = Duration::from_secs(600);
 /// Long enough to be noticed by a loader that does not wait.
 const PAUSE: Duration = Duration::from_millis(120);
 
-/// As usual, but without looking at what the system tells nothing of.
+/// As usual, but without looking for changes that the system does not report.
 const EVENTS_ONLY: Waits = Waits { look: EVER, ..Waits::USUAL };
 
 /// A folder with `main.scene`, and a loader whose values are the text of the source's file.
@@ -115,7 +115,7 @@ fn without_watches_the_files_are_looked_at() {
     }
 }
 
-/// No event tells that a folder further up was replaced.
+/// No event reports that a folder further up was replaced.
 #[test]
 fn what_the_system_does_not_tell_is_found_by_looking() {
     let place = Place::new(Waits { look: Duration::from_millis(30), ..EVENTS_ONLY }, Watch::new);
@@ -138,7 +138,7 @@ fn a_panic_is_contained_and_the_next_save_is_loaded() {
     }
     fs::write(place.path("main.scene"), "mended").unwrap();
     assert_eq!(place.result(), "mended");
-    // From the first load on too.
+    // From the first load on, too.
     fs::write(place.path("other.scene"), "panic").unwrap();
     place.loader.request(SceneSource::File(place.path("other.scene")));
     while place.loads.load(Ordering::SeqCst) < 4 {
@@ -148,8 +148,8 @@ fn a_panic_is_contained_and_the_next_save_is_loaded() {
     assert_eq!(place.result(), "mended too");
 }
 
-/// A loader of two files, whose values are their texts, and the way to its results. The second file is known only
-/// once both were loaded. `also` is done at the end of each load.
+/// A loader of two files, whose values are their texts, and the receiver of its results. The second file is known
+/// only once both were loaded. `also` is called at the end of each load.
 fn pair(
     folder: &TempDir,
     also: impl Fn(&[PathBuf; 2]) + Send + 'static,
@@ -198,7 +198,7 @@ fn what_changes_while_it_is_loaded_is_loaded_again() {
     }
 }
 
-/// The watches find these without any look of the loader's own.
+/// The watches find these changes without any look by the loader.
 mod events {
     use super::*;
 
@@ -251,7 +251,7 @@ mod events {
         fs::rename(place.path("in"), place.path("aside")).unwrap();
         fs::rename(place.path("next"), place.path("in")).unwrap();
         assert_eq!(place.result(), "moved here");
-        // The number of a folder that is deleted may be given to the next one.
+        // The inode number of a deleted folder may be given to the next one.
         for text in ["anew", "and once more"] {
             fs::remove_dir_all(place.path("in")).unwrap();
             fs::create_dir(place.path("in")).unwrap();
