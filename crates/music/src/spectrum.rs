@@ -38,9 +38,9 @@ impl Spectrum {
 
     /// The power in each bin from 0 Hz to just below half the sample rate; bin k is k · rate / length hertz.
     ///
-    /// Left and right are the real and the imaginary part of one signal z = l + i·r. Since l and r are real, |L(k)|²
-    /// + |R(k)|² = (|Z(k)|² + |Z(N-k)|²) / 2: the powers add, and sound in opposite phase in the two channels does
-    /// not cancel. (Bin 0 reads double; no band reaches down to it.)
+    /// Left and right are the real and the imaginary part of one signal z = l + i·r. Since l and r are real,
+    /// |L(k)|² + |R(k)|² = (|Z(k)|² + |Z(N-k)|²) / 2: the powers add, and sound in opposite phase in the two channels
+    /// does not cancel. (Bin 0 reads double; no band reaches down to it.)
     ///
     /// The scale divides by N·Σw² (Parseval), so that powers SUM correctly over bins: a sine of amplitude a in both
     /// channels gives a² in total, wherever it lies between bins, and so does noise of the same power. For Hann that
