@@ -51,7 +51,7 @@ pub enum ShaderSourceError {
         /// Its line, from 1.
         line: usize,
     },
-    /// Includes nested deeper than [`crate::limits::Limits::include_depth_max`].
+    /// Includes nested deeper than [`mariana_field::limits::Limits::include_depth_max`].
     #[error("{file}: shader includes are nested deeper than {limit}: take some out")]
     TooDeep {
         /// The file at which the limit was met.

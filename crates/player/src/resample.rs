@@ -72,7 +72,7 @@ struct Engine {
 }
 
 impl Resampler {
-    /// A converter from `from` to `to`, both in hertz within [`LIMITS`].
+    /// A converter from `from` to `to`, both in hertz within the limits of [`mariana_music::limits`].
     pub fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
         let allowed =
             mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max;

@@ -223,7 +223,7 @@ impl Canvas {
 /// Least alpha of a pixel whose own colour counts: what rounds to more than nothing.
 const ALPHA_MIN: f32 = 1.0 / 1024.0;
 
-/// Grows the picture by [`DILATION`] pixels: each new pixel is opaque, the mean of its painted neighbours.
+/// Grows the picture by some pixels: each new pixel is opaque, the mean of its painted neighbours.
 fn dilate(level: &[[f32; 4]], side: usize) -> Vec<[f32; 4]> {
     /// Pixels by which colours grow with their detail; a mipmap level or two.
     const DILATION: usize = 10;
