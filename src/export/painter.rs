@@ -40,6 +40,21 @@ pub struct SceneChoice {
     pub verbose: bool,
 }
 
+impl From<SceneSource> for SceneChoice {
+    /// The scene as the program draws it when nobody says more.
+    fn from(source: SceneSource) -> Self {
+        Self {
+            source,
+            sdf: SdfChoice::default(),
+            shaders: ShaderLibrary::embedded(),
+            regions: true,
+            view: None,
+            tone_map: None,
+            verbose: false,
+        }
+    }
+}
+
 /// A scene on the GPU. Draws pictures of any size.
 pub struct Painter {
     renderer: Renderer,

@@ -23,7 +23,8 @@ impl fmt::Display for Tape {
         };
         row("opcode", "input_A", "input_B", "output")?;
         let mut page = 0;
-        let register = |register: u8| format!("register {register}");
+        // Table 1 calls them slots.
+        let register = |register: u8| format!("slot {register}");
         for instruction in self.instructions() {
             let immediate = |entry: u8| {
                 self.table

@@ -28,15 +28,15 @@ fn tape_of(graph: &Graph, roots: &[NodeId], registers: usize) -> Tape {
 
 /// Table 1 (Abt 2022, section 4.3).
 const TABLE_1: [[&str; 4]; 9] = [
-    ["X", "-", "-", "register 0"],
-    ["Y", "-", "-", "register 1"],
-    ["SQUARE", "register 0", "-", "register 0"],
-    ["SQUARE", "register 1", "-", "register 1"],
-    ["ADD", "register 0", "register 1", "register 1"],
-    ["SQRT", "register 1", "-", "register 1"],
-    ["SUB", "register 1", "1.0f", "register 0"],
-    ["SUB", "0.5f", "register 1", "register 1"],
-    ["MAX", "register 0", "register 1", "register 1"],
+    ["X", "-", "-", "slot 0"],
+    ["Y", "-", "-", "slot 1"],
+    ["SQUARE", "slot 0", "-", "slot 0"],
+    ["SQUARE", "slot 1", "-", "slot 1"],
+    ["ADD", "slot 0", "slot 1", "slot 1"],
+    ["SQRT", "slot 1", "-", "slot 1"],
+    ["SUB", "slot 1", "1.0f", "slot 0"],
+    ["SUB", "0.5f", "slot 1", "slot 1"],
+    ["MAX", "slot 0", "slot 1", "slot 1"],
 ];
 
 #[test]
@@ -53,10 +53,7 @@ fn table_1_of_the_thesis() {
         );
         let rows: Vec<Vec<String>> = lines
             .map(|line| {
-                line.replace("register ", "register~")
-                    .split_whitespace()
-                    .map(|cell| cell.replace('~', " "))
-                    .collect()
+                line.replace("slot ", "slot~").split_whitespace().map(|cell| cell.replace('~', " ")).collect()
             })
             .collect();
         assert_eq!(rows, TABLE_1);

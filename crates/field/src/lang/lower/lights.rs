@@ -6,16 +6,6 @@ use super::super::source::Span;
 use super::Lowering;
 use super::sections::Values;
 
-/// The positions of a light's fields, as in `sections.rs`.
-const POSITION: usize = 0;
-const DIRECTION: usize = 1;
-const COLOR: usize = 2;
-const RADIUS: usize = 3;
-const RANGE: usize = 4;
-const SHADOW: usize = 5;
-const RIGHT: usize = 6;
-const UP: usize = 7;
-
 impl Lowering<'_> {
     pub(super) fn light(&mut self, name: String, span: Span, values: &Values) -> Option<Light> {
         let (zero, one) = (self.constant(0.0), self.constant(1.0));
@@ -24,29 +14,29 @@ impl Lowering<'_> {
         Some(Light {
             name,
             place,
-            color: self.vector_of(values, COLOR, white),
-            radius: self.number_of(values, RADIUS, zero),
-            range: self.number_of(values, RANGE, zero),
-            shadow: self.number_of(values, SHADOW, one),
+            color: self.vector_of(values, "color", white),
+            radius: self.number_of(values, "radius", zero),
+            range: self.number_of(values, "range", zero),
+            shadow: self.number_of(values, "shadow", one),
         })
     }
 
     fn light_place(&mut self, name: &str, span: Span, values: &Values) -> Option<LightPlace> {
-        let given = |field: usize| values.given(field).map(|(_, span)| span);
+        let given = |field: &str| values.given(field).map(|(_, span)| span);
         let origin = self.vector([0.0; 3]);
-        let (position, direction) = (given(POSITION), given(DIRECTION));
-        let wrong = match (position, direction, given(RIGHT), given(UP)) {
+        let (position, direction) = (given("position"), given("direction"));
+        let wrong = match (position, direction, given("right"), given("up")) {
             (Some(_), None, None, None) => {
-                return Some(LightPlace::At(self.vector_of(values, POSITION, origin)));
+                return Some(LightPlace::At(self.vector_of(values, "position", origin)));
             }
             (None, Some(_), None, None) => {
-                return Some(LightPlace::Towards(self.vector_of(values, DIRECTION, origin)));
+                return Some(LightPlace::Towards(self.vector_of(values, "direction", origin)));
             }
             (Some(_), None, Some(_), Some(_)) => {
                 return Some(LightPlace::Panel {
-                    at: self.vector_of(values, POSITION, origin),
-                    right: self.vector_of(values, RIGHT, origin),
-                    up: self.vector_of(values, UP, origin),
+                    at: self.vector_of(values, "position", origin),
+                    right: self.vector_of(values, "right", origin),
+                    up: self.vector_of(values, "up", origin),
                 });
             }
             (Some(_), Some(second), ..) => {

@@ -13,20 +13,14 @@ use super::declare::Parts;
 use super::sections::Values;
 use crate::graph::NodeId;
 
-/// The positions of an object's fields, as in `sections.rs`.
-const SHAPE: usize = 0;
-const MATERIAL: usize = 1;
-const BOUND: usize = 2;
-const MELT: usize = 3;
-
 impl Lowering<'_> {
     pub(super) fn object(&mut self, parts: &mut Parts, name: String, span: Span, values: &Values) {
-        let material = match (values.material, values.given(MATERIAL)) {
+        let material = match (values.material, values.given("material")) {
             (Some(index), _) => index,
             (None, Some(_)) => return,
             (None, None) => self.default_material(parts),
         };
-        let shape = match values.given(SHAPE) {
+        let shape = match values.given("shape") {
             Some((Value::Vector(shape), _)) => shape.first(),
             Some(_) => return,
             None if values.broken => return,
@@ -36,10 +30,10 @@ impl Lowering<'_> {
                 return;
             }
         };
-        let bound = values.given(BOUND).map(|_| self.number_of(values, BOUND, shape));
+        let bound = values.given("bound").map(|_| self.number_of(values, "bound", shape));
         let object = Object { name, span, shape, bound, material };
-        let Some((_, melts)) = values.given(MELT) else { return self.add_object(parts, object) };
-        let radius = self.number_of(values, MELT, shape);
+        let Some((_, melts)) = values.given("melt") else { return self.add_object(parts, object) };
+        let radius = self.number_of(values, "melt", shape);
         match parts.objects.pop() {
             Some(before) => {
                 if let Some(both) = self.melted(parts, before, object, radius) {

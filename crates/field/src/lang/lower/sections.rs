@@ -84,6 +84,13 @@ fn fields(section: Section) -> &'static [Field] {
     }
 }
 
+/// Whether any section has a field of this name.
+fn is_field(name: &str) -> bool {
+    use Section::{Camera, Light, Material, Object, Picture, Sky};
+    let sections = [Object, Material, Light, Camera, Sky, Picture];
+    sections.into_iter().flat_map(fields).any(|field| field.0 == name)
+}
+
 /// The word that begins a section.
 pub(super) fn word(section: Section) -> &'static str {
     match section {
@@ -111,7 +118,7 @@ fn place(section: Section) -> &'static str {
 /// The values of a section's fields in the order of [`fields`].
 #[derive(Default)]
 pub(super) struct Values {
-    given: Vec<Option<(Value, Span)>>,
+    given: Vec<(&'static str, Value, Span)>,
     /// Index of the material that an object names.
     pub(super) material: Option<usize>,
     /// The tone map that a picture names.
@@ -121,9 +128,11 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// The value of the field with that number in [`fields`], and the place where it is given.
-    pub(super) fn given(&self, index: usize) -> Option<(Value, Span)> {
-        self.given.get(index).copied().flatten()
+    /// The value of the field with that name, and the place where it is given.
+    pub(super) fn given(&self, name: &str) -> Option<(Value, Span)> {
+        debug_assert!(is_field(name), "no section has a field `{name}`");
+        let given = self.given.iter().find(|(given, ..)| *given == name)?;
+        Some((given.1, given.2))
     }
 }
 
@@ -169,13 +178,13 @@ impl Lowering<'_> {
                 }
                 let base = self.default_camera();
                 parts.camera = Some(Camera {
-                    position: self.vector_of(values, 0, base.position),
-                    target: self.vector_of(values, 1, base.target),
-                    fov: self.number_of(values, 2, base.fov),
-                    roll: self.number_of(values, 3, base.roll),
-                    aperture: self.number_of(values, 4, base.aperture),
-                    focus: values.given(5).map(|_| self.number_of(values, 5, base.fov)),
-                    keep: self.number_of(values, 6, base.keep),
+                    position: self.vector_of(values, "position", base.position),
+                    target: self.vector_of(values, "target", base.target),
+                    fov: self.number_of(values, "fov", base.fov),
+                    roll: self.number_of(values, "roll", base.roll),
+                    aperture: self.number_of(values, "aperture", base.aperture),
+                    focus: values.given("focus").map(|_| self.number_of(values, "focus", base.fov)),
+                    keep: self.number_of(values, "keep", base.keep),
                 });
             }
             Section::Sky => {
@@ -184,9 +193,9 @@ impl Lowering<'_> {
                 }
                 let base = self.default_sky();
                 parts.sky = Some(Sky {
-                    color: self.vector_of(values, 0, base.color),
-                    ambient: self.vector_of(values, 1, base.ambient),
-                    reach: self.number_of(values, 2, base.reach),
+                    color: self.vector_of(values, "color", base.color),
+                    ambient: self.vector_of(values, "ambient", base.ambient),
+                    reach: self.number_of(values, "reach", base.reach),
                 });
             }
             Section::Picture => {
@@ -195,10 +204,10 @@ impl Lowering<'_> {
                 }
                 let base = self.default_picture();
                 parts.picture = Some(Picture {
-                    exposure: self.number_of(values, 0, base.exposure),
-                    bloom: self.number_of(values, 1, base.bloom),
-                    vignette: self.number_of(values, 2, base.vignette),
-                    grain: self.number_of(values, 3, base.grain),
+                    exposure: self.number_of(values, "exposure", base.exposure),
+                    bloom: self.number_of(values, "bloom", base.bloom),
+                    vignette: self.number_of(values, "vignette", base.vignette),
+                    grain: self.number_of(values, "grain", base.grain),
                     tone_map: values.tone_map.unwrap_or(base.tone_map),
                 });
             }
@@ -213,7 +222,7 @@ impl Lowering<'_> {
     /// Lowers a section's lets and fields in their order.
     pub(super) fn fields(&mut self, section: Section, entries: &[Entry], broken: bool) -> Values {
         let known = fields(section);
-        let mut values = Values { given: vec![None; known.len()], broken, ..Values::default() };
+        let mut values = Values { broken, ..Values::default() };
         let mark = self.scope.len();
         let outside = std::mem::replace(&mut self.frame, mark);
         let all = known.iter().fold(0, |all, field| all | field.2);
@@ -229,9 +238,8 @@ impl Lowering<'_> {
                 self.unknown_field(section, entry.name);
                 continue;
             };
-            let (_, holds, allowed) = known[index];
-            let Some(slot) = values.given.get_mut(index) else { continue };
-            if let Some((_, first)) = *slot {
+            let (name, holds, allowed) = known[index];
+            if let Some((_, first)) = values.given(name) {
                 let message = format!("`{text}` is given twice");
                 let twice = Diagnostic::new(entry.name.span, message).note(first, "the first one is here");
                 self.report(twice.hint("leave one of them out"));
@@ -241,13 +249,13 @@ impl Lowering<'_> {
                 Holds::Material => {
                     values.material = self.material_index(entry.value);
                     values.broken |= values.material.is_none();
-                    *slot = Some((Value::Unknown, entry.name.span));
+                    values.given.push((name, Value::Unknown, entry.name.span));
                     continue;
                 }
                 Holds::ToneMap => {
                     values.tone_map = self.tone_map(entry.value);
                     values.broken |= values.tone_map.is_none();
-                    *slot = Some((Value::Unknown, entry.name.span));
+                    values.given.push((name, Value::Unknown, entry.name.span));
                     continue;
                 }
                 _ => {
@@ -256,7 +264,7 @@ impl Lowering<'_> {
                 }
             };
             values.broken |= value == Value::Unknown;
-            *slot = Some((value, entry.name.span));
+            values.given.push((name, value, entry.name.span));
         }
         self.unbind(mark);
         self.frame = outside;
@@ -362,27 +370,27 @@ impl Lowering<'_> {
 
     pub(super) fn material(&mut self, name: String, values: &Values) -> Material {
         let mut numbers = Vec::with_capacity(MATERIAL_NUMBERS);
-        for (index, field) in Material::FIELDS.iter().enumerate() {
+        for field in Material::FIELDS {
             if field.parts == 3 {
                 let default = self.vector([field.default; 3]);
-                numbers.extend(self.vector_of(values, index, default));
+                numbers.extend(self.vector_of(values, field.name, default));
             } else {
                 let default = self.constant(field.default);
-                numbers.push(self.number_of(values, index, default));
+                numbers.push(self.number_of(values, field.name, default));
             }
         }
         Material::of(name, numbers)
     }
 
-    pub(super) fn vector_of(&mut self, values: &Values, index: usize, default: Vec3) -> Vec3 {
-        match values.given(index) {
+    pub(super) fn vector_of(&mut self, values: &Values, name: &str, default: Vec3) -> Vec3 {
+        match values.given(name) {
             Some((Value::Vector(vector), _)) => [vector.part(0), vector.part(1), vector.part(2)],
             _ => default,
         }
     }
 
-    pub(super) fn number_of(&mut self, values: &Values, index: usize, default: NodeId) -> NodeId {
-        match values.given(index) {
+    pub(super) fn number_of(&mut self, values: &Values, name: &str, default: NodeId) -> NodeId {
+        match values.given(name) {
             Some((Value::Vector(vector), _)) => vector.first(),
             _ => default,
         }
