@@ -3,7 +3,7 @@
 //!
 //! The content is on the disk before the file is renamed, so that after a power failure there is the old file or the
 //! new one. An unfinished file is removed when it is dropped, and by a signal that ends the process
-//! ([`crate::ending::undo_at_end`]). After a sudden death the next run that writes into the folder removes it: a
+//! ([`crate::ending::begin`]). After a sudden death the next run that writes into the folder removes it: a
 //! writer holds a lock on its file for as long as the process lives, so a file that can be locked is abandoned. (A
 //! process id in the name would not show that: containers and machines that share a folder have process ids of their
 //! own.)
@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
 
-use crate::ending::{Undo, undo_at_end};
+use crate::ending::{self, Undo};
 
 /// What the names of unfinished files begin with.
 const PREFIX: &str = ".mariana-unfinished-";
@@ -59,12 +59,15 @@ impl Unfinished {
             builder.permissions(std::fs::Permissions::from_mode(0o666));
         }
         for _ in 0..ATTEMPTS {
-            let file = builder.tempfile_in(folder).map_err(without_path)?;
-            let path = file.path().to_owned();
-            let undo = undo_at_end(move || {
-                // If it is gone already, nothing is lost.
-                let _ = std::fs::remove_file(path);
-            });
+            let (file, undo) = ending::begin(|| {
+                let file = builder.tempfile_in(folder).map_err(without_path)?;
+                let path = file.path().to_owned();
+                let remove = move || {
+                    // If it is gone already, nothing is lost.
+                    let _ = std::fs::remove_file(path);
+                };
+                io::Result::Ok((file, remove))
+            })?;
             if is_held(file.as_file()) {
                 return Ok(Self { file, undo });
             }

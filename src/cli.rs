@@ -371,7 +371,7 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
     let scene = SceneChoice { view: arguments.view.view, ..common.scene()? };
     let tracks = match listen {
         Some(_) => None,
-        None if arguments.files.is_empty() => Some(Playlist::of_song(DEMO_TRACK, repeat)?),
+        None if arguments.files.is_empty() => Some(Playlist::of_song(DEMO_TRACK, repeat)),
         None => Some(Playlist::open(&arguments.files, repeat, arguments.shuffle)?),
     };
     app::run(tracks, settings, scene)

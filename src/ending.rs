@@ -1,7 +1,7 @@
 //! How the process ends: what happens at a signal that asks for the end, what is undone before it, and the last step.
 //!
 //! A job that writes files ends wherever it is, be it in a draw that takes a minute or in a write to a program that
-//! does not read: the thread that waits for signals removes unfinished files ([`undo_at_end`]) and ends the process.
+//! does not read: the thread that waits for signals removes unfinished files ([`begin`]) and ends the process.
 //! A show ends by itself: it asks [`asked_to_end`] when it is woken.
 //!
 //! **A job ends where it is.** A thread waits for SIGINT, SIGTERM and SIGHUP. It removes the unfinished files, ends
@@ -136,13 +136,23 @@ fn undo_list() -> MutexGuard<'static, BTreeMap<u64, Step>> {
 #[derive(Debug)]
 pub struct Undo(u64);
 
-/// Registers `step` to be run if the process is ended before the returned value is dropped or settled. The step must
-/// not wait for long, nor register or forget steps itself.
-pub fn undo_at_end(step: impl FnOnce() + Send + 'static) -> Undo {
+/// Begins something that has to be undone if the process is ended before the returned [`Undo`] is dropped or settled:
+/// `start` begins it and says how it is undone. The process is ended before `start` or after it, never in between,
+/// where something would have begun that nobody undoes. Neither `start` nor the step may wait for long, nor begin or
+/// forget such things themselves.
+///
+/// # Errors
+/// What `start` says.
+pub fn begin<T, S, E>(start: impl FnOnce() -> Result<(T, S), E>) -> Result<(T, Undo), E>
+where
+    S: FnOnce() + Send + 'static,
+{
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    undo_list().insert(number, Box::new(step));
-    Undo(number)
+    let mut list = undo_list();
+    let (begun, step) = start()?;
+    list.insert(number, Box::new(step));
+    Ok((begun, Undo(number)))
 }
 
 impl Undo {
@@ -218,11 +228,20 @@ mod tests {
     #[test]
     fn only_what_is_neither_settled_nor_forgotten_is_to_be_undone() {
         let listed = |undo: &Undo| undo_list().contains_key(&undo.0);
-        let (kept, settled, forgotten) = (undo_at_end(|| ()), undo_at_end(|| ()), undo_at_end(|| ()));
+        let begun = || begin(|| Ok::<_, ()>(((), || ()))).unwrap().1;
+        let (kept, settled, forgotten) = (begun(), begun(), begun());
         let numbers = [settled.0, forgotten.0];
         assert_eq!(settled.settle(|| 7), 7);
         drop(forgotten);
         assert!(listed(&kept));
         assert!(numbers.iter().all(|number| !undo_list().contains_key(number)));
+    }
+
+    #[test]
+    fn what_had_just_begun_when_a_signal_came_was_left_behind() {
+        let start = || Ok::<_, ()>((UNDO.try_lock().is_err(), || ()));
+        assert!(begin(start).unwrap().0, "the process could be ended before the step is known");
+        let failed = begin(|| Err::<((), fn()), _>(7)).unwrap_err();
+        assert_eq!(failed, 7);
     }
 }

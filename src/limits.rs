@@ -54,9 +54,3 @@ pub const LIMITS: Limits = Limits {
     programs_kept_max: 4,
     picture_seconds_max: 10.0,
 };
-
-impl Default for Limits {
-    fn default() -> Self {
-        LIMITS
-    }
-}

@@ -9,6 +9,7 @@ use crate::export::print::tell;
 use mariana_music::{self, Gain};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use mariana_player::input::{Live, LiveOptions, LiveStatus};
+use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use mariana_player::{Moment, Player, PlayerStatus, Target};
 
 /// How much `[` and `]` shift the picture, in milliseconds.
@@ -154,9 +155,8 @@ impl Sound {
     /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers the shift for the device. Returns it in words.
     pub(super) fn shift(&mut self, steps: f64) -> String {
         // Live sound cannot be shown before it arrives.
-        let least = if self.live.is_some() { 0.0 } else { -mariana_player::limits::LIMITS.latency_ms_max };
-        let shift = (self.shift_ms() + steps * SHIFT_STEP_MS)
-            .clamp(least, mariana_player::limits::LIMITS.latency_ms_max);
+        let least = if self.live.is_some() { 0.0 } else { -PLAYER_LIMITS.latency_ms_max };
+        let shift = (self.shift_ms() + steps * SHIFT_STEP_MS).clamp(least, PLAYER_LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
         let Some(device) = self.device.clone() else {
             return shift_in_words(shift, None);

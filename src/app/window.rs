@@ -4,6 +4,7 @@
 
 use std::cell::Cell;
 use std::num::NonZeroU32;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
 use glutin::config::{ConfigTemplateBuilder, GlConfig};
@@ -60,6 +61,23 @@ pub(super) struct GlWindowContext {
     refresh_rate: Option<f64>,
 }
 
+/// A driver may offer no pixel format at all, but glutin-winit wants one chosen in any case. So the choice unwinds, which
+/// prints nothing, and [`unless_nothing_fits`] makes an absence of it.
+struct NothingFits;
+
+fn nothing_fits() -> ! {
+    resume_unwind(Box::new(NothingFits))
+}
+
+/// What `work` gives; none if [`nothing_fits`] ended it.
+fn unless_nothing_fits<T>(work: impl FnOnce() -> T) -> Option<T> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(made) => Some(made),
+        Err(reason) if reason.is::<NothingFits>() => None,
+        Err(reason) => resume_unwind(reason),
+    }
+}
+
 impl OpenWindow {
     /// Opens a window.
     ///
@@ -73,14 +91,17 @@ impl OpenWindow {
             .with_visible(wishes.visible);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
-        let (window, config) = DisplayBuilder::new()
+        let builder = DisplayBuilder::new()
             .with_preference(ApiPreference::PreferEgl)
-            .with_window_attributes(Some(attributes))
-            .build(event_loop, template, |configs| {
-                // No multisampling: the renderer has its own. glutin requires that one config is returned.
-                #[expect(clippy::expect_used, reason = "glutin-winit calls this with one config or more")]
-                configs.min_by_key(|config| config.num_samples()).expect("one config or more")
+            .with_window_attributes(Some(attributes));
+        let built = unless_nothing_fits(|| {
+            builder.build(event_loop, template, |configs| {
+                // No multisampling: the renderer has its own.
+                configs.min_by_key(|config| config.num_samples()).unwrap_or_else(|| nothing_fits())
             })
+        });
+        let (window, config) = built
+            .ok_or_else(|| no_context(&"no pixel format of the driver fits a window"))?
             .map_err(|error| no_context(&error))?;
         let window = window.ok_or_else(|| AppError::NoContext("no window came with it".into()))?;
         let size = window.inner_size().into();
@@ -223,7 +244,18 @@ fn config_kind(config: &glutin::config::Config) -> &'static str {
         glutin::config::Config::Egl(_) => "EGL",
         #[cfg(all(unix, not(target_os = "macos")))]
         glutin::config::Config::Glx(_) => "GLX",
-        #[allow(unreachable_patterns)]
+        #[allow(unreachable_patterns, reason = "some systems have one kind only")]
         _ => "the system's own interface",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_driver_without_any_pixel_format_was_a_panic() {
+        assert!(unless_nothing_fits(|| nothing_fits()).is_none());
+        assert_eq!(unless_nothing_fits(|| 7), Some(7));
     }
 }

@@ -1,5 +1,7 @@
 //! Flags that are numbers, checked against the limits.
 
+use mariana_player::limits::LIMITS as PLAYER_LIMITS;
+
 use crate::limits::LIMITS;
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
@@ -43,12 +45,7 @@ pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
-    parse_within(
-        text,
-        -mariana_player::limits::LIMITS.latency_ms_max,
-        mariana_player::limits::LIMITS.latency_ms_max,
-        "milliseconds",
-    )
+    parse_within(text, -PLAYER_LIMITS.latency_ms_max, PLAYER_LIMITS.latency_ms_max, "milliseconds")
 }
 
 #[cfg(test)]

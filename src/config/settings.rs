@@ -17,6 +17,7 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use directories::ProjectDirs;
+use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use serde::{Deserialize, Serialize};
 
 use crate::atomic_file::AtomicFile;
@@ -145,8 +146,7 @@ fn read(path: &Path) -> Result<Settings, SettingsError> {
     let text = std::str::from_utf8(&bytes).map_err(|error| malformed(error.to_string()))?;
     let mut settings: Settings =
         toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
-    let range =
-        -mariana_player::limits::LIMITS.latency_ms_max..=mariana_player::limits::LIMITS.latency_ms_max;
+    let range = -PLAYER_LIMITS.latency_ms_max..=PLAYER_LIMITS.latency_ms_max;
     settings.latency_ms.retain(|_, shift| range.contains(shift));
     Ok(settings)
 }
@@ -264,7 +264,7 @@ mod tests {
         fn no_bytes_make_it_panic_or_leave_the_limits(text in "(microphone|system|\\[latency_ms\\]|\"a\"| |=|\n|\"b\"|1e9|nan|-5.5|\\PC){0,24}") {
             let (_folder, path) = folder();
             let (file, _) = with_text(&path, text.as_bytes());
-            prop_assert!(file.settings().latency_ms.values().all(|shift| shift.abs() <= mariana_player::limits::LIMITS.latency_ms_max));
+            prop_assert!(file.settings().latency_ms.values().all(|shift| shift.abs() <= PLAYER_LIMITS.latency_ms_max));
         }
     }
 }

@@ -13,7 +13,7 @@ use super::painter::{Painter, SceneChoice};
 use super::song_features::SongFeatures;
 use super::still::{refuse_the_song, write_png};
 use crate::atomic_file::{AtomicFile, Unfinished, without_path};
-use crate::ending::{Undo, undo_at_end};
+use crate::ending::{self, Undo};
 use mariana_music::Gain;
 use mariana_player::song::Song;
 
@@ -183,11 +183,13 @@ impl Encoder {
         // Ctrl-C goes to this process, which ends ffmpeg: otherwise both would race to end first.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let mut child = command.spawn().map_err(ExportError::NoEncoder)?;
-        let frames = child.stdin.take();
-        let child = Arc::new(Mutex::new(child));
-        let its = child.clone();
-        let end = undo_at_end(move || end_child(&mut lock(&its)));
+        let (child, end) = ending::begin(|| {
+            let child = Arc::new(Mutex::new(command.spawn()?));
+            let its = child.clone();
+            Ok((child, move || end_child(&mut lock(&its))))
+        })
+        .map_err(ExportError::NoEncoder)?;
+        let frames = lock(&child).stdin.take();
         let path = request.output.clone();
         Ok(Self { child, frames, output: Some(output), path, complaints, _sound: sound, _end: end })
     }

@@ -3,6 +3,7 @@
 
 use super::Frame;
 use mariana_field::graph::SoundInput;
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
 use mariana_field::world::{LightKind, LightValues, PLANES_MAX, World};
 use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
@@ -13,10 +14,10 @@ const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector
 const HEAD: usize = 12;
 /// Vectors of a light.
 const LIGHT: usize = 4;
-const LIGHTS_MAX: usize = mariana_field::limits::LIMITS.scene_lights_max;
+const LIGHTS_MAX: usize = FIELD_LIMITS.scene_lights_max;
 const HEARD_QUADS: usize = SoundInput::ALL.len().div_ceil(4);
-const PARAM_QUADS: usize = mariana_field::limits::LIMITS.scene_params_max.div_ceil(4);
-const HOISTED_QUADS: usize = mariana_field::limits::LIMITS.hoisted_max.div_ceil(4);
+const PARAM_QUADS: usize = FIELD_LIMITS.scene_params_max.div_ceil(4);
+const HOISTED_QUADS: usize = FIELD_LIMITS.hoisted_max.div_ceil(4);
 
 /// Number of vec4 in the block.
 pub const FRAME_BLOCK_VECTORS: usize =

@@ -59,7 +59,7 @@ impl WorkerContext {
             NotCurrentContext::Egl(context) => {
                 context.make_current_surfaceless().map(PossiblyCurrentContext::Egl)
             }
-            #[allow(unreachable_patterns)]
+            #[allow(unreachable_patterns, reason = "some systems have one kind only")]
             _ => return Err("contexts without a window need EGL".into()),
         };
         current.map(|context| (self.display, context)).map_err(|error| error.to_string())

@@ -3,6 +3,7 @@
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
 use glow::HasContext;
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 use super::error::GpuError;
 use super::gl::Gl;
@@ -29,10 +30,7 @@ pub const TEXTURE_UNITS: [(&str, u32); 11] = [
     ("sound_tables", 15),
 ];
 
-const _: () = assert!(
-    mariana_field::limits::LIMITS.scene_textures_max <= 12,
-    "the scene's textures have the units 0..12"
-);
+const _: () = assert!(FIELD_LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");
 
 /// The unit of one of [`TEXTURE_UNITS`]; 0 for any other name.
 pub(super) fn unit_of(texture: &str) -> u32 {
@@ -135,7 +133,7 @@ impl Program {
             }
             gl.use_program(Some(program));
             let own = TEXTURE_UNITS.iter().map(|(name, unit)| ((*name).to_owned(), *unit));
-            let of_scenes = (0..mariana_field::limits::LIMITS.scene_textures_max).map(scene_texture).zip(0..);
+            let of_scenes = (0..FIELD_LIMITS.scene_textures_max).map(scene_texture).zip(0..);
             for (texture, unit) in own.chain(of_scenes) {
                 if let Some(location) = gl.get_uniform_location(program, &texture) {
                     gl.uniform_1_i32(Some(&location), unit.cast_signed());

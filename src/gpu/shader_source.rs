@@ -11,6 +11,7 @@ use include_dir::{Dir, include_dir};
 
 use crate::limits::LIMITS;
 use mariana_field::lang::material_glsl;
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
@@ -162,10 +163,10 @@ struct Assembly<'a> {
 
 impl Assembly<'_> {
     fn append(&mut self, name: &str, asked_by: &str, depth: usize) -> Result<(), ShaderSourceError> {
-        if depth > mariana_field::limits::LIMITS.include_depth_max {
+        if depth > FIELD_LIMITS.include_depth_max {
             return Err(ShaderSourceError::TooDeep {
                 file: name.into(),
-                limit: mariana_field::limits::LIMITS.include_depth_max,
+                limit: FIELD_LIMITS.include_depth_max,
             });
         }
         if !self.included.insert(name.to_owned()) {
@@ -276,8 +277,7 @@ mod tests {
 
     #[test]
     fn depth_and_length_have_limits() {
-        let names: Vec<String> =
-            (0..=mariana_field::limits::LIMITS.include_depth_max + 1).map(|i| format!("f{i}")).collect();
+        let names: Vec<String> = (0..=FIELD_LIMITS.include_depth_max + 1).map(|i| format!("f{i}")).collect();
         let texts: Vec<String> =
             (0..names.len()).map(|i| format!("#include \"f{}\"", (i + 1).min(names.len() - 1))).collect();
         let files: Vec<(&str, &str)> =

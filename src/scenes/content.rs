@@ -6,6 +6,8 @@ use std::io;
 use std::path::Path;
 use std::time::SystemTime;
 
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
+
 use super::folder::read_at_most;
 use crate::limits::LIMITS;
 
@@ -70,7 +72,7 @@ fn hash(path: &Path) -> io::Result<(u64, u64)> {
     if !metadata.is_file() {
         return Err(io::Error::other("no file"));
     }
-    let max = LIMITS.texture_bytes_max.max(mariana_field::limits::LIMITS.scene_bytes_max);
+    let max = LIMITS.texture_bytes_max.max(FIELD_LIMITS.scene_bytes_max);
     let Some(bytes) = read_at_most(path, max)? else { return Ok((metadata.len(), 0)) };
     let mut hasher = DefaultHasher::new();
     bytes.hash(&mut hasher);

@@ -26,6 +26,7 @@ pub use world::ReadyScene;
 
 use folder::Folder;
 use mariana_field::lang::{self, Compiled};
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 static SHIPPED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/assets/scenes");
 
@@ -139,9 +140,7 @@ impl SceneSource {
                 let text = read(path)?;
                 let folder = Folder::of(path);
                 let mut include = |path: &str| {
-                    folder
-                        .text(path, mariana_field::limits::LIMITS.scene_bytes_max)
-                        .map_err(|refusal| refusal.to_string())
+                    folder.text(path, FIELD_LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
                 };
                 Ok(lang::compile(&name, &text, &mut include))
             }
@@ -171,7 +170,7 @@ fn read(path: &Path) -> Result<String, SceneError> {
     if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
         return Err(SceneError::NoFile { path: path.to_owned() });
     }
-    let max = mariana_field::limits::LIMITS.scene_bytes_max;
+    let max = FIELD_LIMITS.scene_bytes_max;
     let bytes = folder::read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| SceneError::TooLarge { path: path.to_owned(), max })?;
     String::from_utf8(bytes).map_err(|error| {
@@ -217,8 +216,7 @@ mod tests {
     fn files_that_are_missing_too_large_or_no_text_are_told_apart() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        std::fs::write(path("large.scene"), vec![b' '; mariana_field::limits::LIMITS.scene_bytes_max + 1])
-            .unwrap();
+        std::fs::write(path("large.scene"), vec![b' '; FIELD_LIMITS.scene_bytes_max + 1]).unwrap();
         std::fs::write(path("binary.scene"), [b'x', 0xff, 0xfe]).unwrap();
         let error = |name: &str| SceneSource::File(path(name)).compile().unwrap_err();
         assert!(matches!(error("missing.scene"), SceneError::Unreadable { .. }));

@@ -90,6 +90,9 @@ const IMPURE: &[&str] = &[
     "dbg!(",
 ];
 
+/// Where code may be unsafe.
+const UNSAFE: &[&str] = &["src/gpu/", "src/app/", "crates/testing/"];
+
 const LINES_MAX: usize = 600;
 const LINES_MEDIAN_MAX: usize = 250;
 /// Files that may be longer than [`LINES_MAX`], and why.
@@ -165,10 +168,15 @@ fn sources(folder: &str) -> Vec<(String, String)> {
     files.into_iter().map(|file| (file.clone(), read(&file))).collect()
 }
 
-/// The lines of code with their numbers: without comments, and none from a file's own tests on, which stand last.
+/// The lines of code with their numbers, without comments.
 fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let lines = text.lines().enumerate().take_while(|(_, line)| *line != "#[cfg(test)]");
-    lines.map(|(number, line)| (number + 1, line.split("//").next().unwrap_or_default()))
+    text.lines().enumerate().map(|(number, line)| (number + 1, line.split("//").next().unwrap_or_default()))
+}
+
+/// Those that are not in the file's own tests, which stand last.
+fn shipped_code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let tests = text.find("\n#[cfg(test)]\nmod tests {").unwrap_or(text.len());
+    code(&text[..tests])
 }
 
 /// The room of a file under `src/`.
@@ -193,8 +201,8 @@ fn names_behind<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a 
     })
 }
 
-/// What is wrong with a line of code of `file`, whose module is `depth` below the crate's root.
-fn broken_walls(file: &str, line: &str) -> Vec<String> {
+/// What is wrong with a line of code of `file`, in its own module or, `deeper`, in modules within it.
+fn broken_walls(file: &str, deeper: usize, line: &str) -> Vec<String> {
     let room = room_of(file);
     let mut wrong = Vec::new();
     for prefix in ["crate::", "mariana::"] {
@@ -211,7 +219,7 @@ fn broken_walls(file: &str, line: &str) -> Vec<String> {
     }
     let inner = file.strip_prefix("src/").unwrap();
     let is_top = inner.ends_with("/mod.rs") || inner.ends_with("/lib.rs");
-    let depth = inner.matches('/').count() + 1 - usize::from(is_top);
+    let depth = inner.matches('/').count() + 1 - usize::from(is_top) + deeper;
     if line.contains(&"super::".repeat(depth)) && row(room) != Some(EVERYTHING) {
         wrong.push("`super` leaves the room: write `crate::`".to_owned());
     }
@@ -258,9 +266,13 @@ fn rooms_keep_to_their_walls() {
     let mut found = Vec::new();
     for (file, text) in sources("src") {
         assert!(row(room_of(&file)).is_some(), "{file} is in a room without a row in the table of this test");
+        let own_tests = shipped_code(&text).count();
         for (number, line) in code(&text) {
+            let deeper = usize::from(number > own_tests + 2);
             found.extend(
-                broken_walls(&file, line).into_iter().map(|wrong| format!("{file}:{number}: {wrong}")),
+                broken_walls(&file, deeper, line)
+                    .into_iter()
+                    .map(|wrong| format!("{file}:{number}: {wrong}")),
             );
         }
     }
@@ -271,12 +283,40 @@ fn rooms_keep_to_their_walls() {
 fn what_is_pure_touches_nothing() {
     let mut found = Vec::new();
     for (file, text) in PURE.iter().flat_map(|folder| sources(folder)) {
-        for (number, line) in code(&text).filter(|_| !file.contains("test")) {
+        for (number, line) in shipped_code(&text).filter(|_| !file.contains("test")) {
             let touched = IMPURE.iter().find(|impure| line.contains(**impure));
             found.extend(touched.map(|impure| format!("{file}:{number}: {impure}")));
         }
     }
     assert_none(&found, "these rooms do no I/O, read no clock and start no thread");
+}
+
+/// Whether a line excuses itself from the lint that keeps code safe, or from those that forbid to panic on what comes
+/// from outside.
+fn is_excuse(line: &str) -> bool {
+    let attribute = line.trim_start().trim_start_matches("#!").trim_start_matches('#');
+    ["[expect(", "[allow("].iter().any(|start| attribute.starts_with(start))
+}
+
+#[test]
+fn unsafe_code_keeps_to_its_rooms_and_every_excuse_has_its_reason() {
+    let mut found = Vec::new();
+    for (file, text) in ["src", "crates"].into_iter().flat_map(sources) {
+        for (number, line) in shipped_code(&text).filter(|(_, line)| is_excuse(line)) {
+            let start = text.split_inclusive('\n').take(number - 1).map(str::len).sum::<usize>();
+            let excuse = text[start..].split(']').next().unwrap_or_default();
+            if excuse.contains("unsafe_code") && !UNSAFE.iter().any(|folder| file.starts_with(folder)) {
+                found.push(format!("{file}:{number}: unsafe code belongs to {} alone", UNSAFE.join(" and ")));
+            }
+            let is_test = ["/tests", "/testing", "/examples/", "/benches/", "tests.rs"]
+                .iter()
+                .any(|t| file.contains(t));
+            if !is_test && !excuse.contains("reason = ") {
+                found.push(format!("{file}:{number}: {line} gives no reason"));
+            }
+        }
+    }
+    assert_none(&found, "these lines excuse themselves from a lint");
 }
 
 #[test]
@@ -294,7 +334,7 @@ fn the_scanner_finds_what_it_must() {
         ("src/gpu/gl.rs", "use glutin_winit::X;"),
         ("src/gpu/gl.rs", "fn f(player: &mariana_player::Player) {}"),
     ] {
-        assert_eq!(broken_walls(file, line).len(), 1, "{file}: {line}: {:?}", broken_walls(file, line));
+        assert_eq!(broken_walls(file, 0, line).len(), 1, "{file}: {line}: {:?}", broken_walls(file, 0, line));
     }
     for (file, line) in [
         ("src/frame/block.rs", "use super::Frame;"),
@@ -304,10 +344,12 @@ fn the_scanner_finds_what_it_must() {
         ("src/main.rs", "use mariana::cli;"),
         ("src/gpu/gl.rs", "let text = \"winit\"; notify(one); glow.fs::<u8>()"),
     ] {
-        assert_eq!(broken_walls(file, line), [""; 0], "{file}: {line}");
+        assert_eq!(broken_walls(file, 0, line), [""; 0], "{file}: {line}");
     }
-    let text = "a\n// crate::gpu\nb // c\n#[cfg(test)]\nmod tests {}";
-    assert_eq!(code(text).collect::<Vec<_>>(), [(1, "a"), (2, ""), (3, "b ")]);
+    let text = "a\n#[cfg(test)]\nmod testing;\n// crate::gpu\nb // c\n#[cfg(test)]\nmod tests {\n}";
+    assert_eq!(code(text).count(), 8);
+    let shipped = [(1, "a"), (2, "#[cfg(test)]"), (3, "mod testing;"), (4, ""), (5, "b ")];
+    assert_eq!(shipped_code(text).collect::<Vec<_>>(), shipped);
 }
 
 #[test]

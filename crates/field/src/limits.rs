@@ -69,9 +69,3 @@ pub const LIMITS: Limits = Limits {
     scene_lights_max: 16,
     hoisted_max: 256,
 };
-
-impl Default for Limits {
-    fn default() -> Self {
-        LIMITS
-    }
-}

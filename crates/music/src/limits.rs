@@ -17,9 +17,3 @@ pub struct Limits {
 /// The limits in force.
 pub const LIMITS: Limits =
     Limits { sample_rate_min: 4_000, sample_rate_max: 768_000, feature_track_seconds_max: 60.0 };
-
-impl Default for Limits {
-    fn default() -> Self {
-        LIMITS
-    }
-}

@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 use cpal::{ErrorKind, SupportedBufferSize};
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
 use super::device_list::ListedDevice;
 use super::error::{DeviceError, Direction};
@@ -214,8 +215,7 @@ pub(crate) fn converts(device: &cpal::Device) -> bool {
 
 /// The rate to ask a device for: its own, or where a sound server converts, the nearest within the limits.
 pub(crate) fn usable_rate(rate: u32, converted: bool) -> Option<u32> {
-    let (min, max) =
-        (mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max);
+    let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
     if converted { Some(rate.clamp(min, max)) } else { Some(rate).filter(|rate| (min..=max).contains(rate)) }
 }
 
@@ -350,9 +350,6 @@ mod tests {
     #[test]
     fn odd_rates_are_converted_by_a_server_and_refused_elsewhere() {
         assert_eq!((usable_rate(48_000, true), usable_rate(48_000, false)), (Some(48_000), Some(48_000)));
-        assert_eq!(
-            (usable_rate(1, true), usable_rate(1, false)),
-            (Some(mariana_music::limits::LIMITS.sample_rate_min), None)
-        );
+        assert_eq!((usable_rate(1, true), usable_rate(1, false)), (Some(MUSIC_LIMITS.sample_rate_min), None));
     }
 }

@@ -1,5 +1,6 @@
 //! What can go wrong with playback. Each message says what happened and what to do.
 
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use thiserror::Error;
 
 /// Why a song cannot be played at all.
@@ -114,7 +115,7 @@ pub enum DeviceError {
     /// The device's rate is beyond the limits.
     #[error(
         "the sound {direction} {device} has {rate} samples per second, but only {} to {} are supported; choose another \
-         with --device", mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max
+         with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
     )]
     Rate {
         /// Which way the sound should go.

@@ -42,9 +42,3 @@ pub const LIMITS: Limits = Limits {
     claimed_duration_max: 31_536_000.0,
     latency_ms_max: 5_000.0,
 };
-
-impl Default for Limits {
-    fn default() -> Self {
-        LIMITS
-    }
-}

@@ -34,6 +34,7 @@ use crate::limits::LIMITS;
 use decoding::{Command, Decoding};
 pub use listing::Troubles;
 use listing::{Request, SharedTroubles};
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use mariana_music::{Features, Gain, Sound};
 pub use unheard::Unheard;
 use unheard::UnheardWatch;
@@ -170,8 +171,7 @@ impl Player {
         options: PlayerOptions,
     ) -> Result<Self, PlayerError> {
         let rate = first.source.sample_rate();
-        let (min, max) =
-            (mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max);
+        let (min, max) = (MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max);
         if !(min..=max).contains(&rate) {
             return Err(PlayerError::SampleRate { rate, min, max });
         }

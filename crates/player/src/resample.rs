@@ -15,6 +15,7 @@ use rubato::{
 };
 
 use mariana_music::StereoFrame;
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
 /// Target length of an FFT block in input frames: long enough for a steep filter, short enough to respond quickly
 /// after a seek (23 ms at 44.1 kHz).
@@ -30,7 +31,7 @@ const SINC_LENGTH: usize = 256;
 #[derive(Debug, thiserror::Error)]
 pub enum ResampleError {
     /// A rate outside the limits.
-    #[error("cannot convert from {from} Hz to {to} Hz: rates go from {} to {} Hz; choose another device rate or file", mariana_music::limits::LIMITS.sample_rate_min, mariana_music::limits::LIMITS.sample_rate_max)]
+    #[error("cannot convert from {from} Hz to {to} Hz: rates go from {} to {} Hz; choose another device rate or file", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max)]
     Rate {
         /// Rate of the input, in hertz.
         from: u32,
@@ -74,8 +75,7 @@ struct Engine {
 impl Resampler {
     /// A converter from `from` to `to`, both in hertz within the limits of [`mariana_music::limits`].
     pub fn new(from: u32, to: u32) -> Result<Self, ResampleError> {
-        let allowed =
-            mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max;
+        let allowed = MUSIC_LIMITS.sample_rate_min..=MUSIC_LIMITS.sample_rate_max;
         if !allowed.contains(&from) || !allowed.contains(&to) {
             return Err(ResampleError::Rate { from, to });
         }
@@ -353,9 +353,7 @@ mod tests {
 
     #[test]
     fn rates_outside_the_limits_are_refused() {
-        for (from, to) in
-            [(0, 48_000), (48_000, 0), (mariana_music::limits::LIMITS.sample_rate_max + 1, 48_000)]
-        {
+        for (from, to) in [(0, 48_000), (48_000, 0), (MUSIC_LIMITS.sample_rate_max + 1, 48_000)] {
             assert!(matches!(Resampler::new(from, to), Err(ResampleError::Rate { .. })));
         }
     }

@@ -1,5 +1,7 @@
 //! Looks at the first bytes of files that the demuxers refuse, so that the error can say what they are.
 
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
+
 use crate::limits::LIMITS;
 
 use super::error::DecodeError;
@@ -65,16 +67,10 @@ pub(super) fn check(name: &str, channels: usize, rate: u32) -> Result<(), Decode
     if channels > usize::from(LIMITS.channels_max) {
         return Err(over(format!("{channels} channels"), format!("{} channels", LIMITS.channels_max)));
     }
-    if !(mariana_music::limits::LIMITS.sample_rate_min..=mariana_music::limits::LIMITS.sample_rate_max)
-        .contains(&rate)
-    {
+    if !(MUSIC_LIMITS.sample_rate_min..=MUSIC_LIMITS.sample_rate_max).contains(&rate) {
         return Err(over(
             format!("a sample rate of {rate} Hz"),
-            format!(
-                "{} to {} Hz",
-                mariana_music::limits::LIMITS.sample_rate_min,
-                mariana_music::limits::LIMITS.sample_rate_max
-            ),
+            format!("{} to {} Hz", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max),
         ));
     }
     Ok(())

@@ -10,6 +10,7 @@ use crate::output::OutputCallback;
 use crate::source::{FrameSource, SourceError};
 use crate::track::{Found, Wanted};
 use mariana_music::StereoFrame;
+use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
 pub(super) const RATE: u32 = 48_000;
 
@@ -484,7 +485,7 @@ fn the_end_is_prompt() {
 
 #[test]
 fn rates_beyond_the_limits_are_refused() {
-    let odd = Ramp { rate: mariana_music::limits::LIMITS.sample_rate_max + 1, ..Ramp::new(9) };
+    let odd = Ramp { rate: MUSIC_LIMITS.sample_rate_max + 1, ..Ramp::new(9) };
     let list = Ramps::new(vec![odd], Repeat::All);
     let refused = Player::start(list.track(0), Box::new(list), PlayerOptions::default()).err();
     let refused = refused.expect("it is refused");

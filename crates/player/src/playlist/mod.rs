@@ -79,35 +79,27 @@ impl Playlist {
         }
         let gathered = gather(paths);
         let troubles = gathered.troubles.iter().map(ToString::to_string).collect();
-        Self::begin(gathered.entries, troubles, repeat, shuffled).ok_or_else(|| {
+        let mut list = Self::new(gathered.entries);
+        list.order.set(repeat, shuffled, None);
+        let Some(first) = list.order.first() else {
             let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
-            gathered.troubles.into_iter().next().unwrap_or(PlaylistError::Empty { name })
-        })
+            return Err(gathered.troubles.into_iter().next().unwrap_or(PlaylistError::Empty { name }));
+        };
+        Ok(list.opened(first, troubles, repeat, shuffled))
     }
 
     /// The list of one song.
-    ///
-    /// # Errors
-    /// It cannot be played.
-    pub fn of_song(song: Song, repeat: Repeat) -> Result<Opened, PlaylistError> {
-        song.open()?;
-        Self::begin(vec![song.into()], Vec::new(), repeat, false)
-            .ok_or(PlaylistError::Empty { name: String::new() })
+    pub fn of_song(song: Song, repeat: Repeat) -> Opened {
+        let mut list = Self::new(vec![song.into()]);
+        list.order.set(repeat, false, None);
+        list.opened(0, Vec::new(), repeat, false)
     }
 
-    /// Looks for the first track that can be played; none if there is no track.
-    fn begin(
-        entries: Vec<Entry>,
-        mut troubles: Vec<String>,
-        repeat: Repeat,
-        shuffled: bool,
-    ) -> Option<Opened> {
-        let mut list = Self::new(entries);
-        list.order.set(repeat, shuffled, None);
-        let first = list.order.first()?;
+    /// Looks for the first track that can be played, from `first` on; where there is none it is silence.
+    fn opened(mut self, first: usize, mut troubles: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
         let mut more = 0;
         let mut last = None;
-        let found = list.search(first, true, None, &mut |trouble| {
+        let found = self.search(first, true, None, &mut |trouble| {
             more += usize::from(troubles.len() > TROUBLES_KEPT && last.is_some());
             let earlier = last.replace(trouble);
             troubles.extend(earlier.filter(|_| more == 0));
@@ -118,9 +110,9 @@ impl Playlist {
         troubles.extend(last);
         let (first, playable) = match found {
             Found::Track(track) => (track, true),
-            _ => (Track::silence(first, list.entries.len()), false),
+            _ => (Track::silence(first, self.entries.len()), false),
         };
-        Some(Opened { list, first, troubles, playable, repeat, shuffled })
+        Opened { list: self, first, troubles, playable, repeat, shuffled }
     }
 
     fn new(entries: Vec<Entry>) -> Self {
@@ -226,7 +218,7 @@ impl Playlist {
         let mut list = Self::new(gathered.entries);
         list.order = self.order.of(list.entries.len());
         let Some(first) = list.order.first() else { return Found::Nothing };
-        let found = list.search(first, true, None, tell);
+        let found = self.search(first, true, None, tell);
         if matches!(found, Found::Track(_)) {
             *self = list;
         }
