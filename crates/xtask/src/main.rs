@@ -4,6 +4,7 @@
 
 mod demo_track;
 mod gallery;
+mod gpu;
 mod language_page;
 mod textures;
 
@@ -21,6 +22,13 @@ const TOOLS: &[Tool] = &[
         "draws docs/gallery.md and its pictures: of these scenes, or of all",
         gallery::run,
     ),
+    (
+        "gpu",
+        "[--gpu NAME] [--check | --accept] [PROGRAM ...]",
+        "prints what the compilers of GPUs that are not there make of the programs",
+        gpu::run,
+    ),
+    ("gpu-programs", "[--json] [PROGRAM ...]", "the same for the GPU that is there", gpu::programs),
     ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
     ("textures", "[FOLDER]", "paints assets/textures", textures::run),
 ];

@@ -1,0 +1,123 @@
+//! What the compilers of real GPUs make of every program, without such a GPU: `cargo xtask gpu`.
+//!
+//! Mesa's package `mesa-drm-shim` stands in for the kernel driver of a GPU that is not there. Mesa's own driver of that GPU
+//! then compiles as it would on the real one and reports registers, waves, spills and the length of the code; only
+//! drawing does nothing. Counts do not depend on how busy the machine is, so they are compared with those that were
+//! accepted ([`budgets`]), within one version of Mesa.
+//!
+//! `cargo xtask gpu-programs` prints the same for the GPU that is there, where its driver reports something.
+
+mod budgets;
+mod counts;
+mod programs;
+mod table;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context as _, bail};
+
+use programs::Linked;
+pub(crate) use programs::run as programs;
+
+/// The GPUs that are asked unless others are named: the oldest AMD family with many users, and a newer one.
+const GPUS: [&str; 2] = ["vega10", "navi21"];
+
+/// The library of `mesa-drm-shim` for AMD GPUs.
+const SHIM: &str = "libamdgpu_noop_drm_shim.so";
+
+/// What is wanted of [`run`].
+#[derive(Debug, Default)]
+struct Wishes {
+    shim: Option<PathBuf>,
+    gpus: Vec<String>,
+    /// More of Mesa's own debug options, as `useaco`.
+    options: Vec<String>,
+    /// Words of which a program's name must hold one; all programs if there are none.
+    names: Vec<String>,
+    check: bool,
+    accept: bool,
+}
+
+fn wishes(arguments: &[String]) -> anyhow::Result<Wishes> {
+    let mut wishes = Wishes::default();
+    let mut arguments = arguments.iter();
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().cloned().with_context(|| format!("{argument} needs a value"));
+        match argument.as_str() {
+            "--shim" => wishes.shim = Some(value()?.into()),
+            "--gpu" => wishes.gpus.push(value()?),
+            "--option" => wishes.options.push(value()?),
+            "--check" => wishes.check = true,
+            "--accept" => wishes.accept = true,
+            name if !name.starts_with('-') => wishes.names.push(name.to_owned()),
+            _ => bail!("there is no {argument}; there are --shim, --gpu, --option, --check and --accept"),
+        }
+    }
+    if wishes.gpus.is_empty() {
+        wishes.gpus = GPUS.map(str::to_owned).into();
+    }
+    Ok(wishes)
+}
+
+/// Where the shim is: where packages put it, or where `scripts/lib/setup.sh` unpacks it.
+fn shim() -> Option<PathBuf> {
+    let unpacked = Path::new(crate::ROOT).join("target/mesa-drm-shim");
+    let folders = [PathBuf::from("/"), unpacked];
+    let places = ["usr/lib/x86_64-linux-gnu", "usr/lib/aarch64-linux-gnu", "usr/lib64", "usr/lib"];
+    let files = folders.iter().flat_map(|folder| places.map(|place| folder.join(place).join(SHIM)));
+    files.into_iter().find(|file| file.exists())
+}
+
+/// Prints a table of all programs on some GPUs; with `--check` fails where one got worse, with `--accept` notes what is
+/// there as what is accepted.
+///
+/// # Errors
+/// A shim or driver that is not there, a program that a driver refuses, and programs that got worse.
+pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let wishes = wishes(arguments)?;
+    let shim = wishes.shim.clone().or_else(shim).with_context(|| {
+        format!("{SHIM} is not there: install mesa-drm-shim (Debian 13; in the backports of 12), or name it with --shim")
+    })?;
+    let mut all = Vec::new();
+    for gpu in &wishes.gpus {
+        let programs = ask(&shim, gpu, &wishes).with_context(|| format!("asking the compiler for {gpu}"))?;
+        all.push((gpu.clone(), programs));
+    }
+    print!("{}", table::table(&all));
+    if wishes.accept {
+        budgets::accept(&all)?;
+    }
+    if wishes.check {
+        let worse = budgets::worse(&all)?;
+        if !worse.is_empty() {
+            bail!("these programs got worse than what was accepted:\n  {}", worse.join("\n  "));
+        }
+        println!("No program got worse than what was accepted.");
+    }
+    Ok(())
+}
+
+/// All programs on one GPU, from a process of its own: which GPU there is, is settled when a process starts.
+fn ask(shim: &Path, gpu: &str, wishes: &Wishes) -> anyhow::Result<Vec<Linked>> {
+    // Without variants that are compiled later, and with linking that waits for its compiler.
+    let mut options = vec!["nooptvariant".to_owned()];
+    options.extend(wishes.options.iter().cloned());
+    let output = Command::new(std::env::current_exe()?)
+        .args(["gpu-programs", "--json"])
+        .args(&wishes.names)
+        .env("LD_PRELOAD", shim)
+        .env("AMDGPU_GPU_ID", gpu)
+        .env("AMD_DEBUG", options.join(","))
+        .env("radeonsi_sync_compile", "true")
+        .env("MESA_SHADER_CACHE_DISABLE", "true")
+        .env_remove("LIBGL_ALWAYS_SOFTWARE")
+        .stderr(Stdio::inherit())
+        .output()?;
+    if !output.status.success() {
+        bail!("it ended with {}", output.status);
+    }
+    let lines = String::from_utf8(output.stdout)?;
+    let found = lines.lines().filter(|line| line.starts_with('{'));
+    found.map(|line| Ok(serde_json::from_str(line)?)).collect()
+}

@@ -1,0 +1,155 @@
+//! Links every program of the renderer on the GPU that is there, and hears what its compiler says.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::{Context as _, bail};
+use mariana::ending::begin_to_leave;
+use mariana::gpu::flash_pass::FLASH_SHADERS;
+use mariana::gpu::headless::Headless;
+use mariana::gpu::post::POST_SHADERS;
+use mariana::gpu::program::Program;
+use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
+use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
+use mariana::gpu::shader_source::{ShaderLibrary, Variant};
+use mariana::scenes::{SceneSource, shipped_names};
+use rustix::time::{ClockId, clock_gettime};
+use serde::{Deserialize, Serialize};
+use tracing_subscriber::layer::{Context, SubscriberExt};
+use tracing_subscriber::util::SubscriberInitExt;
+
+use super::counts::Counts;
+
+/// Section 4.4 of the thesis (Abt 2022): its measurements are of this kind of formula.
+const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
+
+/// A program that a driver has linked.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Linked {
+    /// The driver's name and version.
+    pub(super) driver: String,
+    /// Its name.
+    pub(super) name: String,
+    /// What its compiler reports of the fragment shader; none if it says nothing.
+    pub(super) counts: Option<Counts>,
+    /// CPU time of compiling and linking, in seconds, all threads together.
+    pub(super) seconds: f64,
+}
+
+/// A program to be linked.
+struct Wanted {
+    name: String,
+    file: &'static str,
+    variant: Variant,
+}
+
+/// Every program: the scenes in both modes, views of one, and the passes.
+fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wanted>> {
+    let is_wanted = |name: &str| names.is_empty() || names.iter().any(|word| name.contains(word.as_str()));
+    let mut found = Vec::new();
+    let plain = [EDGE_SHADER, UPSCALE_SHADER].into_iter().chain(FLASH_SHADERS);
+    for (file, defines) in plain.map(|file| (file, &[][..])).chain(POST_SHADERS) {
+        let name = format!("{file} {}", defines.join(" ")).trim_end().to_owned();
+        if is_wanted(&name) {
+            found.push(Wanted { name, file, variant: Variant::of(defines) });
+        }
+    }
+    let shipped = shipped_names().into_iter().map(|name| (name.clone(), SceneSource::Shipped(name)));
+    let formula = ("a plane and a ball".to_owned(), SceneSource::Formula(FORMULA.into()));
+    for (name, source) in std::iter::once(formula).chain(shipped) {
+        for mode in [Mode::Compiled, Mode::Interpreted] {
+            let full_name = format!("{name}, {mode}");
+            let views_name = format!("{name}, {mode}, views");
+            let has_views = name == "speakers" && is_wanted(&views_name);
+            if !is_wanted(&full_name) && !has_views {
+                continue;
+            }
+            let ready = source.ready().with_context(|| name.clone())?;
+            let variant =
+                |counting| variant_of(&ready.world, &ready.buffers, &ready.plan, mode, gl.info(), counting);
+            if is_wanted(&full_name) {
+                found.push(Wanted { name: full_name, file: SCENE_SHADER, variant: variant(Counting::Off)? });
+            }
+            if has_views {
+                let variant = as_views(variant(Counting::On)?);
+                found.push(Wanted { name: views_name, file: SCENE_SHADER, variant });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// What the driver has said since it was last asked.
+#[derive(Default, Clone)]
+struct Heard(Arc<Mutex<Vec<String>>>);
+
+impl Heard {
+    fn take(&self) -> Vec<String> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl<S: tracing::Subscriber> tracing_subscriber::Layer<S> for Heard {
+    fn on_event(&self, event: &tracing::Event<'_>, _: Context<'_, S>) {
+        struct Message(String);
+        impl tracing::field::Visit for Message {
+            fn record_debug(&mut self, field: &tracing::field::Field, value: &dyn std::fmt::Debug) {
+                if field.name() == "message" {
+                    self.0 = format!("{value:?}");
+                }
+            }
+        }
+        let mut message = Message(String::new());
+        event.record(&mut message);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(message.0);
+    }
+}
+
+fn cpu_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
+/// Prints a line for each program whose name holds one of the arguments, or for all; with `--json` for programs.
+///
+/// # Errors
+/// A missing driver, and programs that it refuses.
+pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let (flags, names): (Vec<String>, Vec<String>) =
+        arguments.iter().cloned().partition(|argument| argument.starts_with('-'));
+    let json = flags.iter().any(|flag| flag == "--json");
+    if flags.iter().any(|flag| flag != "--json") {
+        bail!("the only flag is --json");
+    }
+    let heard = Heard::default();
+    tracing_subscriber::registry().with(heard.clone()).init();
+    let context = Headless::new(true)?;
+    let gl = context.gl();
+    let library = ShaderLibrary::embedded();
+    let driver = format!("{}, {}", gl.info().renderer, gl.info().version);
+    let mut refused = Vec::new();
+    for Wanted { name, file, variant } in wanted(gl, &names)? {
+        heard.take();
+        let start = cpu_seconds();
+        let linked = Program::link(gl, &library, file, &variant);
+        let seconds = cpu_seconds() - start;
+        if let Err(error) = linked {
+            refused.push(format!("{name}: {error}"));
+            continue;
+        }
+        // The vertex shader is far shorter.
+        let counts =
+            heard.take().iter().filter_map(|line| Counts::read(line)).max_by_key(|counts| counts.code);
+        let linked = Linked { driver: driver.clone(), name, counts, seconds };
+        if json {
+            println!("{}", serde_json::to_string(&linked)?);
+        } else {
+            let counts = linked.counts.map_or_else(|| "nothing told".to_owned(), |counts| counts.to_string());
+            println!("{:40} {counts}, {:.2} s", linked.name, linked.seconds);
+        }
+    }
+    if !refused.is_empty() {
+        bail!("{driver} refuses:\n{}", refused.join("\n"));
+    }
+    // Mesa 22.3 crashes in exit handlers while its threads still compile for AMD.
+    begin_to_leave().leave(0)
+}
