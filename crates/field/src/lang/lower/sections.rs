@@ -318,7 +318,7 @@ impl Lowering<'_> {
         let all = names.map(|name| format!("`{name}`")).join(", ");
         let Expr::Name(symbol) = self.ast.expr(value) else {
             if self.ast.expr(value) != Expr::Error {
-                let wrong = Diagnostic::new(span, "a tone map is given by its name");
+                let wrong = Diagnostic::new(span, "a tone map must be given by its name");
                 self.report(wrong.hint(format!("the tone maps are {all}")));
             }
             return None;
@@ -342,7 +342,7 @@ impl Lowering<'_> {
         let span = self.ast.span(value);
         let Expr::Name(symbol) = self.ast.expr(value) else {
             if self.ast.expr(value) != Expr::Error {
-                let wrong = Diagnostic::new(span, "an object's material is given by its name");
+                let wrong = Diagnostic::new(span, "an object's material must be given by its name");
                 self.report(wrong.hint("declare `material wood { … }` and write `material = wood`"));
             }
             return None;
