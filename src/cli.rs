@@ -61,11 +61,11 @@ Examples:
   mariana still song.flac --at 12.5 --size 1280x720 -o frame.png
   mariana help still              what a subcommand takes
 
-H in the window shows the keys.";
+Press H in the window to see the keys.";
 
 #[derive(Args)]
 struct PlayArguments {
-    /// Songs, folders and lists (m3u, m3u8, pls, cue); without any the built-in demo track plays
+    /// Songs, folders and lists (m3u, m3u8, pls, cue); if none is given, the built-in demo track plays
     #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Show what a microphone or another input hears, instead of a song
@@ -77,31 +77,31 @@ struct PlayArguments {
     /// Play the tracks in random order
     #[arg(long)]
     shuffle: bool,
-    /// What follows the last track, and each one
+    /// Which tracks are repeated
     #[arg(long, value_name = "WHAT", default_value = "all")]
     repeat: RepeatChoice,
-    /// Output device, or input with --mic and --system: an id or a name of 'mariana devices', or a part of one
+    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or part of one
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
     device: Option<String>,
     /// Play without sound, in real time
     #[arg(long)]
     silent: bool,
-    /// End with the last track instead of beginning anew
+    /// End with the last track instead of starting over
     #[arg(long, conflicts_with = "repeat")]
     once: bool,
     /// Volume at the start, in percent
     #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = clap::value_parser!(u8).range(0..=100), allow_negative_numbers = true)]
     volume: u8,
-    /// The sound is heard so much later than the device says; negative for earlier [default: what [ and ] set last]
+    /// How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]
     #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
     latency: Option<f64>,
-    /// Most frames per second [default: the monitor's rate]
+    /// Maximum frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
-    /// How good the picture is; auto draws fewer pixels where frames take too long
+    /// How good the picture is; auto draws fewer pixels if frames take too long
     #[arg(long, value_name = "HOW", default_value = "auto")]
     quality: Quality,
-    /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
+    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
     /// Start in full screen
@@ -110,7 +110,7 @@ struct PlayArguments {
     /// Size of the window in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
-    /// Print what OpenGL is got, and end
+    /// Print which OpenGL is available, and exit
     #[arg(long)]
     gl_info: bool,
     #[command(flatten)]
@@ -121,23 +121,23 @@ struct PlayArguments {
 
 #[derive(Args)]
 struct CommonArguments {
-    /// What is shown: a scene's file, the name of a shipped one, or a formula such as "length(p) - 1"
+    /// The scene to show: a file, the name of a shipped scene, or a formula such as "length(p) - 1"
     #[arg(long, value_name = "SCENE", default_value = DEFAULT_SCENE, allow_hyphen_values = true)]
     scene: OsString,
     /// How the scene's formulas are run; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
-    /// Whether rays skip empty space and run tapes shortened to where they are; the picture is the same [default: on;
-    /// bench measures both]
+    /// Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: on; bench
+    /// measures both]
     #[arg(long, value_name = "ON-OFF")]
     regions: Option<Switch>,
-    /// How light becomes a colour of the screen [default: as the scene says, agx where it says nothing]
+    /// How light is turned into screen colours [default: as the scene says, otherwise agx]
     #[arg(long, value_name = "MAP")]
     tone_map: Option<ToneMapChoice>,
-    /// Whether quiet and loud sound are levelled for the picture; what is told in decibels is as measured either way
+    /// Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way
     #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
     gain: GainChoice,
-    /// Read the shaders from this folder, for work on them
+    /// Read the shaders from this folder, to work on them
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
     /// Log what happens; twice for more
@@ -184,7 +184,7 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana devices\n  mariana devices --json\n  \
                             mariana song.flac --device \"USB\"       play on the first one with USB in its name")]
     Devices {
-        /// JSON instead of text
+        /// Print JSON instead of text
         #[arg(long)]
         json: bool,
     },
@@ -192,7 +192,7 @@ enum Command {
 
 #[derive(Args)]
 struct StillArguments {
-    /// The song; without one the built-in demo track
+    /// The song; if none is given, the built-in demo track
     file: Option<PathBuf>,
     /// The moment, in seconds
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
@@ -200,7 +200,7 @@ struct StillArguments {
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
-    /// The PNG
+    /// The PNG file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -211,9 +211,9 @@ struct StillArguments {
 
 #[derive(Args)]
 struct VideoArguments {
-    /// The song; without one the built-in demo track
+    /// The song; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// First moment, in seconds
+    /// Where to start, in seconds
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
     /// Length in seconds [default: to the end]
@@ -225,10 +225,10 @@ struct VideoArguments {
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
-    /// Whether more than three flashes a second are dimmed, as WCAG 2.3.1 asks for
+    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
-    /// The video, or a folder ending in '/' for numbered PNGs
+    /// The video to write, or a folder ending in '/' for numbered PNGs
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -239,18 +239,18 @@ struct VideoArguments {
 
 #[derive(Args)]
 struct AnalyzeArguments {
-    /// The song; without one the built-in demo track
+    /// The song; if none is given, the built-in demo track
     file: Option<PathBuf>,
     /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...
     #[arg(long)]
     json: bool,
-    /// Whether quiet and loud sound are levelled in the values of 0..1
+    /// Whether quiet and loud sound are levelled in the values from 0 to 1
     #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
     gain: GainChoice,
     /// Lines per second
     #[arg(long, default_value = "60", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
-    /// First moment, in seconds
+    /// Where to start, in seconds
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
     /// Length in seconds [default: to the end]
@@ -260,7 +260,7 @@ struct AnalyzeArguments {
 
 #[derive(Args)]
 struct BenchArguments {
-    /// The song that drives the picture; without one the built-in demo track
+    /// The song that drives the picture; if none is given, the built-in demo track
     file: Option<PathBuf>,
     /// The moment that is drawn, in seconds
     #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
@@ -271,10 +271,10 @@ struct BenchArguments {
     /// Frames to time
     #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true)]
     frames: u16,
-    /// Compare the picture at edges with one of 64 samples in each pixel, too; slow
+    /// Also compare the picture at edges with one of 64 samples per pixel; slow
     #[arg(long)]
     edges: bool,
-    /// JSON instead of text
+    /// Print JSON instead of text
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -385,11 +385,11 @@ fn end_by_signals() {
                 // After the number of the frame.
                 let _ = writeln!(std::io::stderr());
             }
-            tell(&format!("{signal} ended the work: what was not finished is removed"));
+            tell(&format!("{signal} ended the work: unfinished files are removed"));
         })
     };
     if let Err(error) = ending::watch(answer) {
-        tracing::warn!("signals end the program and leave what is unfinished to the next run ({error})");
+        tracing::warn!("signals cannot be caught; the next run removes what they leave unfinished ({error})");
     }
 }
 

@@ -104,23 +104,23 @@ install_with() {
     shift
     read -ra command <<<"$(install_command "$manager")"
     if [[ ${MARIANA_SETUP:-} == dry-run ]]; then
-        say "Would install by $manager: $*"
+        say "Would install with $manager: $*"
         return
     fi
     if [[ $manager == brew ]]; then
-        have brew || fail "Mariana needs the packages $*: install Homebrew or these by other means, then start this again."
+        have brew || fail "Mariana needs the packages $*: install Homebrew, or install them by other means, then start this again."
     elif [[ $EUID -ne 0 ]]; then
-        have sudo || fail "Mariana needs the packages $*: have them installed by someone who may, then start this again."
+        have sudo || fail "Mariana needs the packages $*: ask someone with administrator rights to install them, then start this again."
         as_root=(sudo)
     fi
-    say "Installing by $manager${as_root[*]+ with sudo}: $*"
+    say "Installing with $manager${as_root[*]+ and sudo}: $*"
     case $manager in
         apt) renew=(apt-get -qq -o DPkg::Lock::Timeout=300 update) ;;
         pacman) compgen -G "/var/lib/pacman/sync/*.db" >/dev/null || renew=(pacman -Sy) ;;
     esac
     if [[ ${#renew[@]} -gt 0 ]]; then
         ${as_root[@]+"${as_root[@]}"} "${renew[@]}" </dev/null >&2 ||
-            say "The package lists could not be renewed; trying with those that are there."
+            say "The package lists could not be updated; trying with the present ones."
     fi
     ${as_root[@]+"${as_root[@]}"} "${command[@]}" "$@" </dev/null >&2 ||
         fail "$manager could not install these packages: $*. See its message above, or install them by hand and set MARIANA_SETUP=skip."
@@ -142,7 +142,7 @@ install_packages() {
         [[ " ${missing[*]-} " == *" $package "* ]] || is_installed "$manager" "$package" || missing+=("$package")
     done < <(needs)
     if [[ $manager == none && ${#unmet[@]} -gt 0 ]]; then
-        fail "Mariana needs ${unmet[*]}, and no package manager is here that this script knows (apt, dnf, pacman, zypper, brew): install them, or set MARIANA_SETUP=skip if they are where this script does not look."
+        fail "Mariana needs ${unmet[*]}, and there is no package manager that this script knows (apt, dnf, pacman, zypper, brew): install them, or set MARIANA_SETUP=skip if they are somewhere this script does not look."
     fi
     if [[ ${#missing[@]} -gt 0 ]]; then install_with "$manager" "${missing[@]}"; fi
 }
@@ -188,18 +188,18 @@ ensure_rust() {
     found=$(cd "$root" && cargo --version 2>/dev/null | awk '{ print $2 }') || found=""
     if ! version_at_least "${found:-0}" "$wanted"; then
         if have rustup; then
-            fail "Mariana needs Rust $wanted or newer and rustup has ${found:-none chosen}: run 'rustup default stable && rustup update stable', then start this again."
+            fail "Mariana needs Rust $wanted or newer, but rustup has ${found:-none selected}: run 'rustup default stable && rustup update stable', then start this again."
         fi
         offered=$(offered_rust "$manager") || offered=""
         if [[ -n $found ]] || ! version_at_least "${offered:-0}" "$wanted"; then
-            fail "Mariana needs Rust $wanted or newer and here is ${found:-none}: install it with rustup, the Rust project's installer, then start this again."
+            fail "Mariana needs Rust $wanted or newer, but this computer has ${found:-none}: install it with rustup, the Rust project's installer, then start this again."
         fi
         read -ra packages <<<"$(rust_packages "$manager")"
         install_with "$manager" "${packages[@]}"
     fi
     if [[ " $* " == *" test "* && ${MARIANA_SETUP:-} != dry-run ]]; then
         (cd "$root" && cargo fmt --version && cargo clippy --version) >/dev/null 2>&1 ||
-            fail "The tests need rustfmt and clippy: run 'rustup component add rustfmt clippy', or install your system's packages of these names, then start this again."
+            fail "The tests need rustfmt and clippy: run 'rustup component add rustfmt clippy', or install your system's packages of the same names, then start this again."
     fi
 }
 
@@ -214,7 +214,7 @@ mariana_setup() {
     install_packages "$manager" "$@"
     ensure_rust "$manager" "$@"
     if [[ ${MARIANA_SETUP:-} == dry-run ]]; then
-        say "That was all: nothing was installed."
+        say "That is all: nothing was installed."
         exit 0
     fi
 }

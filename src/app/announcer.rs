@@ -55,7 +55,7 @@ impl Announcer {
         self.troubles = troubles.count;
         let text = match new {
             1 => last.clone(),
-            _ => format!("{new} troubles with tracks, the last one: {last}"),
+            _ => format!("{new} problems with tracks, the last one: {last}"),
         };
         tell(&text);
         self.say(text);
@@ -104,7 +104,7 @@ pub(super) fn next_repeat(repeat: Repeat) -> Repeat {
 pub(super) fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
     match after {
         (_, true) if !before.1 => "tracks in random order",
-        (_, false) if before.1 => "tracks in their own order",
+        (_, false) if before.1 => "tracks in list order",
         (Repeat::All, _) => "repeat all tracks",
         (Repeat::One, _) => "repeat this track",
         (Repeat::Off, _) => "end after the last track",
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(text(&announcer), Some("x is gone"));
         now += Duration::from_secs(10);
         announcer.update(now);
-        assert_eq!(text(&announcer), Some("399 troubles with tracks, the last one: x is gone"));
+        assert_eq!(text(&announcer), Some("399 problems with tracks, the last one: x is gone"));
         (0..9).for_each(|n| announcer.say(n.to_string()));
         now += Duration::from_secs(10);
         announcer.update(now);

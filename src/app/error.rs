@@ -16,12 +16,13 @@ pub enum AppError {
     NoDisplay(String),
     /// The window system was there and has gone.
     #[error(
-        "the window is gone, as its display has ended or broken the connection: start Mariana in a running session"
+        "the window is gone because its display ended or closed the connection: start Mariana in a running session"
     )]
     DisplayLost,
     /// The system gives no thread.
     #[error(
-        "the system gives no more threads ({0}): close other programs, or allow more memory or processes (ulimit -a)"
+        "the system cannot start another thread ({0}): close other programs, or allow more memory or processes \
+         (ulimit -a)"
     )]
     NoThread(String),
     /// The window system refused.
@@ -34,7 +35,7 @@ pub enum AppError {
     },
     /// No usable OpenGL for the window.
     #[error(
-        "the window gets no OpenGL 3.3 core context ({0}): update the graphics driver, or set \
+        "the window cannot get an OpenGL 3.3 core context ({0}): update the graphics driver, or set \
          LIBGL_ALWAYS_SOFTWARE=1 to use Mesa's software renderer"
     )]
     NoContext(String),
@@ -42,7 +43,7 @@ pub enum AppError {
     #[error(transparent)]
     Print(#[from] ExportError),
     /// The overlay's shaders or buffers are refused.
-    #[error("the driver refuses what draws text over the picture ({0}): update the graphics driver")]
+    #[error("the driver cannot draw text over the picture ({0}): update the graphics driver")]
     Overlay(String),
     /// The scene cannot be read, or has mistakes.
     #[error(transparent)]
@@ -51,7 +52,7 @@ pub enum AppError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The song that is to continue cannot: it was damaged or removed.
-    #[error("the song cannot go on: {0}")]
+    #[error("the song cannot continue: {0}")]
     SongLost(String),
     /// The song cannot be played.
     #[error(transparent)]

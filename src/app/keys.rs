@@ -130,7 +130,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("t")],
         written: "T",
         action: Action::Tap,
-        meaning: "tap the tempo, twice or more; once alone gives it back to what is heard",
+        meaning: "tap the tempo, twice or more; a single tap returns to the detected one",
         repeats: false,
     },
     Binding {
@@ -151,7 +151,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("s")],
         written: "S",
         action: Action::ToggleShuffle,
-        meaning: "tracks in random order, or in their own",
+        meaning: "tracks in random order, or in list order",
         repeats: false,
     },
     Binding {
@@ -172,14 +172,14 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("[")],
         written: "[",
         action: Action::Shift(-1.0),
-        meaning: "the picture 5 ms sooner; remembered of the device",
+        meaning: "the picture 5 ms sooner; remembered for the device",
         repeats: true,
     },
     Binding {
         keys: &[Key::Character("]")],
         written: "]",
         action: Action::Shift(1.0),
-        meaning: "the picture 5 ms later, for headphones or a TV that lag",
+        meaning: "the picture 5 ms later, for headphones or a TV that lags",
         repeats: true,
     },
     Binding {
@@ -207,14 +207,14 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("r")],
         written: "R",
         action: Action::ToggleRegions,
-        meaning: "skip empty space by regions, or not; the picture is the same",
+        meaning: "skip empty space with regions, or not; the picture is the same",
         repeats: false,
     },
     Binding {
         keys: &[Key::Named(NamedKey::Home)],
         written: "Home",
         action: Action::GiveCameraBack,
-        meaning: "the scene's own camera again, after drags and the wheel",
+        meaning: "back to the scene's own camera, after dragging or zooming",
         repeats: false,
     },
     Binding {
@@ -228,7 +228,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character(",")],
         written: ",",
         action: Action::ChangeNumber { larger: false },
-        meaning: "a smaller number of the view: its scale, the difference of normals",
+        meaning: "a smaller number for the view, such as its scale",
         repeats: true,
     },
     Binding {

@@ -177,7 +177,7 @@ pub(super) fn renewed(
     )?;
     scenes.take_over(kept.moved, kept.wanted);
     let mut announcer = stage.announcer;
-    announcer.answer("the driver had lost the picture: it is drawn anew".to_owned());
+    announcer.answer("the driver lost the picture: it is being drawn again".to_owned());
     Ok(Stage {
         renderer: renderer(&window, settings, scene)?,
         scene: scenes,

@@ -124,7 +124,7 @@ impl<Tag> Drop for RegionBuilder<Tag> {
             std::thread::sleep(Duration::from_millis(1));
         }
         if thread.is_finished() && thread.join().is_err() {
-            tracing::warn!("the thread of the regions ended by a panic");
+            tracing::warn!("the thread of the regions ended with a panic");
         }
     }
 }
@@ -157,7 +157,7 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
                     state.done = Some(BuiltTree { tag, frame, regions });
                 }
             }
-            Err(_) => tracing::error!("building the regions ended by a panic"),
+            Err(_) => tracing::error!("building the regions ended with a panic"),
         }
         wake();
     }

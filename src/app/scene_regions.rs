@@ -193,14 +193,14 @@ impl SceneRegions {
         match last {
             _ if !self.wanted => "no regions".to_owned(),
             _ if self.late_for == Some(drawn) => {
-                format!("no regions: a tree takes {:.0} ms", milliseconds(self.tree_time))
+                format!("no regions: building a tree takes {:.0} ms", milliseconds(self.tree_time))
             }
             Some(built) => {
                 let stats = &built.regions.stats;
                 let time = milliseconds(built.time);
                 format!("regions in {time:.1} ms, {} cells, {} tapes", stats.cells, stats.tapes)
             }
-            None => "regions in the making".to_owned(),
+            None => "regions are being built".to_owned(),
         }
     }
 }

@@ -260,7 +260,7 @@ impl SceneStage {
             Err(error) => {
                 let (what, text) = match &error {
                     SceneError::Mistakes { plain, .. } => ("has mistakes", plain.clone()),
-                    SceneError::World(_) => ("is too much to be drawn", error.to_string()),
+                    SceneError::World(_) => ("is too complex to be drawn", error.to_string()),
                     other => ("cannot be read", other.to_string()),
                 };
                 let heading = format!("{} {what}; the last good scene stays", loaded.source.title());
@@ -304,8 +304,8 @@ impl SceneStage {
         let Some(cast) = self.cast(id) else { return };
         let name = cast.source.title();
         let heading = match (cast.compilable, cast.interpreter.is_some()) {
-            (false, true) => format!("{name} could not be compiled; it is interpreted"),
-            (true, false) => format!("{name} could not be interpreted; it is compiled"),
+            (false, true) => format!("{name} could not be compiled; it is interpreted instead"),
+            (true, false) => format!("{name} could not be interpreted; it is compiled instead"),
             _ => format!("{name} cannot be drawn by this driver; the last good scene stays"),
         };
         if cast.compilable {
@@ -394,7 +394,7 @@ impl SceneStage {
         let Some(cast) = self.cast(id) else { return };
         let world = cast.resources.world().clone();
         let job = self.job(cast, move || compiled_variant_of(&world, Counting::Off));
-        tracing::info!("{} is asked for, compiled", cast.source.title());
+        tracing::info!("{} is requested, compiled", cast.source.title());
         self.submit(job, Task::Compiled(id));
     }
 
@@ -411,7 +411,7 @@ impl SceneStage {
         }
         let variant = needed.clone();
         let job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
-        tracing::info!("{} is asked for, interpreted", cast.source.title());
+        tracing::info!("{} is requested, interpreted", cast.source.title());
         self.submit(job, Task::Interpreter(needed));
     }
 

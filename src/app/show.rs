@@ -306,7 +306,7 @@ impl Show {
         let status = PlayerStatus { paused: stage.paused, ..status };
         if status.silent != stage.told_silent {
             if let Some(reason) = status.silent.as_ref().filter(|_| !self.settings.silent) {
-                tell(&format!("the song runs without sound: {reason}"));
+                tell(&format!("the song plays without sound: {reason}"));
             }
             stage.told_silent.clone_from(&status.silent);
         }

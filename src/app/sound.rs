@@ -205,7 +205,7 @@ impl Sound {
     /// Everything that can be listened to, with its name.
     fn sources(&self, device_list: &DeviceList) -> Vec<(Source, String)> {
         let name_of =
-            |entry: Option<&ListedDevice>| entry.map_or("none now", |entry| &*entry.name).to_owned();
+            |entry: Option<&ListedDevice>| entry.map_or("currently none", |entry| &*entry.name).to_owned();
         let mut sources = Vec::new();
         if self.player.is_some() {
             sources.push((Source::Song, "the song".to_owned()));
@@ -337,7 +337,7 @@ fn note_choice(settings: &mut Settings, target: &Target) {
 /// A shift in words.
 fn shift_in_words(shift: f64, device: Option<&str>) -> String {
     let words = match shift {
-        0.0 => "the picture is shown when the device says that it is heard".to_owned(),
+        0.0 => "the picture is shown without a shift".to_owned(),
         later if later > 0.0 => format!("the picture is shown {later:.0} ms later"),
         sooner => format!("the picture is shown {:.0} ms sooner", -sooner),
     };

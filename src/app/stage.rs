@@ -91,9 +91,9 @@ impl Stage {
     pub(super) fn play_files(&mut self, files: Vec<PathBuf>) {
         match self.sound.player() {
             Some(player) => player.play_files(files),
-            None => {
-                self.announcer.answer("files play only while the song is listened to: press D".to_owned())
-            }
+            None => self
+                .announcer
+                .answer("files can be played only while the song is the source: press D".to_owned()),
         }
     }
 
@@ -187,7 +187,7 @@ impl Stage {
             {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.announcer.answer(
-                    "the driver has no room for a picture of this size: a smaller one is drawn".to_owned(),
+                    "the driver has no memory for a picture of this size: a smaller one is drawn".to_owned(),
                 );
                 self.scene.give_picture_up();
                 Ok(None)

@@ -101,9 +101,9 @@ impl OpenWindow {
             })
         });
         let (window, config) = built
-            .ok_or_else(|| no_context(&"no pixel format of the driver fits a window"))?
+            .ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?
             .map_err(|error| no_context(&error))?;
-        let window = window.ok_or_else(|| AppError::NoContext("no window came with it".into()))?;
+        let window = window.ok_or_else(|| AppError::NoContext("the system opened no window".into()))?;
         let size = window.inner_size().into();
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
@@ -148,7 +148,7 @@ impl OpenWindow {
         };
         let context = context.make_current(&surface).map_err(|error| no_context(&error))?;
         if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN)) {
-            tracing::info!("no vertical sync ({error}); the frame cap holds alone");
+            tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
         }
         let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
         tracing::info!("window context by {}", config_kind(&config));

@@ -78,7 +78,7 @@ pub(super) fn run(
         let _ = on_signal.send_event(Told::End);
     });
     if let Err(error) = watched {
-        tracing::info!("signals end the show as they end any program ({error})");
+        tracing::info!("signals cannot be caught and end the show at once ({error})");
     }
     let mut front = Front {
         proxy: event_loop.create_proxy(),
@@ -190,7 +190,7 @@ impl ApplicationHandler<Told> for Front {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         if self.ends_by.is_some_and(|until| Instant::now() >= until) {
-            tracing::info!("a driver keeps the show: nobody waits for it");
+            tracing::info!("a driver holds up the show: the program ends without it");
             event_loop.exit();
         }
     }
@@ -209,8 +209,8 @@ impl ApplicationHandler<Told> for Front {
             ending::begin_to_leave().leave(ending::asked_to_end().map_or(0, Signal::exit_code));
         }
         self.result = show.join().unwrap_or_else(|_| {
-            let reason = "the show ended by a panic; please report what stands above".to_owned();
-            Err(AppError::Window { doing: "to go on", reason })
+            let reason = "the show ended with a panic; please report the message above".to_owned();
+            Err(AppError::Window { doing: "to continue", reason })
         });
         drop(window);
     }

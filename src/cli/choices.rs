@@ -61,11 +61,11 @@ impl From<ToneMapChoice> for ToneMap {
 /// See [`mariana_player::track::Repeat`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum RepeatChoice {
-    /// The list, again and again
+    /// All tracks, again and again
     All,
     /// One track, again and again
     One,
-    /// Each track once; the window stays
+    /// Each track once; the window stays open
     Off,
 }
 

@@ -8,25 +8,30 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) =
         text.split_once(['x', 'X', '×']).ok_or("write it as WIDTHxHEIGHT, such as 1280x720")?;
     let side = |text: &str| {
-        let value: u32 = text.trim().parse().map_err(|_| format!("'{text}' is no whole number of pixels"))?;
+        let value: u32 =
+            text.trim().parse().map_err(|_| format!("'{text}' is not a whole number of pixels"))?;
         let (low, high) = (LIMITS.picture_side_min, LIMITS.picture_side_max);
         if (low..=high).contains(&value) {
             Ok(value)
         } else {
-            Err(format!("a side has {low} to {high} pixels"))
+            Err(format!("a side must have {low} to {high} pixels"))
         }
     };
     let (width, height) = (side(width)?, side(height)?);
     let pixels = u64::from(width) * u64::from(height);
     if pixels > LIMITS.picture_pixels_max {
-        return Err(format!("a picture has at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
+        return Err(format!("a picture can have at most {} pixels, not {pixels}", LIMITS.picture_pixels_max));
     }
     Ok((width, height))
 }
 
 fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is no number"))?;
-    if value >= low && value <= high { Ok(value) } else { Err(format!("it is from {low} to {high} {unit}")) }
+    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
+    if value >= low && value <= high {
+        Ok(value)
+    } else {
+        Err(format!("it must be from {low} to {high} {unit}"))
+    }
 }
 
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
@@ -35,7 +40,7 @@ pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
 
 pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
     match parse_seconds(text)? {
-        0.0 => Err("it is more than 0 seconds".into()),
+        0.0 => Err("it must be more than 0 seconds".into()),
         seconds => Ok(seconds),
     }
 }

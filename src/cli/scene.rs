@@ -25,10 +25,10 @@ pub(super) struct TapeArguments {
     /// A file, the name of a shipped scene, or a formula
     #[arg(value_name = "SCENE-OR-FORMULA", allow_hyphen_values = true)]
     scene: String,
-    /// The distance as GLSL instead
+    /// Print the distance as GLSL instead
     #[arg(long, conflicts_with = "dot")]
     glsl: bool,
-    /// The expression graph in Graphviz' language instead
+    /// Print the expression graph in Graphviz's language instead
     #[arg(long)]
     dot: bool,
 }
@@ -38,13 +38,13 @@ pub(super) struct EvalArguments {
     /// A file, the name of a shipped scene, or a formula
     #[arg(value_name = "SCENE-OR-FORMULA", allow_hyphen_values = true)]
     scene: String,
-    /// A point
+    /// A point at which to evaluate; can be given more than once
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true, required_unless_present = "points")]
     at: Vec<[f32; 3]>,
-    /// A file with a point in each line: x,y,z
+    /// A file with one point per line: x,y,z
     #[arg(long, value_name = "FILE", conflicts_with = "at")]
     points: Option<PathBuf>,
-    /// An input, such as "t=2", "volume.x=0.3", "band(3)=0.5" or a param of the scene; may be given again
+    /// An input, such as "t=2", "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once
     #[arg(long, value_name = "NAME=VALUE")]
     set: Vec<String>,
 }
@@ -199,7 +199,7 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
         setting.split_once('=').with_context(|| format!("--set '{setting}': write it as NAME=VALUE"))?;
     let name = name.trim();
     let value: f32 =
-        value.trim().parse().with_context(|| format!("--set '{setting}': '{value}' is no number"))?;
+        value.trim().parse().with_context(|| format!("--set '{setting}': '{value}' is not a number"))?;
     let band = name.strip_prefix("band(").and_then(|rest| rest.strip_suffix(')'));
     let place = match (name, SoundInput::named(name)) {
         ("t", _) => Some(&mut frame.time),
@@ -217,16 +217,16 @@ fn set_input(scene: &Scene, frame: &mut FrameInputs, setting: &str) -> anyhow::R
         let sounds: Vec<&str> = SoundInput::ALL.into_iter().map(SoundInput::name).collect();
         format!("t, {}, band(0) to band({}), and the scene's params", sounds.join(", "), BAND_COUNT - 1)
     };
-    *place
-        .with_context(|| format!("--set '{setting}': there is no input '{name}'; there are {}", known()))? =
-        value;
+    *place.with_context(|| {
+        format!("--set '{setting}': there is no input '{name}'; the inputs are {}", known())
+    })? = value;
     Ok(())
 }
 
 /// Hands on each point of a file.
 fn for_each_point(path: &Path, mut take: impl FnMut([f32; 3]) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let file = std::fs::File::open(path)
-        .with_context(|| format!("the points {} cannot be read: check the path", path.display()))?;
+        .with_context(|| format!("the points in {} cannot be read: check the path", path.display()))?;
     for (index, line) in BufReader::new(file).lines().enumerate() {
         let place = || format!("{}:{}", path.display(), index + 1);
         let line = line.with_context(|| format!("{}: the line cannot be read as text", place()))?;
@@ -240,5 +240,5 @@ fn for_each_point(path: &Path, mut take: impl FnMut([f32; 3]) -> anyhow::Result<
 fn parse_point(text: &str) -> Result<[f32; 3], String> {
     let numbers: Result<Vec<f32>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     let point = numbers.ok().and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
-    point.ok_or_else(|| format!("'{}' is no point: write three numbers as x,y,z", text.trim()))
+    point.ok_or_else(|| format!("'{}' is not a point: write three numbers as x,y,z", text.trim()))
 }

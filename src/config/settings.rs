@@ -56,7 +56,7 @@ pub enum SettingsError {
         path: PathBuf,
     },
     /// The system refuses.
-    #[error("the settings in {} cannot be {doing} ({reason}); check who may use that folder", path.display())]
+    #[error("the settings in {} cannot be {doing} ({reason}); check that folder's permissions", path.display())]
     System {
         /// The file.
         path: PathBuf,

@@ -24,7 +24,7 @@ pub enum ExportError {
     #[error(transparent)]
     World(#[from] WorldError),
     /// A moment after the song's end.
-    #[error("{name} ends at {end:.2} s: ask for a time before that instead of {asked} s")]
+    #[error("{name} ends at {end:.2} s: choose a time before that instead of {asked} s")]
     AfterTheEnd {
         /// The song.
         name: String,
@@ -42,7 +42,10 @@ pub enum ExportError {
         reason: String,
     },
     /// ffmpeg's temporary input, or the file of its messages, cannot be written.
-    #[error("files for ffmpeg cannot be written in {} ({reason}): set TMPDIR to a folder with room", .folder.display())]
+    #[error(
+        "files for ffmpeg cannot be written in {} ({reason}): set TMPDIR to a folder with enough space",
+        .folder.display()
+    )]
     Temporary {
         /// The folder for temporary files.
         folder: PathBuf,
@@ -65,8 +68,8 @@ pub enum ExportError {
     NoEncoder(std::io::Error),
     /// ffmpeg gave up.
     #[error(
-        "ffmpeg could not write {} ({message}): give -o a place with room and a name that ends in .mp4, .mkv or .mov"
-        , .path.display()
+        "ffmpeg could not write {} ({message}): give -o a place with enough space and a name that ends in .mp4, .mkv \
+         or .mov", .path.display()
     )]
     Encoder {
         /// The output.

@@ -153,7 +153,8 @@ impl Encoder {
             .iter()
             .any(|end| request.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(end)))
         {
-            let message = "that format is several files, which cannot take their places at once".to_owned();
+            let message =
+                "that format consists of several files, which cannot be put in place at once".to_owned();
             return Err(ExportError::Encoder { path: request.output.clone(), message });
         }
         let output = AtomicFile::create(&request.output)?;
@@ -231,7 +232,7 @@ impl Encoder {
             let url = file_url(output.temporary());
             tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
         }
-        let message = tail.lines().last().unwrap_or("it ended without a word").to_owned();
+        let message = tail.lines().last().unwrap_or("it ended without a message").to_owned();
         ExportError::Encoder { path: self.path.clone(), message }
     }
 }

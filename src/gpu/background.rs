@@ -158,7 +158,9 @@ impl BackgroundCompiler {
             let worker = std::thread::Builder::new().name("compiler".into());
             match worker.spawn(move || work(context, &queue, &sender, &library, &wake)) {
                 Ok(thread) => threads.push(thread),
-                Err(error) => tracing::warn!("no thread to compile on ({error}); one fewer does it"),
+                Err(error) => {
+                    tracing::warn!("no thread to compile on ({error}); the others go on without it")
+                }
             }
         }
         Self { queue, finished, threads, library: library.clone() }
@@ -201,11 +203,11 @@ impl Drop for BackgroundCompiler {
             // A driver cannot be interrupted, and may need minutes for a large scene. Nothing in its context belongs
             // to the window's, so the window's can go without it.
             if !thread.is_finished() {
-                tracing::info!("a driver is still compiling: nobody waits for it");
+                tracing::info!("a driver is still compiling: the program ends without it");
                 continue;
             }
             if thread.join().is_err() {
-                tracing::warn!("a compiling thread ended by a panic");
+                tracing::warn!("a compiling thread ended with a panic");
             }
         }
     }
@@ -231,7 +233,7 @@ fn work(
         let program = match &mut studio {
             // After a panic the caller must not wait for ever.
             Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(library, job))).unwrap_or_else(|_| {
-                Err(GpuError::NoWorker { reason: "making a program ended by a panic".into() })
+                Err(GpuError::NoWorker { reason: "making a program ended with a panic".into() })
             }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };

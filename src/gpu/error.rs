@@ -9,7 +9,7 @@ use mariana_field::world::WorldError;
 pub enum GpuError {
     /// No OpenGL without a window on this system.
     #[error(
-        "no OpenGL without a window is to be had here ({reason}): install a driver with EGL \
+        "OpenGL without a window is not available here ({reason}): install a driver with EGL \
          (Debian: libegl1 and libgl1-mesa-dri, which also bring a software renderer)"
     )]
     NoHeadlessContext {
@@ -29,7 +29,7 @@ pub enum GpuError {
     #[error(transparent)]
     Source(#[from] ShaderSourceError),
     /// The driver refused a shader.
-    #[error("the driver refuses {name}: correct the lines that it names\n{log}")]
+    #[error("the driver rejects {name}: correct the lines that it names\n{log}")]
     Compile {
         /// The shader file, or the program.
         name: String,
@@ -44,7 +44,7 @@ pub enum GpuError {
     DoesNotFit(#[from] DoesNotFit),
     /// The thread that compiles has no context.
     #[error(
-        "the driver gives no second context to compile in ({reason}): scenes are compiled between frames instead"
+        "the driver provides no second context to compile in ({reason}): scenes are compiled between frames instead"
     )]
     NoWorker {
         /// What the driver said.
@@ -60,7 +60,7 @@ pub enum GpuError {
     },
     /// A picture beyond what the driver can hold.
     #[error(
-        "a picture of {width}x{height} pixels is more than this driver takes ({limit} a side): ask for a smaller one"
+        "a picture of {width}x{height} pixels is more than this driver allows ({limit} a side): choose a smaller one"
     )]
     TooLarge {
         /// Asked width in pixels.

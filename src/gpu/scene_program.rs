@@ -77,7 +77,7 @@ pub enum DoesNotFit {
     },
     /// Its distance keeps more values at once than a tape has registers.
     #[error(
-        "the scene's distance keeps more than 256 values at once, which no tape of a region can: it is compiled instead"
+        "the scene's distance keeps more than 256 values at once, which no region's tape can do: it is compiled instead"
     )]
     Registers,
 }

@@ -36,7 +36,7 @@ pub enum ShaderSourceError {
     },
     /// No embedded file has that name.
     #[error(
-        "there is no shader file '{name}' (asked for by {asked_by}): correct the name in the #include line"
+        "there is no shader file '{name}' (included by {asked_by}): correct the name in the #include line"
     )]
     Unknown {
         /// The name as it was written.
@@ -45,7 +45,7 @@ pub enum ShaderSourceError {
         asked_by: String,
     },
     /// An include line that is not of the form `#include "name"`.
-    #[error("{file}:{line}: write the include as #include \"name.glsl\", a bare name without folders")]
+    #[error("{file}:{line}: write the include as #include \"name.glsl\", just a name, without folders")]
     BadInclude {
         /// The file with the line.
         file: String,

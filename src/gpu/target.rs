@@ -97,7 +97,7 @@ impl Target {
     ) -> Result<Self, GpuError> {
         Self::check_size(gl, size)?;
         if faults::strikes(Fault::NoTarget) {
-            let reason = "no memory is left (a fault that was asked for)".to_owned();
+            let reason = "no memory is left (a deliberate fault)".to_owned();
             return Err(GpuError::Object { what: "a render target", reason });
         }
         let framebuffer = Framebuffer::new(gl)?;

@@ -40,7 +40,7 @@ pub enum SceneError {
         max: usize,
     },
     /// The file is not UTF-8.
-    #[error("the scene {} is no text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
+    #[error("the scene {} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
     NotText {
         /// The file.
         path: PathBuf,

@@ -7,19 +7,19 @@ use std::path::{Component, Path, PathBuf};
 /// Why a scene does not get a file that it names. As text it continues "`name` cannot be ...: ".
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refusal {
-    #[error("it would leave the scene's folder")]
+    #[error("it would lead out of the scene's folder")]
     Leaves,
     #[error("it is a link that leads out of the scene's folder")]
     LinkOut,
     #[error("there is no such file in the scene's folder")]
     Missing,
-    #[error("it is no file")]
+    #[error("it is not a file")]
     NoFile,
     #[error("the system refuses it: {0}")]
     Unreadable(String),
     #[error("it is larger than {0} bytes")]
     TooLarge(usize),
-    #[error("it is no text: byte {0} is not UTF-8")]
+    #[error("it is not text: byte {0} is not UTF-8")]
     NotText(usize),
 }
 

@@ -287,7 +287,7 @@ where
         self.current = Some(Current { source: source.clone(), seen: looks });
         match outcome {
             Ok((value, files)) => (self.publish)(Loaded { source, value, files }),
-            Err(_) => tracing::error!("loading {} failed inside: a mistake of the program", source.name()),
+            Err(_) => tracing::error!("loading {} failed: this is a bug in Mariana", source.name()),
         }
     }
 }

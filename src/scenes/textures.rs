@@ -123,8 +123,8 @@ fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
             format!("put it there, or use one that is shipped: {}", shipped.join(", ")),
         ),
         SceneSource::Shipped(_) | SceneSource::Formula(_) => (
-            format!("no picture `{name}` is shipped"),
-            format!("use one of {}, or save the scene as a file beside your pictures", shipped.join(", ")),
+            format!("there is no shipped picture `{name}`"),
+            format!("use one of {}, or save the scene as a file next to your pictures", shipped.join(", ")),
         ),
     };
     let mut names = source.file().map_or_else(Vec::new, |file| Folder::of(file).beside(name));
@@ -163,11 +163,11 @@ fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaIma
     let format = match image::guess_format(bytes) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
         Ok(other) => {
-            let message = format!("`{name}` is a picture of the format {other:?}, which is not read");
+            let message = format!("`{name}` is a picture in the format {other:?}, which is not supported");
             return Err(diagnostic(Diagnostic::unsupported, message, "save it as PNG or JPEG"));
         }
         Err(_) => {
-            let message = format!("`{name}` is no picture that is known");
+            let message = format!("`{name}` is not a picture in a known format");
             return Err(diagnostic(Diagnostic::new, message, "name a PNG or JPEG file"));
         }
     };
@@ -179,7 +179,7 @@ fn decode(texture: &TextureRef, bytes: &[u8], limits: &Limits) -> Result<RgbaIma
     let (side, pixels) = (limits.texture_side_max, limits.texture_pixels_max);
     if width > side || height > side || u64::from(width) * u64::from(height) > pixels {
         let message = format!("the picture `{name}` is too large: {width} x {height} pixels");
-        let hint = format!("scale it down to no more than {side} a side and {pixels} in all");
+        let hint = format!("scale it down to no more than {side} pixels a side and {pixels} in all");
         return Err(diagnostic(Diagnostic::over_limit, message, &hint));
     }
     // How the camera was held is stored beside the pixels.

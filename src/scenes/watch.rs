@@ -125,7 +125,7 @@ impl Watch {
     fn tell_blindness(&mut self, reason: &str) {
         if !std::mem::replace(&mut self.told, true) {
             tracing::warn!(
-                "the system does not tell of changed scenes ({reason}): they are looked at instead"
+                "the system does not report changed scenes ({reason}): they are checked repeatedly instead"
             );
         }
     }

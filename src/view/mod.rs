@@ -62,19 +62,19 @@ pub const VIEWS: [ViewRow; 9] = [
         View::Steps,
         "steps",
         "steps of the ray from the eye, blue to red",
-        Some("the count that is red, else 100"),
+        Some("the count shown in red, 100 by default"),
     ),
     row(
         View::Slice,
         "slice",
-        "the distance on a plane through what the camera looks at, in lines",
+        "the distance on a plane through what the camera looks at, as lines",
         Some("the distance between two lines"),
     ),
     row(
         View::Normals,
         "normals",
         "directions of the surfaces, by differences of the distance",
-        Some("the length of a difference, else a share of the pixel"),
+        Some("the length of a difference, by default a share of the pixel"),
     ),
     row(View::Shadow, "shadow", "the share of the lamps' light that arrives", None),
     row(View::Occlusion, "occlusion", "the share of the light from everywhere that arrives", None),
@@ -82,11 +82,11 @@ pub const VIEWS: [ViewRow; 9] = [
         View::Clauses,
         "clauses",
         "clauses that the interpreter runs; evaluations if compiled",
-        Some("the count that is red"),
+        Some("the count shown in red"),
     ),
     row(View::Cells, "cells", "the cells of the regions, and how long their tapes are", None),
     row(View::Materials, "materials", "a colour for each object", None),
-    row(View::Depth, "depth", "the way to the surface", Some("the way that is black")),
+    row(View::Depth, "depth", "the distance to the surface", Some("the distance shown in black")),
 ];
 
 /// Range of the number after a view's name.
@@ -105,13 +105,13 @@ pub struct ViewChoice {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoView {
     /// There is no view of that name.
-    #[error("there is no view '{0}'; there are {names}", names = names())]
+    #[error("there is no view '{0}'; the views are {names}", names = names())]
     Unknown(String),
     /// It takes no number.
-    #[error("the view '{0}' takes no number: leave ':{1}' away")]
+    #[error("the view '{0}' takes no number: leave out ':{1}'")]
     TakesNone(&'static str, String),
     /// What follows the colon is not a number.
-    #[error("'{1}' after '{0}:' is no number: write it as {0}:0.5")]
+    #[error("'{1}' after '{0}:' is not a number: write it as {0}:0.5")]
     NoNumber(&'static str, String),
     /// The number is out of its range.
     #[error("{1} after '{0}:' is out of range: write a number from 0.00001 to 1000000")]

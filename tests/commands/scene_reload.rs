@@ -273,7 +273,7 @@ fn a_mistake_is_shown_and_its_correction_too() {
     place.shows(2.0, 3);
     place.write("main.scene", [0xff, 0xfe]);
     let wrong = place.result().value.unwrap_err();
-    assert!(wrong.contains("is no text"), "{wrong}");
+    assert!(wrong.contains("is not text"), "{wrong}");
     place.write("main.scene", at(3.0));
     place.shows(3.0, 5);
 }

@@ -132,7 +132,7 @@ fn shipped_scenes_and_formulas_read_shipped_pictures() {
     assert!(*formula.textures(&scene).unwrap()[0] == asset("mallard.png"));
     let formula = SceneSource::Formula(text(&["Cargo.toml"]));
     let wrong = formula.textures(&formula.compile().unwrap().scene.unwrap()).unwrap_err();
-    assert_eq!(wrong[0].message, "no picture `Cargo.toml` is shipped");
+    assert_eq!(wrong[0].message, "there is no shipped picture `Cargo.toml`");
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn a_copy_of_a_shipped_scene_finds_shipped_pictures_unless_its_folder_has_its_ow
     assert_eq!(place.textures(&["wood.png"]).unwrap()[0].dimensions(), (2, 2));
     // One's own that is broken is not passed over in silence.
     place.write("wood.png", "none");
-    assert_eq!(place.refused("wood.png").1, "`wood.png` is no picture that is known");
+    assert_eq!(place.refused("wood.png").1, "`wood.png` is not a picture in a known format");
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn every_refusal_has_its_own_sentence() {
     let none = |name: &str| {
         (
             Fault::Malformed,
-            format!("`{name}` is no picture that is known"),
+            format!("`{name}` is not a picture in a known format"),
             "name a PNG or JPEG file".to_owned(),
         )
     };
@@ -196,7 +196,7 @@ fn every_refusal_has_its_own_sentence() {
     let (fault, message, _) = told("bytes.png");
     assert_eq!(fault, Fault::OverLimit);
     assert_eq!(message, "the picture `bytes.png` cannot be read: it is larger than 33554432 bytes");
-    assert_eq!(told("sub").1, "the picture `sub` cannot be read: it is no file");
+    assert_eq!(told("sub").1, "the picture `sub` cannot be read: it is not a file");
 }
 
 #[test]

@@ -18,8 +18,8 @@ use mariana_testing::wave::write_wav;
 const SMALL: [&str; 5] = ["--silent", "--size", "160x90", "--scene", "length(p) - 1"];
 
 /// What is said of a display that goes.
-const DISPLAY_LOST: &str = "mariana: the window is gone, as its display has ended or broken the connection: start Mariana \
-                            in a running session\n";
+const DISPLAY_LOST: &str = "mariana: the window is gone because its display ended or closed the connection: start \
+                            Mariana in a running session\n";
 
 /// How long the program may take to find that out.
 const END_LIMIT: Duration = Duration::from_secs(30);

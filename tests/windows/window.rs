@@ -302,7 +302,7 @@ fn a_song_loops_or_ends_as_asked_and_without_a_sound_server_keeps_real_time() {
     let took = begin.elapsed().as_secs_f64();
     assert!(status.success(), "{status}: {told}");
     assert!(took > 0.9 * seconds && took < seconds + 1.5, "{seconds} s of song took {took} s");
-    assert_eq!(told.matches("the song runs without sound: ").count(), 1, "{told}");
+    assert_eq!(told.matches("the song plays without sound: ").count(), 1, "{told}");
 
     let app = desktop.open(&song, &["--size", SMALL]);
     std::thread::sleep(Duration::from_secs_f64(2.2 * seconds));
@@ -324,7 +324,7 @@ fn a_sound_server_that_dies_does_not_take_the_picture_along() {
     wait_for_level(&recorder, "sound", is_loud);
     assert_eq!(app.told(), "");
     server.kill();
-    app.wait_until_told("the song runs without sound: ");
+    app.wait_until_told("the song plays without sound: ");
     app.wait_for_title("no sound device", |title| title.contains("no sound device"));
     std::thread::sleep(Duration::from_secs(2));
     assert_moves(&app);

@@ -131,7 +131,7 @@ fn a_scene_that_took_minutes_for_a_picture_kept_the_window_and_the_last_good_sce
         wait_until("another picture", || app.picture() != picture);
     }
     let told = app.told();
-    assert!(told.contains("clauses") && told.contains("make it of fewer or simpler parts"), "{told}");
+    assert!(told.contains("clauses") && told.contains("use fewer or simpler parts"), "{told}");
     app.press(&["space"]);
     app.wait_for_title("the scene before, paused", |title| title.contains("own") && title.contains("paused"));
     let answers = pings.stop();

@@ -536,7 +536,7 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     let mut app = place.open_tiny("own.scene", &["--sdf", "compiled", "-v"]);
     wait_for_color(&app, "the first scene", SEEN_RED);
     app.press(&["n"]);
-    app.wait_until_told("own2 is asked for, compiled");
+    app.wait_until_told("own2 is requested, compiled");
     // Meanwhile it draws in another size, as before.
     app.xdotool(&["windowsize", app.window(), "40", "50"]);
     app.wait_for_size((40, 50));

@@ -93,7 +93,7 @@ pub fn list_devices() -> DeviceReport {
                     RecvTimeoutError::Timeout => {
                         problem(format!("no answer within {} s", HOST_LIMIT.as_secs()))
                     }
-                    RecvTimeoutError::Disconnected => problem("it failed while it was asked".into()),
+                    RecvTimeoutError::Disconnected => problem("it failed when it was queried".into()),
                 }),
             }
         })

@@ -56,8 +56,8 @@ pub enum DeviceError {
     NoDevice(Direction),
     /// The device asked for is not there.
     #[error(
-        "there is no sound {direction} called '{name}'; 'mariana devices' lists those that are there, and it is used as \
-         soon as it comes"
+        "there is no sound {direction} called '{name}'; 'mariana devices' lists those that exist, and this one is used \
+         as soon as it appears"
     )]
     UnknownDevice {
         /// Which way the sound should go.
@@ -75,7 +75,7 @@ pub enum DeviceError {
     },
     /// What the computer plays cannot be recorded here.
     #[error(
-        "what the computer plays can be listened to through PulseAudio or PipeWire only, and neither answers; install and \
+        "what the computer plays can only be heard through PulseAudio or PipeWire, and neither answers; install and \
          start one (the package is pipewire-pulse or pulseaudio), or use --mic"
     )]
     NoLoopback,
@@ -102,7 +102,8 @@ pub enum DeviceError {
     },
     /// The device supports none of the sample formats that the program understands.
     #[error(
-        "the sound {direction} {device} has only {format} samples, which are not supported; choose another with --device"
+        "the sound {direction} {device} offers only {format} samples, which are not supported; choose another with \
+         --device"
     )]
     Format {
         /// Which way the sound should go.
@@ -114,8 +115,8 @@ pub enum DeviceError {
     },
     /// The device's rate is beyond the limits.
     #[error(
-        "the sound {direction} {device} has {rate} samples per second, but only {} to {} are supported; choose another \
-         with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
+        "the sound {direction} {device} runs at {rate} samples per second, but only {} to {} are supported; choose \
+         another with --device", MUSIC_LIMITS.sample_rate_min, MUSIC_LIMITS.sample_rate_max
     )]
     Rate {
         /// Which way the sound should go.
@@ -154,7 +155,7 @@ pub enum DeviceError {
         reason: String,
     },
     /// The device stopped asking for samples, or delivering any.
-    #[error("the sound {0} stands still; check the device or the sound server")]
+    #[error("the sound {0} has stalled; check the device or the sound server")]
     Stalled(Direction),
     /// The system could not start a thread.
     #[error("no thread could be started for the sound {direction} ({reason}); close other programs")]

@@ -38,7 +38,7 @@ pub(crate) fn is_server(host: cpal::HostId) -> bool {
 pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]
     if let Err(error) = alsa::Output::local_error_handler() {
-        tracing::debug!("libasound goes on printing: {error}");
+        tracing::debug!("libasound's own messages cannot be silenced: {error}");
     }
 }
 
@@ -110,7 +110,7 @@ pub(crate) fn for_playback(device: cpal::Device) -> Result<(cpal::Device, Playba
     };
     let connection = PlaybackConnection(Some((host.clone(), at_server)));
     let same = host.device_by_id(&id).filter(|device| device.supports_output());
-    let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it has just gone");
+    let gone = || cpal::Error::with_message(cpal::ErrorKind::DeviceNotAvailable, "it has just disappeared");
     Ok((same.ok_or_else(gone)?, connection))
 }
 

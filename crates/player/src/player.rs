@@ -351,7 +351,7 @@ impl Drop for Player {
         self.supervisor = None;
         let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
         if !decoded || !self.listing.join_within(END_LIMIT) {
-            tracing::warn!("the decoding of the song does not end; it is left behind");
+            tracing::warn!("the decoding of the song does not end and is abandoned");
         }
     }
 }

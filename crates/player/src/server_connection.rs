@@ -50,7 +50,7 @@ impl ServerConnection {
         if let Some(client) = asking.as_ref().filter(|_| is_there)
             && let Err(error) = block_on(client.kill_client(self.client))
         {
-            tracing::debug!("the sound server does not end a connection: {error}");
+            tracing::debug!("the sound server does not close a connection: {error}");
         }
     }
 }

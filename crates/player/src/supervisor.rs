@@ -144,7 +144,7 @@ impl DeviceThread {
         // On a thread of its own, because the server need not answer either.
         let ending = connection.map(|connection| Worker::spawn("sound connection", move || connection.end()));
         if ending.is_none_or(|ending| ending.is_err()) || !worker.join_within(CLOSE_LIMIT) {
-            tracing::warn!("a sound device does not close; it is left behind");
+            tracing::warn!("a sound device does not close and is abandoned");
         }
     }
 }
@@ -439,7 +439,8 @@ impl<P: Port> Watch<P> {
         let (stand_in, note) = match self.port.stand_in() {
             Ok(stood_in) => stood_in,
             Err(error) => {
-                lock(&self.status).silent = Some(format!("{reason}; and nothing stands in: {error}"));
+                lock(&self.status).silent =
+                    Some(format!("{reason}; and the silent clock could not replace it: {error}"));
                 (None, P::Note::default())
             }
         };

@@ -84,7 +84,7 @@ fn everything_shows_at_once_and_inside_the_window() {
             notice: Some(Notice { text: "compiled", since: Instant::now() }),
             params: Some(&mut sliders),
             help: true,
-            hint: Some("no sound from a long name; the monitor of another long name has signal: press D"),
+            hint: Some("no sound from a long name; the monitor of another long name has a signal: press D"),
             sources: Some(SourceList { names: vec!["the song".into(), "Mic".into()], present: Some(1) }),
         };
         let mut stage = Stage::new(screen);

@@ -172,7 +172,7 @@ impl SceneStage {
             format!("{} is too much for this machine; the last good scene stays", dear.source.title());
         // One line each: a small window has no room for long ones.
         let text = format!(
-            "{why}; {:.0} s is the most that is waited for\n{}\nmake it of fewer or simpler parts, or the window smaller",
+            "{why}; the limit is {:.0} s\n{}\nuse fewer or simpler parts, or make the window smaller",
             LIMITS.picture_seconds_max,
             what_is_dear(dear)
         );
@@ -186,7 +186,7 @@ fn what_is_dear(cast: &Cast) -> String {
     let world = cast.resources.world();
     let mut what = vec![format!("its distance has {} clauses", cast.resources.buffers().cost.distance)];
     if world.steep {
-        what.push("its formula is no distance, so that rays go in small steps".to_owned());
+        what.push("its formula is not a distance, so rays take small steps".to_owned());
     }
     if world.scene.lights.len() > 1 {
         what.push(format!("it has {} lights", world.scene.lights.len()));

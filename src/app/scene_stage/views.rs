@@ -118,7 +118,7 @@ impl SceneStage {
     /// Shows the same view with a larger or smaller number.
     pub(crate) fn step_view(&mut self, larger: bool) {
         let Some(choice) = self.views.choice else {
-            return self.tell("numbers are for views: V shows them".to_owned());
+            return self.tell("only views have a number: press V for a view".to_owned());
         };
         if choice.view.row().number.is_none() {
             return self.tell(format!("the view {choice} has no number"));
@@ -139,7 +139,7 @@ impl SceneStage {
         self.tell(match choice {
             None => "the picture".to_owned(),
             Some(choice) if ready.is_some() => format!("view: {choice}"),
-            Some(choice) => format!("view: {choice}; the driver is at it"),
+            Some(choice) => format!("view: {choice}; the driver is preparing it"),
         });
     }
 
@@ -168,7 +168,7 @@ impl SceneStage {
             }
         };
         job.draws_views = true;
-        tracing::info!("views of {} are asked for, {mode}", cast.source.title());
+        tracing::info!("views of {} are requested, {mode}", cast.source.title());
         self.submit(job, Task::Views(wanted));
     }
 
@@ -194,7 +194,7 @@ impl SceneStage {
         let was_off = self.hand == OrbitControls::OFF;
         change(&mut self.hand, self.own_pitch);
         if was_off && self.hand != OrbitControls::OFF {
-            self.tell("the camera is in your hand: Home gives it back".to_owned());
+            self.tell("you are moving the camera: press Home to return to the scene's own".to_owned());
         }
         self.revision += 1;
     }

@@ -36,7 +36,7 @@ impl SceneStage {
             self.on_stage.as_ref().is_some_and(|cast| wanted == Mode::Compiled || cast.interpreter.is_some());
         self.tell(match now {
             Some(now) if now == wanted => now.to_string(),
-            _ if possible => format!("{wanted}: the driver is at it"),
+            _ if possible => format!("{wanted}: the driver is preparing it"),
             _ => "the tape does not fit this driver: the scene stays compiled".to_owned(),
         });
         self.revision += 1;

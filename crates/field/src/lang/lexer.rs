@@ -124,7 +124,7 @@ impl Lexer<'_> {
             None => {
                 self.at += 2;
                 let open = Diagnostic::new(self.span(start), "this comment is never closed");
-                self.diagnostics.push(open.hint("end it with `*/`, or begin it with `#`"));
+                self.diagnostics.push(open.hint("end it with `*/`, or start it with `#`"));
                 self.at = self.bytes.len();
             }
         }
@@ -273,7 +273,7 @@ impl Lexer<'_> {
             '[' | ']' => "an element is taken with a dot or a call, as in `volume.x` and `band(3)`",
             '&' => "write `&&`",
             '|' => "write `||`",
-            '\'' | '\u{201c}' | '\u{201d}' | '\u{201e}' => "texts stand between `\"`",
+            '\'' | '\u{201c}' | '\u{201d}' | '\u{201e}' => "text goes between `\"`",
             '²' | '³' => "a power is written `x^2`",
             _ if first.is_alphabetic() => "names are made of the letters a to z, digits and `_`",
             _ => "leave it out",

@@ -57,7 +57,7 @@ impl Loader<'_, '_> {
                 self.sources.add(name, "");
                 Span::default()
             });
-            let message = format!("the scene is larger than {max} bytes, its includes counted");
+            let message = format!("the scene is larger than {max} bytes, counting its includes");
             let hint = "split it into scenes, or let `fn` and `for` repeat what is alike";
             return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
         };
@@ -92,7 +92,7 @@ impl Loader<'_, '_> {
                 self.open.iter().skip(position).map(|one| format!("`{one}`")).collect();
             circle.push(format!("`{name}`"));
             let message = format!("files include each other in a circle: {}", circle.join(" includes "));
-            return self.diagnostics.push(Diagnostic::new(span, message).hint("leave this `include` out"));
+            return self.diagnostics.push(Diagnostic::new(span, message).hint("leave out this `include`"));
         }
         // Once no more mistakes are kept, no more files are requested: a text that consists of failing includes then
         // costs no more than any other.
@@ -102,7 +102,7 @@ impl Loader<'_, '_> {
         let (depth, count) = (self.limits.include_depth_max, self.limits.scene_includes_max);
         if self.open.len() >= depth {
             let message = format!("files include each other more than {depth} deep");
-            let hint = "include the file from one nearer to the scene";
+            let hint = "include this file from one nearer to the scene";
             return self.diagnostics.push(Diagnostic::over_limit(span, message).hint(hint));
         }
         if self.loaded.includes.len() >= count {

@@ -6,18 +6,18 @@ pub(super) fn checked(path: &str) -> Result<String, (&'static str, &'static str)
         return Err(("this file has no name", "write the file's name in the quotes"));
     }
     if path.contains(char::is_control) {
-        return Err(("a file's name holds no control characters", "rename the file"));
+        return Err(("a file's name must not contain control characters", "rename the file"));
     }
     if path.contains('\\') {
         return Err(("folders are separated by `/` on every system", "write `/` instead of `\\`"));
     }
     let inside = "put the file into the scene's folder and name it from there";
     if path.starts_with('/') || path.contains(':') {
-        return Err(("a scene reads no absolute paths", inside));
+        return Err(("a scene cannot read absolute paths", inside));
     }
     let parts: Vec<&str> = path.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
     if parts.contains(&"..") {
-        return Err(("a scene reads nothing outside its own folder", inside));
+        return Err(("a scene cannot read anything outside its own folder", inside));
     }
     if parts.is_empty() {
         return Err(("this file has no name", "write the file's name in the quotes"));

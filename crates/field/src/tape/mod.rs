@@ -61,7 +61,7 @@ pub enum TapeError {
     },
     /// More outputs than the limit, or than there are registers.
     #[error(
-        "a tape with {count} outputs was asked for, but at most {max} can be kept at once; ask for fewer"
+        "a tape with {count} outputs was requested, but at most {max} can be kept at once; request fewer"
     )]
     TooManyOutputs {
         /// Outputs requested.

@@ -64,7 +64,7 @@ pub enum WorldError {
     },
     /// The generated GLSL is not well formed.
     #[error(
-        "the GLSL generated for {scene} is refused before the driver sees it: this is a fault of Mariana; show the \
+        "the GLSL generated for {scene} is invalid: this is a bug in Mariana; show the \
          scene with --sdf interpreted and report it\n{reason}"
     )]
     Refused {

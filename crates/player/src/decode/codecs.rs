@@ -36,14 +36,15 @@ pub(super) fn make(name: &str, params: &AudioCodecParameters) -> Result<Box<dyn 
     let options = AudioDecoderOptions::default();
     match contained(name, || REGISTRY.make_audio_decoder(&params, &options))? {
         Ok(decoder) => Ok(decoder),
-        Err(Error::DecodeError(what)) => {
-            Err(DecodeError::Damaged { name: name.into(), what: format!("the codec's setup ({what})") })
-        }
+        Err(Error::DecodeError(what)) => Err(DecodeError::Damaged {
+            name: name.into(),
+            what: format!("its codec cannot be set up ({what})"),
+        }),
         Err(_) => Err(DecodeError::UnsupportedCodec {
             name: name.into(),
             codec: match params.codec {
                 id::CODEC_ID_AAC if channels > 2 => format!("AAC with {channels} channels"),
-                id::CODEC_ID_AAC => "AAC of another profile than LC (such as HE-AAC)".into(),
+                id::CODEC_ID_AAC => "AAC with a profile other than LC (such as HE-AAC)".into(),
                 id::CODEC_ID_OPUS => format!("Opus with {channels} channels"),
                 codec => codec_name(codec).into(),
             },
@@ -68,7 +69,7 @@ fn codec_name(codec: AudioCodecId) -> &'static str {
         id::CODEC_ID_TTA => "True Audio",
         id::CODEC_ID_ADPCM_G722 => "G.722 ADPCM",
         id::CODEC_ID_ADPCM_G726 | id::CODEC_ID_ADPCM_G726LE => "G.726 ADPCM",
-        _ => "a codec without a decoder here",
+        _ => "an unsupported codec",
     }
 }
 

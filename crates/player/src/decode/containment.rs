@@ -19,7 +19,7 @@ pub(super) fn contained<T>(name: &str, run: impl FnOnce() -> T) -> Result<T, Dec
             .downcast_ref::<&str>()
             .map(ToString::to_string)
             .or_else(|| payload.downcast_ref::<String>().cloned())
-            .unwrap_or_else(|| "without a message".into());
+            .unwrap_or_else(|| "it gave no message".into());
         DecodeError::CodecFailure { name: name.into(), what }
     })
 }

@@ -29,7 +29,7 @@ pub enum DecodeError {
         path: PathBuf,
     },
     /// The file may not be read by this user.
-    #[error("{} may not be read by this user; change its permissions", .path.display())]
+    #[error("{} cannot be read by this user; change its permissions", .path.display())]
     NoPermission {
         /// The path as given.
         path: PathBuf,
@@ -89,7 +89,7 @@ pub enum DecodeError {
         what: String,
     },
     /// More than [`crate::limits::LIMITS`] allow.
-    #[error("{name} has {what}, the limit is {limit}; convert the file to stay within it")]
+    #[error("{name} has {what}, but the limit is {limit}; convert the file to stay within it")]
     OverLimit {
         /// The file's name.
         name: String,

@@ -409,10 +409,9 @@ fn choose_track(name: &str, format: &dyn FormatReader) -> Result<Chosen, DecodeE
         let made = match &track.codec_params {
             Some(CodecParameters::Audio(params)) => codecs::make(name, params).map(|codec| (params, codec)),
             // A codec that the demuxer does not know may still be an audio codec.
-            None => Err(DecodeError::UnsupportedCodec {
-                name: name.into(),
-                codec: "a codec that is not known here".into(),
-            }),
+            None => {
+                Err(DecodeError::UnsupportedCodec { name: name.into(), codec: "an unknown codec".into() })
+            }
             Some(_) => continue,
         };
         match made {

@@ -239,7 +239,7 @@ impl Drop for Live {
         self.ear.stop.store(true, Ordering::Relaxed);
         self.listener.wake();
         if !self.listener.join_within(END_LIMIT) {
-            tracing::warn!("the listening thread does not end; it is left behind");
+            tracing::warn!("the listening thread does not end and is abandoned");
         }
     }
 }
@@ -259,7 +259,7 @@ fn diagnosis(name: &str, suggestion: Option<&ListedDevice>) -> String {
             let known = other.name.to_lowercase().starts_with("monitor of");
             let article = if other.is_monitor() { if known { "the " } else { "the monitor " } } else { "" };
             let words = if known { other.name.replacen("Monitor", "monitor", 1) } else { other.name.clone() };
-            format!("no sound from {name}; {article}{words} has signal: press D")
+            format!("no sound from {name}; {article}{words} has a signal: press D")
         }
         None => format!("no sound from {name}: play something, or press D for another source"),
     }
@@ -278,9 +278,9 @@ mod tests {
         let told = |other: Option<&ListedDevice>| diagnosis("Mic", other);
         assert_eq!(
             told(Some(&entry("p:hdmi.monitor", "Monitor of HDMI"))),
-            "no sound from Mic; the monitor of HDMI has signal: press D"
+            "no sound from Mic; the monitor of HDMI has a signal: press D"
         );
-        assert_eq!(told(Some(&entry("p:usb", "USB"))), "no sound from Mic; USB has signal: press D");
+        assert_eq!(told(Some(&entry("p:usb", "USB"))), "no sound from Mic; USB has a signal: press D");
         assert!(told(None).contains("press D"));
     }
 

@@ -272,7 +272,7 @@ impl Decoding {
                 Found::Track(track) => self.replace(track),
                 Found::Again => {}
                 Found::End => {
-                    self.troubles.tell("the list ends here; press the key for repeating to go round".into());
+                    self.troubles.tell("the list ends here; press L to repeat it".into());
                     return false;
                 }
                 // What is wrong has been reported already.

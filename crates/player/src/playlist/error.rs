@@ -34,7 +34,7 @@ pub enum PlaylistError {
         what: String,
     },
     /// The list or folder is empty.
-    #[error("{name} holds no tracks; name files, or a folder or a list that has some")]
+    #[error("{name} holds no tracks; choose files, or a folder or list that has some")]
     Empty {
         /// The list's or folder's name.
         name: String,
@@ -48,7 +48,7 @@ pub enum PlaylistError {
         name: String,
     },
     /// An entry is a network address.
-    #[error("{address} in {list} is an address, which is not supported; save what is there to a file first")]
+    #[error("{address} in {list} is a network address, which is not supported; download it to a file first")]
     Address {
         /// The address.
         address: String,
@@ -56,13 +56,13 @@ pub enum PlaylistError {
         list: String,
     },
     /// A list contains itself, perhaps by way of others.
-    #[error("{name} contains itself, which is left out; correct the list that names it")]
+    #[error("{name} contains itself, and that entry is left out; correct the list that names it")]
     Circular {
         /// The list's name.
         name: String,
     },
     /// A list has more bytes than allowed.
-    #[error("{name} is larger than a list may be ({limit} bytes); split it")]
+    #[error("{name} is too large for a list (more than {limit} bytes); split it")]
     TooLarge {
         /// The list's name.
         name: String,
@@ -70,7 +70,7 @@ pub enum PlaylistError {
         limit: u64,
     },
     /// There is more of something than allowed.
-    #[error("there are more than {limit} {what}; the others are left out: give fewer at a time")]
+    #[error("there are more than {limit} {what}; the rest are left out: open fewer at a time")]
     TooMany {
         /// What there is too much of.
         what: &'static str,
@@ -78,7 +78,7 @@ pub enum PlaylistError {
         limit: usize,
     },
     /// Lists within lists, or folders within folders, are nested deeper than the limit.
-    #[error("{name} lies deeper than {limit} levels and is left out; name it directly")]
+    #[error("{name} is nested more than {limit} levels deep and is left out; open it directly")]
     TooDeep {
         /// The name of the list or folder.
         name: String,
@@ -86,7 +86,7 @@ pub enum PlaylistError {
         limit: usize,
     },
     /// None of the tracks can be played.
-    #[error("none of the {count} tracks can be played; check their paths, the last one says: {last}")]
+    #[error("none of the {count} tracks can be played; check their paths; the last error was: {last}")]
     NothingPlayable {
         /// How many tracks there are.
         count: usize,

@@ -68,7 +68,7 @@ impl Kind {
     pub fn read(self, path: &Path, bytes: &[u8]) -> Result<Vec<Item>, PlaylistError> {
         let name = || name_of(path);
         let malformed = |what: &str| PlaylistError::NotAList { name: name(), what: what.to_owned() };
-        let lines = lines(bytes).ok_or_else(|| malformed("it holds no text"))?;
+        let lines = lines(bytes).ok_or_else(|| malformed("it is not text"))?;
         let base = path.parent().unwrap_or(Path::new(""));
         let items = match self {
             Self::M3u if lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {

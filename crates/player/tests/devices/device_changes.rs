@@ -218,7 +218,7 @@ fn a_flat_input_is_told_and_where_there_is_signal() {
         status.suggestion.as_ref().is_some_and(|entry| entry.id.ends_with("other.monitor"))
     });
     let told = live.status().flat.unwrap();
-    assert!(told.contains("the monitor of") && told.contains("has signal: press D"), "{told}");
+    assert!(told.contains("the monitor of") && told.contains("has a signal: press D"), "{told}");
     let suggestion = live.status().suggestion.unwrap();
     live.choose(Target::Named(suggestion.id));
     wait_for_live(&mut live, "the sound", hears("other.monitor"));

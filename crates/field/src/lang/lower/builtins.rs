@@ -69,7 +69,7 @@ impl Lowering<'_> {
                 let arguments = vectors.iter().flatten();
                 let types: Vec<&str> = arguments.map(|&vector| Value::Vector(vector).described()).collect();
                 let message =
-                    format!("`{}` needs vectors of one size, not {}", row.name, types.join(" and "));
+                    format!("`{}` needs vectors of the same size, not {}", row.name, types.join(" and "));
                 let hint = format!("it is declared as `{}({})`", row.name, row.parameters);
                 self.report(Diagnostic::new(span, message).hint(hint))
             }
@@ -120,7 +120,7 @@ impl Lowering<'_> {
         match parts.get(..len).and_then(Vector::from_slice) {
             Some(vector) if fit => Value::Vector(vector),
             _ => {
-                let message = format!("`{name}` needs {len} numbers, and here are {count}");
+                let message = format!("`{name}` needs {len} numbers, but gets {count}");
                 let hint = format!("write one number for all, or numbers and vectors that make up {len}");
                 self.report(Diagnostic::new(span, message).hint(hint))
             }

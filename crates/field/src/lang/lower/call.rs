@@ -61,8 +61,8 @@ impl Lowering<'_> {
         };
         let span = self.ast.span(id);
         if !takes_loops {
-            let message = format!("`{}` takes no loop", self.name(name));
-            let hint = "loops stand in `union`, `intersect`, `subtract`, their `smooth_` forms, `min`, `max`, `sum`, `product`";
+            let message = format!("`{}` cannot take a loop", self.name(name));
+            let hint = "loops go in `union`, `intersect`, `subtract`, their `smooth_` forms, `min`, `max`, `sum`, `product`";
             let value = self.report(Diagnostic::unsupported(span, message).hint(hint));
             self.arguments.push(value);
             return;
@@ -76,7 +76,7 @@ impl Lowering<'_> {
         };
         let max = self.limits.scene_loop_max;
         if end - start > max as i64 {
-            let message = format!("this loop has {} rounds, and {max} is the most", end - start);
+            let message = format!("this loop has {} rounds, but {max} is the maximum", end - start);
             let value = self.report(
                 Diagnostic::over_limit(span, message).hint("repeat space instead: `repeat(p, size)`"),
             );
@@ -111,13 +111,13 @@ impl Lowering<'_> {
         };
         let Some(value) = value else {
             let wrong = Diagnostic::unsupported(span, "a loop's bounds must be known before the scene runs");
-            self.report(wrong.hint("write whole numbers; to leave rounds out use `if` in the loop"));
+            self.report(wrong.hint("write whole numbers; to leave out rounds use `if` in the loop"));
             return None;
         };
         if value.fract() != 0.0 || value.abs() > 1e6 {
             self.report(Diagnostic::new(
                 span,
-                format!("a loop counts in small whole numbers, and this is {value}"),
+                format!("a loop counts in small whole numbers, but this is {value}"),
             ));
             return None;
         }
@@ -135,7 +135,7 @@ impl Lowering<'_> {
             let text = self.name(name);
             let message = match tail {
                 0 => format!("`{text}` of nothing has no value"),
-                _ => format!("`{text}` needs shapes and behind them the radius of the blend"),
+                _ => format!("`{text}` needs shapes followed by the radius of the blend"),
             };
             return self
                 .report(Diagnostic::new(span, message).hint(format!("`{}`", self.signature(callee, name))));
@@ -297,7 +297,7 @@ impl Lowering<'_> {
             (least, most) if least == most => format!("{most} arguments"),
             (least, most) => format!("{least} to {most} arguments"),
         };
-        let message = format!("`{}` takes {number}, and here are {count}", self.name(name));
+        let message = format!("`{}` takes {number}, but gets {count}", self.name(name));
         self.report(Diagnostic::new(span, message).hint(hint));
     }
 

@@ -161,8 +161,10 @@ impl<'a> Lowering<'a> {
             Value::Unknown => None,
             Value::Vector(vector) if vector.len() == 1 => Some(vector.first()),
             other => {
-                let wrong =
-                    Diagnostic::new(span, format!("{what} is a number, and this is {}", other.described()));
+                let wrong = Diagnostic::new(
+                    span,
+                    format!("{what} must be a number, but this is {}", other.described()),
+                );
                 let wrong = match other {
                     Value::Vector(_) => {
                         wrong.hint("a distance is made by `length(…)` or by a shape such as `sphere(p, 1)`")
@@ -220,7 +222,7 @@ impl<'a> Lowering<'a> {
     }
 
     fn twice(&mut self, what: &str, name: Name, first: Span) {
-        let message = format!("there are two {what}s of the name `{}`", self.name(name.symbol));
+        let message = format!("two {what}s are called `{}`", self.name(name.symbol));
         let wrong = Diagnostic::new(name.span, message).note(first, "the first one is here");
         self.report(wrong.hint("give one of them another name"));
     }
@@ -229,7 +231,7 @@ impl<'a> Lowering<'a> {
     fn may_declare(&mut self, name: Name) -> bool {
         if library::input_index(name.symbol).is_some() {
             let message = format!("`{}` is an input of every scene", self.name(name.symbol));
-            self.report(Diagnostic::new(name.span, message).hint("take another name"));
+            self.report(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;
         }
         let first = match self.globals[name.symbol.index()].value {
@@ -248,7 +250,7 @@ impl<'a> Lowering<'a> {
         let max = self.limits.scene_params_max;
         if self.params.len() >= max {
             let message = format!("the scene has more than {max} parameters");
-            self.stop(name.span, message, "make some of them `let`");
+            self.stop(name.span, message, "turn some of them into `let`");
             return;
         }
         self.globals[name.symbol.index()].broken = true;

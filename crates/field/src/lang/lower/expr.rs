@@ -80,7 +80,7 @@ impl Lowering<'_> {
         }
         let max = self.limits.scene_depth_max;
         let message = format!(
-            "with functions put in where they are called, expressions are nested deeper than {max} levels"
+            "with functions expanded where they are called, expressions are nested deeper than {max} levels"
         );
         self.stop(span, message, "let functions call fewer functions")
     }
@@ -99,7 +99,7 @@ impl Lowering<'_> {
                 Value::Bool(part) => Value::Bool(self.graph.not(part)),
                 Value::Unknown => Value::Unknown,
                 other => {
-                    let message = format!("`!` turns a condition around, and this is {}", other.described());
+                    let message = format!("`!` negates a condition, but this is {}", other.described());
                     self.report(Diagnostic::new(span, message).hint("compare it, as in `a > 0`"))
                 }
             },
@@ -115,7 +115,7 @@ impl Lowering<'_> {
                 value
             }
             Expr::For(_) => {
-                let wrong = Diagnostic::unsupported(span, "a loop has many values and no single one");
+                let wrong = Diagnostic::unsupported(span, "a loop has many values, not a single one");
                 self.report(
                     wrong.hint("combine them: `union(for …)`, `sum(for …)`, `min(for …)`, `max(for …)`"),
                 )
@@ -142,7 +142,7 @@ impl Lowering<'_> {
             Value::Bool(part) => Some(part),
             Value::Unknown => None,
             other => {
-                let message = format!("`if` needs a condition, and this is {}", other.described());
+                let message = format!("`if` needs a condition, but this is {}", other.described());
                 self.report(Diagnostic::new(condition_span, message).hint("compare it, as in `a > 0`"));
                 None
             }
@@ -157,7 +157,7 @@ impl Lowering<'_> {
                 let len = a.len().max(b.len());
                 let (Some(a), Some(b)) = (a.widened(len), b.widened(len)) else {
                     let message = format!(
-                        "this is {} or {}: both sides must be alike",
+                        "this is {} or {}: both sides must have the same type",
                         yes.described(),
                         no.described()
                     );
@@ -179,8 +179,11 @@ impl Lowering<'_> {
                 self.report(wrong.hint("read both and choose between the colours"))
             }
             _ => {
-                let message =
-                    format!("this is {} or {}: both sides must be alike", yes.described(), no.described());
+                let message = format!(
+                    "this is {} or {}: both sides must have the same type",
+                    yes.described(),
+                    no.described()
+                );
                 self.report(Diagnostic::new(span, message))
             }
         }
@@ -198,7 +201,7 @@ impl Lowering<'_> {
             Value::Unknown => None,
             other => {
                 let message =
-                    format!("{} works on numbers and vectors, and this is {}", what(), other.described());
+                    format!("{} works on numbers and vectors, but this is {}", what(), other.described());
                 let wrong = Diagnostic::new(span, message);
                 let wrong = match other {
                     Value::Bool(_) => wrong.hint("a condition becomes a number with `if a then 1 else 0`"),
@@ -261,7 +264,7 @@ impl Lowering<'_> {
 
     fn comparison(&mut self, op: BinaryOp, a: Vector, b: Vector, span: Span) -> Value {
         if matches!(op, BinaryOp::And | BinaryOp::Or) {
-            let message = format!("`{}` joins conditions, and these are numbers", op.sign());
+            let message = format!("`{}` joins conditions, but these are numbers", op.sign());
             return self.report(Diagnostic::new(span, message).hint("compare them, as in `a > 0 && b > 0`"));
         }
         if a.len() != 1 || b.len() != 1 {
@@ -314,8 +317,8 @@ impl Lowering<'_> {
     #[cold]
     pub(super) fn sizes_differ(&mut self, what: &str, left: Value, right: Value, span: Span) -> Value {
         let (a, b) = (left.described(), right.described());
-        let wrong = Diagnostic::new(span, format!("{what} needs vectors of one size, not {a} and {b}"));
-        self.report(wrong.hint("take as many components of both, as in `p.xz`"))
+        let wrong = Diagnostic::new(span, format!("{what} needs vectors of the same size, not {a} and {b}"));
+        self.report(wrong.hint("take the same number of components of both, as in `p.xz`"))
     }
 
     fn swizzle(&mut self, value: Value, components: Symbol, span: Span) -> Value {
@@ -331,7 +334,8 @@ impl Lowering<'_> {
         let set = text.bytes().next().and_then(component).map(|(set, _)| set);
         let one_set = text.bytes().all(|byte| component(byte).map(|(set, _)| set) == set);
         if set.is_none() || !one_set || text.len() > 4 {
-            let message = format!("`.{}` names no components", text.chars().take(20).collect::<String>());
+            let message =
+                format!("`.{}` does not name components", text.chars().take(20).collect::<String>());
             let wrong = Diagnostic::new(span, message);
             return self.report(wrong.hint("components are up to four of `xyzw` or of `rgba`, as in `.xz`"));
         }

@@ -40,23 +40,25 @@ impl Lowering<'_> {
                 });
             }
             (Some(_), Some(second), ..) => {
-                let both =
-                    Diagnostic::new(second, format!("the light `{name}` has a position and a direction"));
-                let hint =
-                    "a lamp has a `position`; what is infinitely far away, as the sun, has a `direction`";
+                let both = Diagnostic::new(
+                    second,
+                    format!("the light `{name}` has both a position and a direction"),
+                );
+                let hint = "a lamp has a `position`; what is infinitely far away, such as the sun, has a `direction`";
                 both.hint(hint)
             }
             (None, Some(_), Some(side), _) | (None, Some(_), _, Some(side)) => {
-                let sun = Diagnostic::new(side, format!("the light `{name}` has a direction and sides"));
+                let sun = Diagnostic::new(side, format!("the light `{name}` has both a direction and sides"));
                 sun.hint("a panel has a `position` in its middle; it shines to the side of cross(right, up)")
             }
             (_, _, Some(side), None) | (_, _, None, Some(side)) => {
-                let half = Diagnostic::new(side, format!("the panel `{name}` has one side"));
-                half.hint("a panel has `right` and `up`: half of its sides, as vectors")
+                let half = Diagnostic::new(side, format!("the panel `{name}` has only one side"));
+                half.hint("a panel needs `right` and `up`: half of each side, as a vector")
             }
             (None, None, ..) if values.broken => return None,
             (None, None, ..) => {
-                let missing = Diagnostic::new(span, format!("the light `{name}` is nowhere"));
+                let missing =
+                    Diagnostic::new(span, format!("the light `{name}` has no position or direction"));
                 missing.hint("write `position = vec3(…)` for a lamp or `direction = vec3(…)` for a sun")
             }
         };

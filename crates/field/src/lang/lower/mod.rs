@@ -348,7 +348,7 @@ impl<'a> Lowering<'a> {
         } else {
             format!("these use each other in a circle: {}", way.join(" → "))
         };
-        let hint = "functions are put in where they are called, so none can call itself: repeat with `for`";
+        let hint = "functions are expanded where they are called, so none can call itself: repeat with `for`";
         // The calls on the way would only repeat the message.
         let calls = std::mem::take(&mut self.calls);
         let value = self.report(Diagnostic::unsupported(span, message).hint(hint));

@@ -42,7 +42,7 @@ impl Lowering<'_> {
             }
             None => {
                 let alone =
-                    Diagnostic::new(melts, format!("the object `{}` has none before it", object.name));
+                    Diagnostic::new(melts, format!("the object `{}` has no object before it", object.name));
                 self.report(alone.hint("`melt` lets an object flow into the one that is declared before it"));
             }
         }
@@ -63,7 +63,7 @@ impl Lowering<'_> {
         } else {
             let max = self.limits.scene_materials_max;
             if parts.materials.len() >= max {
-                let message = format!("the scene has more than {max} materials, those that mix counted");
+                let message = format!("the scene has more than {max} materials, counting mixed ones");
                 self.stop(b.span, message, "let one material depend on the point");
                 return None;
             }

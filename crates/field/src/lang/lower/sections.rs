@@ -282,7 +282,7 @@ impl Lowering<'_> {
             Value::Unknown => Value::Unknown,
             Value::Vector(vector) if matches!(vector.len(), 1 | 3) => Value::Vector(vector),
             other => {
-                let message = format!("`{name}` is a vec3, and this is {}", other.described());
+                let message = format!("`{name}` must be a vec3, but this is {}", other.described());
                 let wrong = Diagnostic::new(span, message);
                 let wrong = match other.type_of() {
                     Some(super::super::ast::Type::Vec4) => {
@@ -305,7 +305,7 @@ impl Lowering<'_> {
             Some(_) => wrong.did_you_mean(near),
             None => {
                 let all: Vec<String> = known.map(|name| format!("`{name}`")).collect();
-                wrong.hint(format!("its fields are {}; other names begin with `let`", all.join(", ")))
+                wrong.hint(format!("its fields are {}; introduce other names with `let`", all.join(", ")))
             }
         };
         self.report(wrong);
@@ -318,8 +318,8 @@ impl Lowering<'_> {
         let all = names.map(|name| format!("`{name}`")).join(", ");
         let Expr::Name(symbol) = self.ast.expr(value) else {
             if self.ast.expr(value) != Expr::Error {
-                let wrong = Diagnostic::new(span, "a tone map is given by its name");
-                self.report(wrong.hint(format!("there are {all}")));
+                let wrong = Diagnostic::new(span, "a tone map must be given by its name");
+                self.report(wrong.hint(format!("the tone maps are {all}")));
             }
             return None;
         };
@@ -330,7 +330,7 @@ impl Lowering<'_> {
             let unknown = Diagnostic::new(span, format!("there is no tone map `{name}`"));
             let unknown = match near {
                 Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(format!("there are {all}")),
+                None => unknown.hint(format!("the tone maps are {all}")),
             };
             self.report(unknown);
         }
@@ -342,7 +342,7 @@ impl Lowering<'_> {
         let span = self.ast.span(value);
         let Expr::Name(symbol) = self.ast.expr(value) else {
             if self.ast.expr(value) != Expr::Error {
-                let wrong = Diagnostic::new(span, "an object's material is given by its name");
+                let wrong = Diagnostic::new(span, "an object's material must be given by its name");
                 self.report(wrong.hint("declare `material wood { … }` and write `material = wood`"));
             }
             return None;

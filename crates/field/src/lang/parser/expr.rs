@@ -352,8 +352,8 @@ impl Parser<'_> {
                 if parser.eat(Kind::CloseBrace) {
                     return result;
                 }
-                let wrong = parser.expected("`}` behind the block's result").note(open, "for this `{`");
-                let hint = "a block is lets and one result: `{ let a = 1  a + 2 }`";
+                let wrong = parser.expected("`}` after the block's result").note(open, "for this `{`");
+                let hint = "a block consists of lets and one result: `{ let a = 1  a + 2 }`";
                 parser.report(if wrong.hint.is_none() { wrong.hint(hint) } else { wrong });
                 parser.skip_until(|_| false);
                 if !parser.token().is_word(word::LET) && !parser.begins_assignment() {

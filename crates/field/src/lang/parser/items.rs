@@ -103,7 +103,8 @@ impl Parser<'_> {
         if token.is_name() && !next.newline && (next.is_name() || next.kind == Kind::OpenBrace) {
             let typed = self.names.name(token.symbol);
             let known = KEYWORDS.iter().map(|(name, _)| *name).chain(["fn", "let"]);
-            let unknown = Diagnostic::new(token.span, format!("{} begins no part of a scene", self.found()));
+            let unknown =
+                Diagnostic::new(token.span, format!("{} does not begin any part of a scene", self.found()));
             let near = suggest::nearest(typed, known);
             let diagnostic = match near {
                 Some(_) => unknown.did_you_mean(near),
@@ -135,19 +136,22 @@ impl Parser<'_> {
             return Some(Name { symbol: token.symbol, span: token.span });
         }
         let wrong = self.expected(what);
-        let wrong =
-            if token.is_reserved() { wrong.hint("the word is reserved: take another name") } else { wrong };
+        let wrong = if token.is_reserved() {
+            wrong.hint("this word is reserved: choose another name")
+        } else {
+            wrong
+        };
         self.report(wrong);
         None
     }
 
     /// `name = value`, after `let`.
     pub(super) fn binding(&mut self) -> Option<(Name, ExprId)> {
-        let Some(name) = self.name("a name behind `let`") else {
+        let Some(name) = self.name("a name after `let`") else {
             self.skip_line();
             return None;
         };
-        if !self.demand(Kind::Assign, "behind the name") {
+        if !self.demand(Kind::Assign, "after the name") {
             self.skip_line();
             return None;
         }
@@ -289,7 +293,7 @@ impl Parser<'_> {
         let token = self.token();
         if token.is_name() && self.ahead(1).is_name() && GLSL_TYPES.contains(&self.names.name(token.symbol)) {
             let (of, name) = (self.names.name(token.symbol), self.names.name(self.ahead(1).symbol));
-            let unknown = Diagnostic::unsupported(token.span, "a type does not stand before its name");
+            let unknown = Diagnostic::unsupported(token.span, "a type does not go before its name");
             let hint = format!("write `{name}`, or `{name}: {of}` to insist on the type");
             self.report(unknown.hint(hint));
             self.advance();

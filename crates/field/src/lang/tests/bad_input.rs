@@ -60,7 +60,7 @@ fn every_limit_has_its_message() {
     let all = LIMITS;
     assert_eq!(
         message(&" ".repeat((1 << 20) + 1), all),
-        "the scene is larger than 1048576 bytes, its includes counted"
+        "the scene is larger than 1048576 bytes, counting its includes"
     );
     assert_eq!(message(&"x ".repeat(500_000), all), "the scene has more than 400000 words and signs");
     let calls: String = (1..500).map(|index| format!("fn f{index}(a) = f{}(a) + 1\n", index - 1)).collect();
@@ -73,7 +73,10 @@ fn every_limit_has_its_message() {
         message("sum(for i in 0..4000: for j in 0..4000: i * j)", all),
         "the scene expands to more than 4194304 operations"
     );
-    assert_eq!(message("sum(for i in 0..5000: i)", all), "this loop has 5000 rounds, and 4096 is the most");
+    assert_eq!(
+        message("sum(for i in 0..5000: i)", all),
+        "this loop has 5000 rounds, but 4096 is the maximum"
+    );
     let nodes = Limits { graph_nodes_max: 100, ..all };
     assert!(message("sum(for i in 0..200: sin(x + i))", nodes).contains("more than 100 distinct operations"));
     let names = |count: usize, text: &str| {
@@ -123,7 +126,7 @@ fn includes_end() {
     assert_eq!(first("include \"bad\"\nx"), ("there is no `zz` here".to_owned(), "bad".to_owned()));
     assert_eq!(
         first("include \"large\"\nx").0,
-        "the scene is larger than 1048576 bytes, its includes counted"
+        "the scene is larger than 1048576 bytes, counting its includes"
     );
 }
 

@@ -44,17 +44,17 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("fn f(p) { return p.x }\nf(p)", "there is no `return`", "return", "last expression"),
     ("fn f(p) { float a = 1; a }\nf(p)", "types are not written", "float", "`let a = …`"),
     ("float f(vec3 p) { 1 }", "types are not written", "float", "`fn f(p) { … }`"),
-    ("fn f(vec3 p) = p.x\nf(p)", "a type does not stand before its name", "vec3", "`p: vec3`"),
+    ("fn f(vec3 p) = p.x\nf(p)", "a type does not go before its name", "vec3", "`p: vec3`"),
     ("fn f(p: vec5) = p.x\nf(p)", "there is no type `vec5`", "vec5", "`vec2`"),
     ("x)", "expected an operator or the end of the expression, found `)`", ")", ""),
     // Items.
-    ("objct a { shape = x }", "`objct` begins no part of a scene", "objct", "`object`"),
+    ("objct a { shape = x }", "`objct` does not begin any part of a scene", "objct", "`object`"),
     ("object { shape = x }", "expected a name, found `{`", "{", ""),
     ("object a { shape x }", "expected a field, as in `name = value`, found `shape`", "shape", ""),
     ("object a { shape = x, }", "expected the end of the expression, found `,`", ",", "`;`"),
     ("object a { shape = x", "expected `}`, found the end of the text", "", ""),
     ("param a = 1 in 2\nx", "expected `..` and the parameter's largest value, found `x`", "x", "0.1 .. 3"),
-    ("let if = 1\nx", "expected a name behind `let`, found `if`", "if", "reserved"),
+    ("let if = 1\nx", "expected a name after `let`, found `if`", "if", "reserved"),
     ("include shapes\nx", "expected a file's name in quotes, found `shapes`", "shapes", "`include "),
     // Names.
     (
@@ -73,8 +73,8 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("let melt = 1\nx + mlet", "there is no `mlet` here", "mlet", "did you mean `melt`?"),
     ("fn f(p) = zz\nx", "there is no `zz` here", "zz", ""),
     ("let a = zz\nx", "there is no `zz` here", "zz", ""),
-    ("fn f(p) = x\nfn f(q) = y\nf(p)", "there are two functions of the name `f`", "f", "another name"),
-    ("let a = 1\nparam a = 2\nx", "there are two values of the name `a`", "a", "another name"),
+    ("fn f(p) = x\nfn f(q) = y\nf(p)", "two functions are called `f`", "f", "another name"),
+    ("let a = 1\nparam a = 2\nx", "two values are called `a`", "a", "another name"),
     ("let t = 1\nx", "`t` is an input of every scene", "t", "another name"),
     (
         "fn f(a) = g(a)\nfn g(a) = f(a)\nf(x)",
@@ -85,48 +85,48 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("fn f(a) = f(a)\nx", "`f` uses itself", "f(a)", "`for`"),
     ("let a = b\nlet b = a\na", "these use each other in a circle: `a` → `b` → `a`", "a", "`for`"),
     // Types.
-    ("p.xy + p", "`+` needs vectors of one size, not a vec2 and a vec3", "p.xy + p", "`p.xz`"),
-    ("min(p.xy, p).x", "`min` needs vectors of one size, not a vec2 and a vec3", "min(p.xy, p)", ""),
+    ("p.xy + p", "`+` needs vectors of the same size, not a vec2 and a vec3", "p.xy + p", "`p.xz`"),
+    ("min(p.xy, p).x", "`min` needs vectors of the same size, not a vec2 and a vec3", "min(p.xy, p)", ""),
     (
         "mix(p, p.xy, 0).x",
-        "`mix` needs vectors of one size, not a vec3 and a vec2 and a number",
+        "`mix` needs vectors of the same size, not a vec3 and a vec2 and a number",
         "mix(p, p.xy, 0)",
         "",
     ),
     ("p.xyw.x", "a vec3 has no component `w`", "p.xyw", ""),
-    ("p.xg", "`.xg` names no components", "p.xg", "`xyzw`"),
-    ("vec3(1, 2).x", "`vec3` needs 3 numbers, and here are 2", "vec3(1, 2)", ""),
-    ("sin(1, 2)", "`sin` takes 1 argument, and here are 2", "sin(1, 2)", "`sin(a)`"),
-    ("atan()", "`atan` takes 1 to 2 arguments, and here are 0", "atan()", ""),
-    ("box(p)", "`box` takes 2 arguments, and here are 1", "box(p)", "`box(p: vec3, size: vec3)`"),
+    ("p.xg", "`.xg` does not name components", "p.xg", "`xyzw`"),
+    ("vec3(1, 2).x", "`vec3` needs 3 numbers, but gets 2", "vec3(1, 2)", ""),
+    ("sin(1, 2)", "`sin` takes 1 argument, but gets 2", "sin(1, 2)", "`sin(a)`"),
+    ("atan()", "`atan` takes 1 to 2 arguments, but gets 0", "atan()", ""),
+    ("box(p)", "`box` takes 2 arguments, but gets 1", "box(p)", "`box(p: vec3, size: vec3)`"),
     ("sphere(p, p)", "`sphere` takes a number as `radius`, not a vec3", "p", "`sphere(p, radius: number)`"),
     ("box(p.xy, 1)", "`box` takes a vec3 as `p`, not a vec2", "p.xy", ""),
     ("union()", "`union` of nothing has no value", "union()", ""),
     (
         "smooth_union(1)",
-        "`smooth_union` needs shapes and behind them the radius of the blend",
+        "`smooth_union` needs shapes followed by the radius of the blend",
         "smooth_union(1)",
         "radius",
     ),
-    ("if x then 1 else 2", "`if` needs a condition, and this is a number", "x", "`a > 0`"),
+    ("if x then 1 else 2", "`if` needs a condition, but this is a number", "x", "`a > 0`"),
     (
         "if x > 0 then p else 1 > 2",
-        "this is a vec3 or a condition: both sides must be alike",
+        "this is a vec3 or a condition: both sides must have the same type",
         "if x > 0 then p else 1 > 2",
         "",
     ),
     ("(x > 0) + 1", "`+` cannot work on a condition and a number", "(x > 0) + 1", "`if a then 1 else 0`"),
     ("if 0 < x < 1 then 1 else 2", "`<` cannot work on a condition and a number", "0 < x < 1", "`&&`"),
     ("if p > 0 then 1 else 2", "`>` compares numbers, not vectors", "p > 0", "components"),
-    ("sin(x > 0)", "`sin` works on numbers and vectors, and this is a condition", "x > 0", ""),
-    ("-(x > 0)", "`-` works on numbers and vectors, and this is a condition", "-(x > 0)", ""),
+    ("sin(x > 0)", "`sin` works on numbers and vectors, but this is a condition", "x > 0", ""),
+    ("-(x > 0)", "`-` works on numbers and vectors, but this is a condition", "-(x > 0)", ""),
     ("x / 0", "this divides by zero", "x / 0", "`if`"),
-    ("p", "a shape is a number, and this is a vec3", "p", "`length(…)`"),
+    ("p", "a shape must be a number, but this is a vec3", "p", "`length(…)`"),
     // Loops.
-    ("for i in 0..3: x", "a loop has many values and no single one", "for i in 0..3: x", "`union(for …)`"),
-    ("vec3(for i in 0..3: i).x", "`vec3` takes no loop", "for i in 0..3: i", "`union`"),
+    ("for i in 0..3: x", "a loop has many values, not a single one", "for i in 0..3: x", "`union(for …)`"),
+    ("vec3(for i in 0..3: i).x", "`vec3` cannot take a loop", "for i in 0..3: i", "`union`"),
     ("union(for i in 0..x: y)", "a loop's bounds must be known before the scene runs", "x", "whole numbers"),
-    ("union(for i in 0..2.5: y)", "a loop counts in small whole numbers, and this is 2.5", "2.5", ""),
+    ("union(for i in 0..2.5: y)", "a loop counts in small whole numbers, but this is 2.5", "2.5", ""),
     ("union(for i in 3..3: y)", "`union` of nothing has no value", "union(for i in 3..3: y)", ""),
     ("sum(for i in -1..3: 1 / i)", "this divides by zero", "1 / i", "`if`"),
     // Inputs.
@@ -173,20 +173,20 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ("object a { shap = x }", "an object has no field `shap`", "shap", "did you mean `shape`?"),
     ("object a { shape = x shape = y }", "`shape` is given twice", "shape", ""),
     ("object a { }", "the object `a` has no shape", "object a", ""),
-    ("object a { shape = p }", "`shape` is a number, and this is a vec3", "p", ""),
+    ("object a { shape = p }", "`shape` must be a number, but this is a vec3", "p", ""),
     (
         "object a { shape = x material = wod } material wood { }",
         "there is no material `wod`",
         "wod",
         "did you mean `wood`?",
     ),
-    ("object a { shape = x material = 1 }", "an object's material is given by its name", "1", ""),
-    ("material a { color = p.xy }\nx", "`color` is a vec3, and this is a vec2", "p.xy", ""),
-    ("material a { } material a { }\nx", "there are two materials of the name `a`", "a", ""),
-    ("light a { color = 1 }\nx", "the light `a` is nowhere", "light a", "`position"),
+    ("object a { shape = x material = 1 }", "an object's material must be given by its name", "1", ""),
+    ("material a { color = p.xy }\nx", "`color` must be a vec3, but this is a vec2", "p.xy", ""),
+    ("material a { } material a { }\nx", "two materials are called `a`", "a", ""),
+    ("light a { color = 1 }\nx", "the light `a` has no position or direction", "light a", "`position"),
     (
         "light a { position = 1 direction = 2 }\nx",
-        "the light `a` has a position and a direction",
+        "the light `a` has both a position and a direction",
         "direction",
         "sun",
     ),
@@ -206,7 +206,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     ),
     ("picture { tone_map = agz }\nx", "there is no tone map `agz`", "agz", "did you mean `agx`?"),
     ("picture { tone_map = filmic }\nx", "there is no tone map `filmic`", "filmic", "`reinhard`"),
-    ("picture { tone_map = 2 }\nx", "a tone map is given by its name", "2", "`aces`"),
+    ("picture { tone_map = 2 }\nx", "a tone map must be given by its name", "2", "`aces`"),
     ("camera a { }\nx", "expected `{`, found `a`", "a", "no names"),
     ("x\ny", "this is a second expression for the scene's shape", "y", "`union(a, b)`"),
     ("# nothing", "the scene has no shape", "", "`length(p) - 1`"),
@@ -214,7 +214,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     // Files.
     (
         "material m { color = texture(\"../a.png\", p.xy).rgb }\nx",
-        "a scene reads nothing outside its own folder",
+        "a scene cannot read anything outside its own folder",
         "\"../a.png\"",
         "",
     ),
@@ -225,7 +225,7 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
         "",
     ),
     ("material m { color = texture(\"a\", p).rgb }\nx", "`texture` reads at a vec2, not a vec3", "p", ""),
-    ("include \"/etc/passwd\"\nx", "a scene reads no absolute paths", "\"/etc/passwd\"", ""),
+    ("include \"/etc/passwd\"\nx", "a scene cannot read absolute paths", "\"/etc/passwd\"", ""),
     (
         "include \"a\"\nx",
         "`a` cannot be included: this scene is not a file, so there is nothing to include",
@@ -271,7 +271,7 @@ fn several_mistakes_are_reported_at_once_in_the_order_of_the_text() {
             "there is no function `sphre`",
             "expected an expression, found `object`",
             "there is no material `wood`",
-            "`box` takes 2 arguments, and here are 3",
+            "`box` takes 2 arguments, but gets 3",
             "there is no `b` here",
             "the camera is the same at all points, so `p` has no value here",
         ]
@@ -298,7 +298,7 @@ error: there is no function `smoth_union`
 fn calls_on_the_way_and_other_places_are_shown() {
     let text = "fn inner(q) = q + vec2(1)\nfn outer(q) = inner(q).x\n\n\n\n\n\n\n\nouter(p)";
     let expected = "\
-error: `+` needs vectors of one size, not a vec3 and a vec2
+error: `+` needs vectors of the same size, not a vec3 and a vec2
   --> test.scene:1:15
    |
  1 | fn inner(q) = q + vec2(1)
@@ -311,7 +311,7 @@ error: `+` needs vectors of one size, not a vec3 and a vec2
    |
 10 | outer(p)
    | -------- `outer` is used here
-   = help: take as many components of both, as in `p.xz`
+   = help: take the same number of components of both, as in `p.xz`
 ";
     assert_eq!(broken(text).render(false), expected);
 }
