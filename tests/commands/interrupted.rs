@@ -244,7 +244,7 @@ fn a_full_disk_ended_a_video_without_a_word() {
     place.write_tone("song.wav", 440.0, 2.0, [0.5, 0.5]);
     let video = ["video", "--duration", "1.5", "--fps", "10", "--size", "64x36", "-o"];
     let of_the_song = [&video[..], &["good.mp4", "song.wav"]].concat();
-    on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "room"]);
+    on_a_full_disk(&place, &of_the_song).refused(&["good.mp4", "enough space"]);
     // The demo track for ffmpeg has no room elsewhere.
     let told = on_a_full_disk(&place, &[&video[..], &["good.mp4"]].concat()).refused(&["TMPDIR"]);
     assert!(!told.contains("good.mp4"), "{told}");

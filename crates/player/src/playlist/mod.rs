@@ -218,7 +218,7 @@ impl Playlist {
         let mut list = Self::new(gathered.entries);
         list.order = self.order.of(list.entries.len());
         let Some(first) = list.order.first() else { return Found::Nothing };
-        let found = self.search(first, true, None, tell);
+        let found = list.search(first, true, None, tell);
         if matches!(found, Found::Track(_)) {
             *self = list;
         }

@@ -123,7 +123,7 @@ fn dropped_files_become_the_list_if_they_can_be_played() {
     let folder = folder_of(&["1.wav", "2.wav", "3.wav"]);
     let mut list = Playlist::open(&paths(&folder, &["1.wav"]), Repeat::All, false).unwrap().list;
     let (none, told) = found(&mut list, Wanted::Files(paths(&folder, &["x.wav"])));
-    assert!(none == Err("nothing") && told[0].contains("x.wav"));
+    assert!(none == Err("nothing") && told[0].contains("x.wav"), "{none:?}, {told:?}");
     assert_eq!(following(&mut list, 0), Err("again"));
     assert_eq!(found(&mut list, Wanted::Files(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
     assert_eq!(following(&mut list, 0), Ok(1));
