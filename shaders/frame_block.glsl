@@ -12,7 +12,7 @@ layout(std140) uniform FrameBlock {
     vec4 plane_objects;     // the object of each plane
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
-    vec4 frame_reach;       // x the distance within which things take ambient light and give theirs; y quality
+    vec4 frame_reach;       // x the distance within which things take ambient light and give theirs; y quality; z 0
     vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
     vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
                                         // side, w range or 0; half the upper side, w share that shadows take away
@@ -37,12 +37,14 @@ layout(std140) uniform PassBlock {
 // steps.
 #define frame_quality frame_reach.y
 
-// What rays read again and again is copied once for each sample, because llvmpipe fetches every number of a block
-// separately for each pixel: thirty instructions where a copy takes none. `scene_load` does the same for a compiled
-// scene's inputs.
 #ifndef PLANES
 #define PLANES PLANES_MAX   // compiled scenes know how many they have
 #endif
+
+// On llvmpipe, what rays read again and again is copied once for each sample, because it fetches every number of a block
+// separately for each pixel: thirty instructions where a copy takes none. `scene_load` does the same for a compiled
+// scene's inputs. A GPU reads blocks for nothing, and there copies take away registers.
+#ifdef SOFTWARE
 vec4 bounds_low;
 vec4 bounds_high;
 vec4 region_low;
@@ -56,6 +58,15 @@ void load_frame() {
     region_scale = block_region_scale;
     for (int i = 0; i < PLANES; i++) planes[i] = block_planes[i];
 }
+#else
+#define bounds_low block_bounds_low
+#define bounds_high block_bounds_high
+#define region_low block_region_low
+#define region_scale block_region_scale
+#define planes block_planes
+
+void load_frame() {}
+#endif
 
 // The plane of that number. (A variable index would keep the copies in memory.)
 vec4 plane_of(int number) {

@@ -50,12 +50,13 @@ vec3 in_root(vec3 p) {
     return (p - region_low.xyz) * region_scale.xyz;
 }
 
-// A ray in root coordinates.
+// A ray through the tree. It holds little, because it holds it while the scene is evaluated; what is easily computed
+// again is.
 struct Walk {
-    vec3 start;
-    vec3 pace;
-    vec3 inverse;
-    vec3 ahead;     // a short way along the ray, larger than the rounding error of a place on it
+    vec3 origin;
+    vec3 direction;
+    vec3 inverse;   // 1 / direction, in root cells
+    float nudge;    // a short way in root cells, longer than the rounding error of a place on the ray
 };
 
 Walk walk_of(vec3 origin, vec3 direction) {
@@ -64,19 +65,21 @@ Walk walk_of(vec3 origin, vec3 direction) {
     vec3 inverse = 1.0 / (pace + mix(vec3(-1e-12), vec3(1e-12), greaterThanEqual(pace, vec3(0.0))));
     vec3 start = in_root(origin);
     float nudge = AHEAD + AHEAD_OF_FAR * max(abs(start.x), max(abs(start.y), abs(start.z)));
-    return Walk(start, pace, inverse, mix(vec3(-nudge), vec3(nudge), greaterThanEqual(pace, vec3(0.0))));
+    return Walk(origin, direction, inverse, nudge);
 }
 
 // Where to look up the ray's cell at t: at a face it is the place behind it, so that a ray never gets stuck there.
 vec3 place_on(Walk walk, float t) {
-    return walk.start + t * walk.pace + walk.ahead;
+    vec3 ahead = mix(vec3(-walk.nudge), vec3(walk.nudge), greaterThanEqual(walk.direction, vec3(0.0)));
+    return in_root(walk.origin + t * walk.direction) + ahead;
 }
 
-// The distance at which the ray leaves the cell of the place q (from `place_on`).
-float exit_of(Cell cell, Walk walk, vec3 q) {
-    vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.pace)) * cell.side;
-    vec3 t = (face - walk.start) * walk.inverse;
-    return min(t.x, min(t.y, t.z));
+// The distance at which the ray leaves the cell of the place q, which is `place_on` t.
+float exit_of(Cell cell, Walk walk, vec3 q, float t) {
+    vec3 face = (floor(q / cell.side) + step(vec3(0.0), walk.direction)) * cell.side;
+    // From the place itself, which is a nudge behind q.
+    vec3 left = (face - q) * walk.inverse + walk.nudge * abs(walk.inverse);
+    return t + min(left.x, min(left.y, left.z));
 }
 
 // A little further along the ray.

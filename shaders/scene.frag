@@ -43,23 +43,28 @@ float seen_nearness = 0.0;
 // Light from the surface at p towards the eye, without what it mirrors.
 vec3 shade(Surface s, vec3 p, vec3 direction, float cone) {
     Material m = s.material;
-    vec3 light = m.emission;
+    // What needs no shadow comes first: while a shadow ray runs, everything that is still to be used holds registers.
+    vec3 light = m.emission + m.color * (light_of(s.ambient) * s.open + s.glow);
     // The loop tests at its end: a renderer that never skips a branch would otherwise run one more round for nothing.
     int last = min(int(frame_clock.y), LIGHTS_MAX) - 1;
     int i = 0;
     do {
-        Incoming incoming = light_at(i, p, s.normal, direction);
+        // frame_reach.z is 0. Without it compilers compute what is the same for all lights before the loop, which then
+        // holds registers during the shadow rays.
+        vec3 sight = direction + frame_reach.z * float(i);
+        Incoming incoming = light_at(i, p, s.normal, sight);
         if (max(incoming.light.r, max(incoming.light.g, incoming.light.b)) > 1e-5) {
             float sharpness = clamp(1.0 / max(incoming.widening, 1e-4), SHARPNESS_MIN, SHARPNESS_MAX);
             // Without shadows the way to the light is not traced.
             float t = incoming.shadow > 0.0 ? incoming.t : 0.0;
+            vec3 thrown = incoming.light * thrown_back(m, s.normal, incoming, sight);
             float visible = light_visibility(p, s.normal, incoming.direction, t, sharpness, cone);
             visible = mix(1.0, visible, incoming.shadow);
             NOTE_LIGHT(incoming.light, visible);
-            if (visible > 0.0) light += incoming.light * visible * thrown_back(m, s.normal, incoming, direction);
+            if (visible > 0.0) light += visible * thrown;
         }
     } while (i++ < last);
-    return light + m.color * (light_of(s.ambient) * s.open + s.glow);
+    return light;
 }
 
 // A number for the surfaces of a path: where it differs between neighbours, there is an edge of the geometry between
@@ -173,7 +178,7 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             float scale = 1.0 / max(reached, 1e-6);
             color += sky_share * light_of(sky_color(direction, dx * scale, dy * scale));
         }
-        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < share_min) return color;
+        if (!hit.met || max(throughput.r, max(throughput.g, throughput.b)) < share_min) break;
         direction = mirrored;
     }
     return color;
@@ -181,7 +186,6 @@ vec3 scene_color(vec3 origin, vec3 direction) {
 
 void main() {
     load_frame();
-    load_probes();
     scene_load();
     vec2 place = 2.0 * sample_place() * viewport.zw - 1.0;
     vec3 direction = normalize(camera_forward.xyz + place.x * camera_right.xyz + place.y * camera_up.xyz);

@@ -48,7 +48,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             cell.bound = cell.bound > 0.0 ? FAR * SHARPNESS_MAX : 0.0;
 #endif
             COUNT(lookups);
-            float leaves = max(past(t), exit_of(cell, walk, q));
+            float leaves = max(past(t), exit_of(cell, walk, q, t));
             if (!(cell.bound > 0.0 && sharpness * cell.bound >= visible * leaves)) break;
             t = leaves;
             // After a skip there is nothing to triangulate.
@@ -66,14 +66,17 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
 #ifdef COUNT_EVALUATIONS
         if (i == SHADOW_STEPS_MAX - 1) COUNT(capped);
 #endif
-        if (!(d >= 0.002)) return 0.0;
         // The spheres of the last two points are empty; they meet `behind` back from this point and `closest` off the
         // ray. A stride longer than its sphere, taken next to a surface, leaves nothing to triangulate.
         float behind = (d * d + stride * stride - previous * previous) / (2.0 * stride);
         behind = stride > previous ? 0.0 : clamp(behind, 0.0, min(d, stride));
         float closest = sqrt(max(d * d - behind * behind, 0.0));
         visible = min(visible, sharpness * closest / max(t - behind, 1e-3));
-        if (visible < 0.004) return 0.0;
+        // Not d < 0.002, so that NaN also ends the ray.
+        if (!(d >= 0.002) || visible < 0.004) {
+            visible = 0.0;
+            break;
+        }
         previous = d;
         stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + SHADOW_STEP_GROWTH * float(i));
         t += stride;

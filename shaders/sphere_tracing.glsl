@@ -66,10 +66,10 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             COUNT(lookups);
             if (!(cell.bound > reach * (cone + spread * t))) break;
             before = 0.0;
-            t = max(max(t + cell.bound, past(t)), exit_of(cell, walk, q));
+            t = max(max(t + cell.bound, past(t)), exit_of(cell, walk, q, t));
             if (t >= end) break;
         }
-        if (t >= end) return behind;
+        if (t >= end) break;
         d = scene_distance(cell, origin + t * direction, 0.0).x;
 #ifdef COUNT_EVALUATIONS
         if (reflected) { COUNT(reflection); } else { COUNT(primary); }
@@ -79,10 +79,10 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         if (!(d >= reach * (cone + spread * t))) break;
         t += d;
         before = d;
-        if (t >= end) return behind;
+        if (t >= end) break;
     }
-    // A ray that used up its steps far from any surface has met none.
-    if (d > CAPPED_SHARE * (cone + spread * t)) return behind;
+    // A ray that used up its steps far from any surface has met none. (One way out of the loop needs fewer registers.)
+    if (t >= end || d > CAPPED_SHARE * (cone + spread * t)) return behind;
     // The last step goes onto the surface, so that the hit point hardly depends on the steps before: as far as the
     // distance, or farther where the last two distances show that the ray meets the surface at an angle.
     float slant = before > d ? min(before / (before - d), SLANT_MAX) : 1.0;

@@ -56,7 +56,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
             if (!(cell.bound > 0.0) || inside >= 0.0) break;
             outside = t;
             above = 0.0;
-            t = max(past(t), exit_of(cell, walk, q));
+            t = max(past(t), exit_of(cell, walk, q, t));
             if (t >= end) break;
         }
         if (t >= end) return behind;
@@ -83,7 +83,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
         } else {
             float slope = slope_towards(unpack_slopes(cell.slopes), direction);
             float safe = slope > 0.0 ? value / slope : FAR;
-            float leaves = max(past(t), exit_of(cell, walk, q)) - t;
+            float leaves = max(past(t), exit_of(cell, walk, q, t)) - t;
             float smallest = (STEEP_STEP_MIN + STEEP_STEP_GROWTH * float(i)) * radius;
             // A point that rounding put outside the tree has no cell to leave.
             t += cell.side > 0.0 ? max(min(safe, leaves), smallest) : past(smallest);
@@ -96,7 +96,7 @@ Hit trace(vec3 origin, vec3 direction, float start, float cone, float spread, bo
 // that is not a distance does not show how closely a ray passes, so shadows are sharp.
 vec2 steep_nearest(Cell cell, Walk walk, float t, vec3 direction, vec2 values) {
     float towards = slope_towards(unpack_slopes(cell.slopes), direction);
-    float leaves = max(past(t), exit_of(cell, walk, place_on(walk, t))) - t;
+    float leaves = max(past(t), exit_of(cell, walk, place_on(walk, t), t)) - t;
     float stride = min(towards > 0.0 ? values.x / towards : FAR, cell.side > 0.0 ? leaves : FAR);
     return vec2(stride, values.y > 0.0 ? FAR : 0.0);
 }

@@ -153,7 +153,7 @@ impl SceneStage {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
         let mut regions = SceneRegions::start(regions, wake.clone()).map_err(no_worker)?;
         regions.insist(view.is_some());
-        let compiler = BackgroundCompiler::start(contexts, library, wake);
+        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), wake);
         let mut stage = Self {
             gl: gl.clone(),
             choice,

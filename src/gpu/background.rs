@@ -22,7 +22,7 @@ use glutin::context::{
 use glutin::display::{Display, GlDisplay};
 
 use super::error::GpuError;
-use super::gl::Gl;
+use super::gl::{Gl, GlInfo};
 use super::program::{Program, ProgramTexts, ReadyProgram};
 use super::renderer::{Counting, Renderer};
 use super::scene_program::SCENE_SHADER;
@@ -107,6 +107,7 @@ pub struct BackgroundCompiler {
     threads: Vec<JoinHandle<()>>,
     /// What the texts of programs are made from, if there are no threads.
     library: ShaderLibrary,
+    info: GlInfo,
 }
 
 #[derive(Default)]
@@ -142,11 +143,12 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context. `wake` is called after each job, on the worker's thread. If there is no
+    /// Starts a thread for each context of the driver `info`. `wake` is called after each job, on the worker's thread. If there is no
     /// context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
+        info: &GlInfo,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Self {
         let queue = Arc::new(Queue::default());
@@ -163,7 +165,7 @@ impl BackgroundCompiler {
                 }
             }
         }
-        Self { queue, finished, threads, library: library.clone() }
+        Self { queue, finished, threads, library: library.clone(), info: info.clone() }
     }
 
     /// Requests a program, after those that were requested before.
@@ -181,7 +183,7 @@ impl BackgroundCompiler {
     pub fn poll(&self) -> Option<Finished> {
         if self.threads.is_empty() {
             let job = self.queue.lock().jobs.pop_front()?;
-            let program = texts_of(&self.library, job.variant).map(ReadyProgram::from);
+            let program = texts_of(&self.library, job.variant, &self.info).map(ReadyProgram::from);
             return Some(Finished { id: job.id, program });
         }
         self.finished.try_recv().ok()
@@ -245,8 +247,8 @@ fn work(
 }
 
 /// The texts of a scene's program.
-fn texts_of(library: &ShaderLibrary, variant: VariantMaker) -> Result<ProgramTexts, GpuError> {
-    Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?)?)
+fn texts_of(library: &ShaderLibrary, variant: VariantMaker, info: &GlInfo) -> Result<ProgramTexts, GpuError> {
+    Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?, info)?)
 }
 
 /// Everything of a worker's context.
@@ -260,7 +262,7 @@ impl Studio {
     /// Links a program and draws with it, so that the driver has nothing left to do. The program itself is dropped
     /// here, with everything that the driver keeps for it in this context.
     fn make(&mut self, library: &ShaderLibrary, job: ProgramJob) -> Result<ReadyProgram, GpuError> {
-        let texts = texts_of(library, job.variant)?;
+        let texts = texts_of(library, job.variant, self.gl.info())?;
         let program = Program::of(&self.gl, &texts)?;
         let scene = self.stand_ins.names(&job.scene)?;
         let blocks = (&job.block, &job.picture);

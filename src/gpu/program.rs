@@ -6,9 +6,9 @@ use glow::HasContext;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
 use super::error::GpuError;
-use super::gl::Gl;
+use super::gl::{Gl, GlInfo};
 use super::object::ProgramObject;
-use super::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, ShaderSourceError, Variant, name_places};
+use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble, name_places};
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
 pub const UNIFORM_BLOCKS: [(&str, u32); 5] =
@@ -59,7 +59,7 @@ pub struct ProgramTexts {
 }
 
 impl ProgramTexts {
-    /// Assembles a variant of `fragment` of `library`.
+    /// Assembles a variant of `fragment` of `library` for a driver.
     ///
     /// # Errors
     /// Missing shader files.
@@ -67,8 +67,9 @@ impl ProgramTexts {
         library: &ShaderLibrary,
         fragment: &str,
         variant: &Variant,
+        info: &GlInfo,
     ) -> Result<Self, ShaderSourceError> {
-        let assembled = |name| library.assemble(name, DRIVER_PREAMBLE, variant);
+        let assembled = |name| library.assemble(name, driver_preamble(info), variant);
         Ok(Self { vertex: assembled(VERTEX_SHADER)?, fragment: (fragment.to_owned(), assembled(fragment)?) })
     }
 }
@@ -108,7 +109,7 @@ impl Program {
         fragment: &str,
         variant: &Variant,
     ) -> Result<Self, GpuError> {
-        Self::of(gl, &ProgramTexts::assemble(library, fragment, variant)?)
+        Self::of(gl, &ProgramTexts::assemble(library, fragment, variant, gl.info())?)
     }
 
     /// Compiles and links two texts.

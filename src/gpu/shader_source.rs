@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
+use super::gl::GlInfo;
 use crate::limits::LIMITS;
 use mariana_field::lang::material_glsl;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
@@ -18,8 +19,11 @@ static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 /// A generated file: what the shaders know about materials is made from the table of their fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";
 
-/// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core.
-pub const DRIVER_PREAMBLE: &str = "#version 330 core\n";
+/// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core, and whether the driver computes
+/// pictures on the processor (`SOFTWARE`).
+pub fn driver_preamble(info: &GlInfo) -> &'static str {
+    if info.software { "#version 330 core\n#define SOFTWARE 1\n" } else { "#version 330 core\n" }
+}
 
 /// Why shader text could not be put together.
 #[derive(Debug, thiserror::Error)]

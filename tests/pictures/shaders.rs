@@ -15,7 +15,7 @@ use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
 use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
-use mariana::gpu::shader_source::{DRIVER_PREAMBLE, ShaderLibrary, Variant};
+use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource};
 
 /// A plane, a part that is traced, no textures: what `speakers` has and this has not is left out of the text.
@@ -43,6 +43,15 @@ struct Case {
     variant: Variant,
     /// Whether it reads more texture buffers than the regions.
     interpreted: bool,
+    /// Whether it is for a processor.
+    software: bool,
+}
+
+impl Case {
+    /// The text that the driver gets.
+    fn text(&self, library: &ShaderLibrary) -> Result<String, ShaderSourceError> {
+        library.assemble(self.file, driver_preamble(&driver(self.software)), &self.variant)
+    }
 }
 
 /// The same, showing views.
@@ -58,7 +67,7 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
     let variant = variant_of(&world, &buffers, &plan, mode, &driver(software), counting).unwrap();
     let place = if software { "a processor" } else { "a GPU" };
     let name = format!("{SCENE_SHADER} of {}, {mode} for {place}, counting {counting:?}", scene.name());
-    Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted }
+    Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted, software }
 }
 
 /// All shaders of the program, the vertex shader first.
@@ -68,7 +77,7 @@ fn cases() -> Vec<Case> {
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");
-            Case { name, file, variant: Variant::of(defines), interpreted: false }
+            Case { name, file, variant: Variant::of(defines), interpreted: false, software: true }
         })
         .collect();
     for counting in [Counting::Off, Counting::On] {
@@ -95,8 +104,9 @@ fn cases() -> Vec<Case> {
 fn judge_cases(judge: fn(Stage, &str) -> Result<(), String>, can_read: fn(&Case) -> bool) {
     let library = ShaderLibrary::embedded();
     let mut refused = String::new();
-    for Case { name, file, variant, .. } in cases().iter().filter(|case| can_read(case)) {
-        let text = library.assemble(file, DRIVER_PREAMBLE, variant).unwrap();
+    for case in cases().iter().filter(|case| can_read(case)) {
+        let (name, file) = (&case.name, case.file);
+        let text = case.text(&library).unwrap();
         if let Err(complaint) = judge(Stage::of(file), &text) {
             refused.push_str(&format!("\n{name}:\n{complaint}"));
         }
@@ -170,7 +180,7 @@ fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
         let (_folder, library) = changed_shaders(&[(file, &text)]);
         let case = scene_case(&speakers(), mode, software, Counting::Off);
 
-        let whole = library.assemble("scene.frag", DRIVER_PREAMBLE, &case.variant).unwrap();
+        let whole = case.text(&library).unwrap();
         if !case.interpreted {
             let naga = check_with_naga(Stage::Fragment, &whole).unwrap_err();
             assert!(naga.contains("float broken = no_such_name;"), "naga on {file}: {naga}");
@@ -195,7 +205,7 @@ fn every_judge_refuses_a_broken_shader_and_names_the_line_of_its_file() {
 fn a_texture_without_a_fixed_unit_is_refused() {
     let text = format!("{}\nuniform sampler2D unknown;\n", shader_text("edges.frag"));
     let (_folder, library) = changed_shaders(&[("edges.frag", &text)]);
-    let whole = library.assemble("edges.frag", DRIVER_PREAMBLE, &Variant::default()).unwrap();
+    let whole = library.assemble("edges.frag", driver_preamble(&driver(true)), &Variant::default()).unwrap();
     let complaint = check_with_naga(Stage::Fragment, &whole).unwrap_err();
     assert!(complaint.contains("'unknown'"), "{complaint}");
 }
@@ -206,8 +216,7 @@ fn no_shader_file_is_dead() {
     for dead in shader_names() {
         let (folder, library) = changed_shaders(&[]);
         std::fs::remove_file(folder.path().join(&dead)).unwrap();
-        let missed =
-            cases.iter().any(|case| library.assemble(case.file, DRIVER_PREAMBLE, &case.variant).is_err());
+        let missed = cases.iter().any(|case| case.text(&library).is_err());
         assert!(missed, "no shader variant uses shaders/{dead}: delete it");
     }
 }

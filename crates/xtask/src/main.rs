@@ -24,11 +24,16 @@ const TOOLS: &[Tool] = &[
     ),
     (
         "gpu",
-        "[--gpu NAME] [--check | --accept] [PROGRAM ...]",
+        "[--gpu NAME] [--shaders FOLDER] [--check | --accept] [PROGRAM ...]",
         "prints what the compilers of GPUs that are not there make of the programs",
         gpu::run,
     ),
-    ("gpu-programs", "[--json] [PROGRAM ...]", "the same for the GPU that is there", gpu::programs),
+    (
+        "gpu-programs",
+        "[--json] [--shaders FOLDER] [PROGRAM ...]",
+        "the same for the GPU that is there",
+        gpu::programs,
+    ),
     ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
     ("textures", "[FOLDER]", "paints assets/textures", textures::run),
 ];

@@ -93,15 +93,17 @@ impl World {
     }
 }
 
-/// The functions with the frame block's members replaced by copies of these inputs, which `scene_load` makes: see
-/// `shaders/frame_block.glsl`.
+/// The functions with the frame block's members replaced by names of these inputs: on the processor copies that
+/// `scene_load` makes (see `shaders/frame_block.glsl`), elsewhere the members themselves.
 fn with_copies(mut functions: String, inputs: impl Iterator<Item = Input>) -> String {
-    let (mut copies, mut load) = (String::new(), String::from("void scene_load() {\n"));
+    let (mut copies, mut names) = (String::new(), String::new());
+    let mut load = String::from("void scene_load() {\n");
     for (number, input) in inputs.enumerate() {
         let name = glsl::input_name(input);
         functions = functions.replace(&name, &format!("input_{number}"));
         let _ = writeln!(copies, "float input_{number};");
+        let _ = writeln!(names, "#define input_{number} {name}");
         let _ = writeln!(load, "    input_{number} = {name};");
     }
-    copies + &load + "}\n" + &functions
+    format!("#ifdef SOFTWARE\n{copies}{load}}}\n#else\n{names}void scene_load() {{}}\n#endif\n{functions}")
 }

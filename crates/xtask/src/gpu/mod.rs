@@ -30,6 +30,8 @@ const SHIM: &str = "libamdgpu_noop_drm_shim.so";
 #[derive(Debug, Default)]
 struct Wishes {
     shim: Option<PathBuf>,
+    /// Where the shaders are, if not those that are built in.
+    shaders: Option<String>,
     gpus: Vec<String>,
     /// More of Mesa's own debug options, as `useaco`.
     options: Vec<String>,
@@ -46,12 +48,15 @@ fn wishes(arguments: &[String]) -> anyhow::Result<Wishes> {
         let mut value = || arguments.next().cloned().with_context(|| format!("{argument} needs a value"));
         match argument.as_str() {
             "--shim" => wishes.shim = Some(value()?.into()),
+            "--shaders" => wishes.shaders = Some(value()?),
             "--gpu" => wishes.gpus.push(value()?),
             "--option" => wishes.options.push(value()?),
             "--check" => wishes.check = true,
             "--accept" => wishes.accept = true,
             name if !name.starts_with('-') => wishes.names.push(name.to_owned()),
-            _ => bail!("there is no {argument}; there are --shim, --gpu, --option, --check and --accept"),
+            _ => bail!(
+                "there is no {argument}; there are --shim, --shaders, --gpu, --option, --check and --accept"
+            ),
         }
     }
     if wishes.gpus.is_empty() {
@@ -105,6 +110,7 @@ fn ask(shim: &Path, gpu: &str, wishes: &Wishes) -> anyhow::Result<Vec<Linked>> {
     options.extend(wishes.options.iter().cloned());
     let output = Command::new(std::env::current_exe()?)
         .args(["gpu-programs", "--json"])
+        .args(wishes.shaders.iter().flat_map(|folder| ["--shaders", folder]))
         .args(&wishes.names)
         .env("LD_PRELOAD", shim)
         .env("AMDGPU_GPU_ID", gpu)

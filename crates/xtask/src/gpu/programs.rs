@@ -109,22 +109,29 @@ fn cpu_seconds() -> f64 {
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-/// Prints a line for each program whose name holds one of the arguments, or for all; with `--json` for programs.
+/// Prints a line for each program whose name holds one of the arguments, or for all; with `--json` to be
+/// read by programs, with `--shaders FOLDER` of other shaders.
 ///
 /// # Errors
 /// A missing driver, and programs that it refuses.
 pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
-    let (flags, names): (Vec<String>, Vec<String>) =
-        arguments.iter().cloned().partition(|argument| argument.starts_with('-'));
-    let json = flags.iter().any(|flag| flag == "--json");
-    if flags.iter().any(|flag| flag != "--json") {
-        bail!("the only flag is --json");
+    let (mut names, mut json, mut library) = (Vec::new(), false, ShaderLibrary::embedded());
+    let mut arguments = arguments.iter();
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--json" => json = true,
+            "--shaders" => {
+                let folder = arguments.next().context("--shaders needs a folder")?;
+                library = ShaderLibrary::on_disk(folder.as_ref());
+            }
+            name if !name.starts_with('-') => names.push(name.to_owned()),
+            _ => bail!("there is no {argument}; there are --json and --shaders"),
+        }
     }
     let heard = Heard::default();
     tracing_subscriber::registry().with(heard.clone()).init();
     let context = Headless::new(true)?;
     let gl = context.gl();
-    let library = ShaderLibrary::embedded();
     let driver = format!("{}, {}", gl.info().renderer, gl.info().version);
     let mut refused = Vec::new();
     for Wanted { name, file, variant } in wanted(gl, &names)? {
