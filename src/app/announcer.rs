@@ -100,14 +100,25 @@ pub(super) fn next_repeat(repeat: Repeat) -> Repeat {
     }
 }
 
+/// In which order tracks play.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TrackOrder {
+    /// What follows the last track, and each one.
+    pub repeat: Repeat,
+    /// Whether the order is random.
+    pub shuffled: bool,
+}
+
 /// A change of order in words: the repeat mode or the random order, whichever is new.
-pub(super) fn words_of(before: (Repeat, bool), after: (Repeat, bool)) -> &'static str {
-    match after {
-        (_, true) if !before.1 => "tracks in random order",
-        (_, false) if before.1 => "tracks in list order",
-        (Repeat::All, _) => "repeat all tracks",
-        (Repeat::One, _) => "repeat this track",
-        (Repeat::Off, _) => "end after the last track",
+pub(super) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
+    match (before.shuffled, after.shuffled) {
+        (false, true) => "tracks in random order",
+        (true, false) => "tracks in their own order",
+        _ => match after.repeat {
+            Repeat::All => "repeat all tracks",
+            Repeat::One => "repeat this track",
+            Repeat::Off => "end after the last track",
+        },
     }
 }
 

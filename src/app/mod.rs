@@ -2,24 +2,27 @@
 //! another ([`show`]).
 
 mod announcer;
+mod drawing_pace;
 mod dynamic_resolution;
 pub mod error;
 mod frame_times;
 pub mod keys;
+mod listening;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod lost_display;
 mod media_controls;
-mod opening;
 pub mod overlay;
 pub mod pacing;
 mod pointer;
 mod region_builder;
+mod reports;
 mod scene_regions;
 mod scene_stage;
 mod show;
 mod sound;
 mod stage;
 mod title;
+mod user_input;
 mod window;
 mod window_thread;
 

@@ -8,6 +8,7 @@
 //! A new scene is prepared in parallel with what is shown, and takes its place only when a program can draw it: a
 //! scene that is broken or slow to compile never costs the present one.
 
+mod context_change;
 mod drawing;
 mod kept;
 mod told;
@@ -18,8 +19,9 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-pub(super) use drawing::Drawn;
+pub(super) use context_change::{DrawingWays, LoadedScene};
 use drawing::Making;
+pub(super) use drawing::{Drawn, WantedPicture};
 use kept::KeptPrograms;
 use views::{Views, ViewsOf};
 
@@ -39,7 +41,6 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::SceneShape;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
-use crate::view::ViewChoice;
 
 /// What the loader gives.
 pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
@@ -84,20 +85,6 @@ enum Task {
     Compiled(u64),
     Interpreter(Interpreter),
     Views(ViewsOf),
-}
-
-/// What outlives the context that scenes are drawn in.
-pub(super) struct KeptScenes {
-    /// What loads scenes.
-    pub loader: SceneLoader,
-    /// The scene that was shown.
-    pub shown: Option<(SceneSource, ReadyScene)>,
-    /// The scene that was last asked for.
-    pub wanted: SceneSource,
-    /// Parameters that were moved.
-    pub moved: HashMap<String, f32>,
-    /// How scenes are drawn: in which mode, whether with regions, as which view.
-    pub ways: (SdfChoice, bool, Option<ViewChoice>),
 }
 
 /// The scene on the stage, and the one behind it.
@@ -145,18 +132,19 @@ impl SceneStage {
         gl: &Gl,
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
-        (choice, regions, view): (SdfChoice, bool, Option<ViewChoice>),
+        ways: DrawingWays,
         loader: SceneLoader,
-        (source, first): (SceneSource, ReadyScene),
+        first: LoadedScene,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Result<Self, GpuError> {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
-        let mut regions = SceneRegions::start(regions, wake.clone()).map_err(no_worker)?;
-        regions.insist(view.is_some());
-        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), wake);
+        let LoadedScene { source, scene } = first;
+        let mut regions = SceneRegions::start(ways.regions, wake.clone()).map_err(no_worker)?;
+        regions.insist(ways.view.is_some());
+        let compiler = BackgroundCompiler::start(contexts, library, wake);
         let mut stage = Self {
             gl: gl.clone(),
-            choice,
+            choice: ways.sdf,
             loader,
             list: SceneList::around(&source),
             source: source.clone(),
@@ -174,38 +162,13 @@ impl SceneStage {
             revision: 0,
             announced: None,
             regions,
-            views: Views::starting_with(view),
+            views: Views::starting_with(ways.view),
             hand: OrbitControls::OFF,
             own_pitch: 0.0,
             compiler,
         };
-        stage.prepare(source, first)?;
+        stage.prepare(source, scene)?;
         Ok(stage)
-    }
-
-    /// Drops everything that belongs to its context, and returns what another stage goes on with.
-    pub(super) fn let_go(self) -> KeptScenes {
-        let shown = self.on_stage.or(self.coming).map(|cast| {
-            let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
-            (cast.source, ReadyScene { world, buffers, plan: cast.resources.plan().clone() })
-        });
-        KeptScenes {
-            loader: self.loader,
-            shown,
-            wanted: self.source,
-            moved: self.moved,
-            ways: (self.choice, self.regions.are_wanted(), self.views.choice()),
-        }
-    }
-
-    /// Goes on where another stage ended, with the parameters that were moved and the scene that was asked for.
-    pub(super) fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
-        self.moved = moved;
-        if wanted != self.source {
-            self.list = SceneList::around(&wanted);
-            self.source = wanted.clone();
-            self.loader.request(wanted);
-        }
     }
 
     /// Takes in what the loader and the compilers have finished.

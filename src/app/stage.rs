@@ -1,198 +1,102 @@
-//! What lives as long as the window: the sound, the scene, and the overlay.
+//! What lives as long as the window: the sound, the scene, the pace of the drawing, the reports, and the overlay.
 
-use std::path::PathBuf;
+mod drawing;
+mod opening;
+
 use std::time::{Duration, Instant};
 
-use super::announcer::{Announcer, words_of};
-use super::dynamic_resolution::{DynamicResolution, Level};
+use winit::event::WindowEvent;
+
+pub(super) use opening::{Opening, renewed};
+
+use super::announcer::TrackOrder;
+use super::drawing_pace::DrawingPace;
+use super::error::AppError;
 use super::frame_times::FrameTimes;
-use super::media_controls::MediaControls;
-use super::overlay::{Overlay, OverlayContent};
-use super::pacing::Pacing;
-use super::pointer::Pointer;
-use super::scene_regions::Shown;
-use super::scene_stage::{Drawn, SceneStage};
-use super::sound::Sound;
+use super::keys::Action;
+use super::listening::Listening;
+use super::media_controls::Asked;
+use super::overlay::{Overlay, PanelSwitches};
+use super::reports::Reports;
+use super::scene_stage::SceneStage;
+use super::title::{live_title, title};
+use super::user_input::{UserInput, Wish};
 use super::window::GlWindowContext;
-use crate::gpu::error::GpuError;
+use crate::config::PlaySettings;
 use crate::gpu::renderer::Renderer;
-use crate::limits::LIMITS;
-use mariana_music::TapTempo;
-use mariana_player::track::Repeat;
-use mariana_player::{Moment, Player};
+use mariana_player::Player;
 
 /// How often a show that stands still looks for changes.
-pub(super) const IDLE_INTERVAL: Duration = Duration::from_millis(250);
+const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 /// How often it does so while it waits for a sound that it could show.
 const LISTEN_INTERVAL: Duration = Duration::from_millis(10);
 
-/// After standing still for this long, a show is drawn as well as possible.
-const STANDS_STILL: Duration = Duration::from_millis(400);
-
 /// Everything that lives as long as the window.
 pub(super) struct Stage {
-    pub(super) sound: Sound,
-    /// The tempo tapped by hand.
-    pub(super) taps: TapTempo,
-    /// What the user wants; until the first picture the player waits in any case.
-    pub(super) paused: bool,
-    pub(super) renderer: Renderer,
+    listening: Listening,
+    renderer: Renderer,
     pub(super) scene: SceneStage,
-    pub(super) pacing: Pacing,
-    /// What the last frame showed. A show that stands still is not drawn again.
-    pub(super) shown: Option<Shown>,
-    pub(super) frame_times: FrameTimes,
-    pub(super) dynamic_resolution: DynamicResolution,
-    /// The window's size at the last drawing. (Asking a window that others have closed would end the program.)
-    pub(super) window_size: Option<(u32, u32)>,
-    /// When the show last moved.
-    pub(super) moved: Instant,
-    /// When the last new picture was begun.
-    pub(super) pictured: Option<Instant>,
-    pub(super) status_due: Instant,
-    pub(super) told_silent: Option<String>,
-    pub(super) announcer: Announcer,
-    pub(super) controls: MediaControls,
-    pub(super) title: String,
-    pub(super) pointer: Pointer,
-    /// Whether a shift key is held.
-    pub(super) shift: bool,
-    pub(super) occluded: bool,
-    pub(super) overlay: Overlay,
-    /// Whether the keys are shown.
-    pub(super) help: bool,
-    /// Whether the parameters' sliders are shown.
-    pub(super) sliders: bool,
-    /// Whether the line about the scene is shown.
-    pub(super) corner: bool,
+    pace: DrawingPace,
+    reports: Reports,
+    input: UserInput,
+    /// Whether nothing of the window can be seen.
+    occluded: bool,
+    overlay: Overlay,
+    pub(super) panels: PanelSwitches,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
 
 impl Stage {
+    /// Pauses the sound or lets it run.
     pub(super) fn set_paused(&mut self, paused: bool) {
-        self.paused = paused;
-        if self.shown.is_some() {
-            self.sound.set_paused(paused);
+        self.listening.want_paused(paused);
+        if self.pace.shown().is_some() {
+            self.listening.follow_wish();
         }
+    }
+
+    /// Pauses the sound if it runs, and lets it run if it is paused.
+    pub(super) fn toggle_pause(&mut self) {
+        self.set_paused(!self.listening.is_paused());
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        self.listening.with_song(act);
     }
 
     /// Changes the order of the tracks; does nothing while another source is listened to.
-    pub(super) fn set_order(&mut self, change: impl FnOnce(Repeat, bool) -> (Repeat, bool)) {
-        let Some(player) = self.sound.player() else { return };
-        let status = player.status();
-        let before = (status.repeat, status.shuffled);
-        let (repeat, shuffled) = change(before.0, before.1);
-        player.set_order(repeat, shuffled);
-        self.announcer.answer(words_of(before, (repeat, shuffled)).to_owned());
-    }
-
-    /// Plays files that were dropped onto the window.
-    pub(super) fn play_files(&mut self, files: Vec<PathBuf>) {
-        match self.sound.player() {
-            Some(player) => player.play_files(files),
-            None => self
-                .announcer
-                .answer("files can be played only while the song is the source: press D".to_owned()),
-        }
+    pub(super) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) {
+        let words = self.listening.set_order(change);
+        self.answer(words);
     }
 
     /// Takes this moment as a beat.
     pub(super) fn tap(&mut self) {
-        let Some(Moment { song_time, .. }) = self.sound.now() else { return };
-        self.taps.tap(song_time);
-        self.announcer.answer(match self.taps.at(song_time) {
-            Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
-            None => "tap again to set the tempo".to_owned(),
-        });
+        let words = self.listening.tap();
+        self.answer(words);
     }
 
-    /// Goes to the next track, or back. A tapped tempo belonged to the track before, so it is forgotten.
+    /// Goes to the next track, or back.
     pub(super) fn skip(&mut self, forward: bool) {
-        self.taps = TapTempo::default();
-        self.with_song(|player| player.skip(forward));
+        self.listening.skip(forward);
     }
 
-    /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.
-    pub(super) fn moment(&mut self) -> Option<Moment> {
-        let mut now = self.sound.now()?;
-        self.taps.apply(now.song_time, &mut now.features);
-        let same = |shown: &Shown| shown.moment.features == now.features && !self.scene.moves_by_itself();
-        Some(self.shown.filter(same).map_or(now, |shown| shown.moment))
+    /// Listens to the next source.
+    pub(super) fn next_source(&mut self) {
+        self.listening.next_source();
     }
 
-    /// How the next picture is drawn: as well as possible if it stands still, and also if it is a view, whose legend
-    /// is read.
-    pub(super) fn level(&self, now: Instant) -> Level {
-        let still = now.saturating_duration_since(self.moved) >= STANDS_STILL;
-        if still || self.scene.view().is_some() {
-            self.dynamic_resolution.still_level()
-        } else {
-            self.dynamic_resolution.level()
-        }
+    /// Shows the picture later by this many steps.
+    pub(super) fn shift(&mut self, steps: f64) {
+        let words = self.listening.shift(steps);
+        self.answer(Some(words));
     }
 
-    /// The size in which a level draws the window. A size beyond the driver's textures, or with more pixels than a
-    /// picture may have, is reduced too.
-    pub(super) fn drawn_size(&self, level: Level, window: (u32, u32)) -> (u32, u32) {
-        let limit = self.window.gl().info().texture_side_max;
-        level.size_in(within_pixels((window.0.min(limit), window.1.min(limit)), LIMITS.picture_pixels_max))
-    }
-
-    /// Whether a show that stands still could be drawn better than it is.
-    pub(super) fn could_be_better(&self, now: Instant) -> bool {
-        let Some((shown, window)) = self.shown.zip(self.window_size) else { return false };
-        let level = self.level(now);
-        (shown.size, shown.edges) != (self.drawn_size(level, window), level.edges)
-    }
-
-    /// The line about the scene and how it is drawn, if it is wanted.
-    pub(super) fn corner_line(&self) -> Option<String> {
-        let scene = self.scene.corner().filter(|_| self.corner)?;
-        let size =
-            self.shown.map(|shown| format!(" · {}x{}", shown.size.0, shown.size.1)).unwrap_or_default();
-        Some(format!("{scene}{size}, {}", self.dynamic_resolution))
-    }
-
-    /// Finishes a picture that was begun at `begun`: dims what flashes too often.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub(super) fn finish_picture(&mut self, begun: Instant) -> Result<(), GpuError> {
-        let last = self.pictured.replace(begun).unwrap_or(begun);
-        self.renderer.limit_flashes(begun.saturating_duration_since(last).as_secs_f64())
-    }
-
-    /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
-    /// would not be enough, not at all. For a picture that stands still there is time.
-    pub(super) fn weigh_picture(&mut self, level: Level, now: Instant) {
-        let moves = level == self.dynamic_resolution.level();
-        let Some(seconds) = self.scene.seconds_of_picture().filter(|_| moves) else { return };
-        if self.dynamic_resolution.expects(now, seconds) {
-            self.scene.give_picture_up();
-        } else if seconds > LIMITS.picture_seconds_max {
-            self.scene.take_back(seconds);
-        }
-    }
-
-    /// What was drawn. If the driver has no memory for a picture, the next one is drawn smaller and this one is left
-    /// out.
-    pub(super) fn without_room_smaller(
-        &mut self,
-        drawn: Result<Option<Drawn>, GpuError>,
-    ) -> Result<Option<Drawn>, GpuError> {
-        match drawn {
-            Err(GpuError::Object { what, reason })
-                if self.shown.is_some() && self.dynamic_resolution.make_smaller() =>
-            {
-                tracing::warn!("the driver could not make {what}: {reason}");
-                self.announcer.answer(
-                    "the driver has no memory for a picture of this size: a smaller one is drawn".to_owned(),
-                );
-                self.scene.give_picture_up();
-                Ok(None)
-            }
-            drawn => drawn,
+    fn answer(&mut self, words: Option<String>) {
+        if let Some(words) = words {
+            self.reports.answer(words);
         }
     }
 
@@ -203,54 +107,118 @@ impl Stage {
         self.renderer.forget_flashes();
     }
 
-    /// Tells the controller of the resolution what a picture cost that took `drawing` until it was handed over and
-    /// `showing` in all. Handing over waits for a monitor, but on a software renderer it is what draws.
-    pub(super) fn note_cost(&mut self, drawn: Level, drawing: Duration, showing: Duration) {
-        let cost = match (self.window.gl().info().software, self.renderer.gpu_time()) {
-            (true, _) => showing,
-            (false, gpu) => drawing.max(gpu.unwrap_or_default()),
-        };
-        if drawn == self.dynamic_resolution.level() {
-            self.dynamic_resolution.note(Instant::now(), cost);
+    /// Enters full screen or leaves it.
+    pub(super) fn toggle_fullscreen(&mut self) {
+        self.window.set_fullscreen(!self.window.is_fullscreen());
+    }
+
+    /// Handles an event of the window. Returns what a key or the mouse asks for.
+    pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
+        if self.overlay.on_event(self.window.window(), event) {
+            return None;
+        }
+        match event {
+            WindowEvent::Resized(size) => {
+                self.window.resize((*size).into());
+                self.window.window().request_redraw();
+            }
+            WindowEvent::Occluded(occluded) => self.occluded = *occluded,
+            _ => match self.input.take(event, Instant::now())? {
+                Wish::Act(action) => return Some(action),
+                Wish::TurnCamera(way) => {
+                    let height = f64::from(self.window.size().map_or(1, |(_, height)| height));
+                    self.scene.move_camera(|hand, own| hand.drag((way.0 / height, way.1 / height), own));
+                }
+                Wish::ZoomCamera(notches) => self.scene.move_camera(|hand, _| hand.zoom(notches)),
+            },
+        }
+        None
+    }
+
+    /// What the desktop asks for next, if anything.
+    pub(super) fn asked(&self) -> Option<Asked> {
+        self.reports.asked()
+    }
+
+    /// Looks at the state of the sound at once, because something was changed.
+    pub(super) fn hurry_reports(&mut self) {
+        self.reports.hurry();
+    }
+
+    /// Title and messages. Returns whether a song that plays once is over.
+    ///
+    /// # Errors
+    /// The only song cannot be played on.
+    pub(super) fn look_at_status(&mut self, settings: &PlaySettings) -> Result<bool, AppError> {
+        if !self.reports.is_due(Instant::now()) {
+            return Ok(false);
+        }
+        if let Some(live) = self.listening.live_status() {
+            self.set_title(live_title(&live, self.scene.notes(), self.listening.is_paused()));
+            return Ok(false);
+        }
+        let Some(status) = self.listening.song_status() else { return Ok(false) };
+        self.reports.tell_silence(&status, settings.silent);
+        if let (true, true, 1, Some(error)) =
+            (status.ended, settings.once, status.track.count, &status.troubles.last)
+        {
+            return Err(AppError::SongLost(error.clone()));
+        }
+        self.reports.look(&status, self.window.is_fullscreen());
+        self.set_title(title(self.scene.notes(), &status, settings.silent));
+        Ok(status.ended && settings.once)
+    }
+
+    fn set_title(&mut self, title: String) {
+        if let Some(title) = self.reports.changed_title(title) {
+            self.window.window().set_title(title);
+        }
+    }
+
+    /// Takes in what other threads have finished, requests a picture if one is due, and returns when to look again if
+    /// nothing happens before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn look_around(&mut self) -> Result<Instant, AppError> {
+        let dropped = self.input.take_dropped();
+        if !dropped.is_empty() {
+            let words = self.listening.play_files(dropped);
+            self.answer(words);
+        }
+        self.scene.update()?;
+        let now = Instant::now();
+        self.reports.update(now);
+        if self.scene.is_drawing() {
+            return Ok(now);
+        }
+        let overlay_due = self.overlay_due(now);
+        let moment = self.moment();
+        let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
+        let moving = moves || self.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
+        // The first picture starts the song, seen or not.
+        let seen = !self.occluded || self.pace.shown().is_none();
+        if !moving || !seen {
+            // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
+            // any time.
+            let idle = now + self.idle_interval(seen);
+            let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
+            Ok(wake)
+        } else if now >= self.pace.due() || self.scene.has_regions() {
+            self.window.window().request_redraw();
+            Ok(now + IDLE_INTERVAL)
+        } else {
+            Ok(self.pace.due())
         }
     }
 
     /// How long a show that stands still sleeps: in silence it listens.
-    pub(super) fn idle_interval(&self, seen: bool) -> Duration {
-        if seen && !self.paused { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    fn idle_interval(&self, seen: bool) -> Duration {
+        if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
     }
 
-    /// Does something with the song, if it is what is listened to.
-    pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
-        if let Some(player) = self.sound.player() {
-            act(player);
-        }
+    /// How long frames took, for the log.
+    pub(super) fn frame_times(&self) -> &FrameTimes {
+        self.pace.times()
     }
-
-    pub(super) fn set_title(&mut self, title: String) {
-        if title != self.title {
-            self.window.window().set_title(&title);
-            self.title = title;
-        }
-    }
-}
-
-/// A size of at most `max` pixels and of the same shape, as far as whole pixels allow.
-fn within_pixels(size: (u32, u32), max: u64) -> (u32, u32) {
-    let pixels = f64::from(size.0) * f64::from(size.1);
-    let scale = (max as f64 / pixels.max(1.0)).sqrt().min(1.0);
-    let side = |side: u32| ((f64::from(side) * scale) as u32).max(1);
-    (side(size.0), side(size.1))
-}
-
-/// Adds what there is to report of the sound and the tracks.
-pub(super) fn show_sound<'a>(
-    sound: &'a Sound,
-    announcer: &'a Announcer,
-    content: &mut OverlayContent<'a>,
-    now: Instant,
-) {
-    content.add(announcer.notice());
-    content.hint = sound.hint();
-    content.sources = sound.list(now);
 }

@@ -16,6 +16,7 @@ mod pointer;
 mod problem;
 mod sources;
 mod style;
+mod switches;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +30,7 @@ use winit::window::Window;
 pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
 use panels::Panels;
 use pointer::Pointer;
+pub use switches::PanelSwitches;
 
 use super::error::AppError;
 use crate::gpu::gl::Gl;

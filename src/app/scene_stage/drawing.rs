@@ -23,6 +23,20 @@ use mariana_player::Moment;
 /// How long one go draws before the show looks whether anything has happened.
 const GO: Duration = Duration::from_millis(100);
 
+/// The picture that should be shown next.
+pub(crate) struct WantedPicture {
+    /// The moment of the song.
+    pub moment: Moment,
+    /// What it sounds like.
+    pub sound: Sound,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// Width of the window for each of its height.
+    pub aspect: f64,
+    /// How it is drawn.
+    pub level: Level,
+}
+
 /// A picture that was finished.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Drawn {
@@ -45,17 +59,16 @@ pub(super) struct Making {
 
 impl SceneStage {
     /// Draws the scene on the stage as it was at a moment for which its regions are built, or continues a picture
-    /// that was begun. None if no picture was finished. `moment` is what should be shown next: what it needs is
-    /// requested.
+    /// that was begun. None if no picture was finished. What `picture` needs is requested.
     ///
     /// # Errors
     /// What the driver refuses.
     pub(crate) fn draw(
         &mut self,
         renderer: &mut Renderer,
-        (moment, sound): (Moment, Sound),
-        (size, aspect, level): ((u32, u32), f64, Level),
+        picture: WantedPicture,
     ) -> Result<Option<Drawn>, GpuError> {
+        let WantedPicture { moment, sound, size, aspect, level } = picture;
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
         let now = (cast.id, mode, self.views.choice());
         let is_of_use = |making: &Making| {

@@ -1,7 +1,7 @@
 //! What there is to report of the scene on the stage.
 
 use super::SceneStage;
-use crate::app::overlay::{Notice, OverlayContent, Problem};
+use crate::app::overlay::{Notice, OverlayContent, PanelSwitches, Problem};
 
 impl SceneStage {
     /// The name of the scene on the stage.
@@ -28,8 +28,7 @@ impl SceneStage {
     pub(crate) fn overlay<'a>(
         &'a mut self,
         corner: Option<&'a str>,
-        with_sliders: bool,
-        help: bool,
+        panels: PanelSwitches,
     ) -> OverlayContent<'a> {
         let problem = self.problem.as_ref();
         let notice = self.notice.as_ref();
@@ -38,8 +37,8 @@ impl SceneStage {
             corner,
             problem: problem.map(|(heading, text)| Problem { heading, text }),
             notice: notice.map(|(text, since)| Notice { text, since: *since }),
-            params: sliders.filter(|sliders| with_sliders && !sliders.is_empty()),
-            help,
+            params: sliders.filter(|sliders| panels.sliders() && !sliders.is_empty()),
+            help: panels.help(),
             ..OverlayContent::default()
         }
     }

@@ -2,31 +2,29 @@
 //!
 //! **A lost context is made anew.** When the driver reports that its context is lost, everything that belongs to it
 //! is dropped while it is still current, and made again from the worlds, which are plain values
-//! (`app::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
+//! (`app::stage::opening::renewed`); the song does not notice. A picture for which the driver has no memory is drawn
 //! smaller. `faults` lets tests cause both.
 
 use std::time::Instant;
 
-use super::announcer::Announcer;
-use super::dynamic_resolution::DynamicResolution;
-use super::error::AppError;
-use super::frame_times::FrameTimes;
-use super::media_controls::MediaControls;
-use super::overlay::Overlay;
-use super::pacing::Pacing;
-use super::pointer::Pointer;
-use super::scene_stage::{SceneLoader, SceneStage};
-use super::sound::{Sound, Start};
-use super::stage::Stage;
-use super::window::{GlWindowContext, OpenWindow};
-use super::window_thread::Waker;
+use super::Stage;
+use crate::app::announcer::Announcer;
+use crate::app::drawing_pace::DrawingPace;
+use crate::app::error::AppError;
+use crate::app::listening::Listening;
+use crate::app::media_controls::MediaControls;
+use crate::app::overlay::{Overlay, PanelSwitches};
+use crate::app::reports::Reports;
+use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoader, SceneStage};
+use crate::app::sound::{Sound, Start};
+use crate::app::user_input::UserInput;
+use crate::app::window::{GlWindowContext, OpenWindow};
+use crate::app::window_thread::Waker;
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
-use crate::scenes::{ReadyScene, SceneSource};
-use mariana_music::TapTempo;
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions};
 
@@ -36,15 +34,17 @@ const FPS_DEFAULT: f64 = 60.0;
 const COMPILERS: usize = 2;
 
 /// What is known before the window opens.
-pub(super) struct Opening<'a> {
+pub(in crate::app) struct Opening<'a> {
     /// What is played; none if only an input is listened to.
-    pub(super) tracks: Option<Opened>,
+    pub(in crate::app) tracks: Option<Opened>,
     /// How the window plays and shows it.
-    pub(super) settings: &'a PlaySettings,
+    pub(in crate::app) settings: &'a PlaySettings,
     /// How scenes are drawn.
-    pub(super) scene: &'a SceneChoice,
-    /// What loads scenes, and the first of them.
-    pub(super) scene_at_start: (SceneLoader, (SceneSource, ReadyScene)),
+    pub(in crate::app) scene: &'a SceneChoice,
+    /// What loads scenes.
+    pub(in crate::app) loader: SceneLoader,
+    /// The first of them.
+    pub(in crate::app) first: LoadedScene,
 }
 
 impl Opening<'_> {
@@ -52,20 +52,19 @@ impl Opening<'_> {
     ///
     /// # Errors
     /// What the driver or the system refuses.
-    pub(super) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, scene_at_start: (loader, first) } = self;
+    pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
+        let Self { tracks, settings, scene, loader, first } = self;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
-        let title = String::new();
         let renderer = renderer(&window, settings, scene)?;
         let of_scenes = waker.clone();
         let scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
             &scene.shaders,
-            (scene.sdf, scene.regions, scene.view),
+            DrawingWays { sdf: scene.sdf, regions: scene.regions, view: scene.view },
             loader,
             first,
             move || of_scenes.wake(),
@@ -101,30 +100,15 @@ impl Opening<'_> {
         let now = Instant::now();
         let of_controls = waker.clone();
         Ok(Stage {
-            sound,
-            taps: TapTempo::default(),
-            paused: false,
+            listening: Listening::new(sound),
             renderer,
             scene,
-            pacing: Pacing::new(fps, now),
-            shown: None,
-            frame_times: FrameTimes::default(),
-            dynamic_resolution: DynamicResolution::new(settings.quality, fps),
-            window_size: None,
-            moved: now,
-            pictured: None,
-            status_due: now,
-            told_silent: None,
-            announcer,
-            controls: MediaControls::start(move || of_controls.wake()),
-            title,
-            pointer: Pointer::default(),
-            shift: false,
+            pace: DrawingPace::new(settings.quality, fps, now),
+            reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            input: UserInput::default(),
             occluded: false,
             overlay: Overlay::new(window.gl(), window.window()),
-            help: false,
-            sliders: false,
-            corner: false,
+            panels: PanelSwitches::default(),
             window,
         })
     }
@@ -150,8 +134,8 @@ fn renderer(
 ///
 /// # Errors
 /// The driver gives no other context.
-pub(super) fn renewed(
-    stage: Stage,
+pub(in crate::app) fn renewed(
+    mut stage: Stage,
     settings: &PlaySettings,
     scene: &SceneChoice,
     waker: &Waker,
@@ -176,33 +160,13 @@ pub(super) fn renewed(
         move || of_scenes.wake(),
     )?;
     scenes.take_over(kept.moved, kept.wanted);
-    let mut announcer = stage.announcer;
-    announcer.answer("the driver lost the picture: it is being drawn again".to_owned());
+    stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
         renderer: renderer(&window, settings, scene)?,
         scene: scenes,
         overlay: Overlay::new(window.gl(), window.window()),
-        shown: None,
-        pictured: None,
-        announcer,
+        pace: stage.pace.renewed(Instant::now()),
         window,
-        sound: stage.sound,
-        taps: stage.taps,
-        paused: stage.paused,
-        pacing: stage.pacing,
-        frame_times: stage.frame_times,
-        dynamic_resolution: stage.dynamic_resolution,
-        window_size: stage.window_size,
-        moved: Instant::now(),
-        status_due: stage.status_due,
-        told_silent: stage.told_silent,
-        controls: stage.controls,
-        title: stage.title,
-        pointer: stage.pointer,
-        shift: stage.shift,
-        occluded: stage.occluded,
-        help: stage.help,
-        sliders: stage.sliders,
-        corner: stage.corner,
+        ..stage
     })
 }

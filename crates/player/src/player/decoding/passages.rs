@@ -1,0 +1,156 @@
+//! The tracks that have begun in the segment: the one that is decoded, and those before it that may still sound.
+
+use std::collections::VecDeque;
+
+use crate::source::FrameSource;
+use crate::track::Track;
+
+/// A track, and the passage in which it is played.
+struct Playing {
+    passage: u64,
+    track: Track,
+}
+
+/// See the module.
+pub(super) struct Passages {
+    current: Playing,
+    /// Earlier tracks of the segment whose ends may still sound, the oldest first.
+    before: VecDeque<Playing>,
+    /// The newest passage. No number is used twice, so that what comes late is told from what it is late for.
+    last: u64,
+}
+
+impl Passages {
+    /// Only `first`, of which nothing has sounded.
+    pub(super) fn new(first: Track) -> Self {
+        Self { current: Playing { passage: 0, track: first }, before: VecDeque::new(), last: 0 }
+    }
+
+    /// The track that is decoded.
+    pub(super) fn track(&self) -> &Track {
+        &self.current.track
+    }
+
+    /// Where its frames come from.
+    pub(super) fn source(&mut self) -> &mut dyn FrameSource {
+        &mut *self.current.track.source
+    }
+
+    /// The passage of the track that is decoded.
+    pub(super) fn current(&self) -> u64 {
+        self.current.passage
+    }
+
+    /// The earliest passage that may be audible.
+    pub(super) fn earliest(&self) -> u64 {
+        self.before.front().unwrap_or(&self.current).passage
+    }
+
+    /// The entry of the list that sounds in `passage`.
+    pub(super) fn entry_in(&self, passage: u64) -> usize {
+        let playing = self.before.iter().find(|playing| playing.passage == passage).unwrap_or(&self.current);
+        playing.track.info.entry
+    }
+
+    /// Makes a new passage of the current track, because it goes on elsewhere.
+    pub(super) fn begin_anew(&mut self) {
+        self.last += 1;
+        self.current.passage = self.last;
+    }
+
+    /// Goes on with `track`; the one before may still sound.
+    pub(super) fn follow_with(&mut self, track: Track) {
+        self.last += 1;
+        let current = Playing { passage: self.last, track };
+        self.before.push_back(std::mem::replace(&mut self.current, current));
+    }
+
+    /// Replaces everything by `track`. Nothing of its passage is audible until a segment begins with it.
+    pub(super) fn replace_with(&mut self, track: Track) {
+        self.forget_earlier();
+        self.last += 1;
+        self.current = Playing { passage: self.last, track };
+    }
+
+    /// Whether tracks before the current one are kept.
+    pub(super) fn has_earlier(&self) -> bool {
+        !self.before.is_empty()
+    }
+
+    /// Drops all tracks before the current one.
+    pub(super) fn forget_earlier(&mut self) {
+        self.before.clear();
+    }
+
+    /// Drops the tracks whose passages are over once `passage` is audible.
+    pub(super) fn forget_before(&mut self, passage: u64) {
+        while self.before.front().is_some_and(|playing| playing.passage < passage) {
+            self.before.pop_front();
+        }
+    }
+
+    /// Makes the track of `passage` the current one again, if later ones were begun ahead. Returns the track that came
+    /// next, which does not stand at its start. A new segment must follow.
+    pub(super) fn go_back_to(&mut self, passage: u64) -> Option<Track> {
+        self.forget_before(passage);
+        let mut after = None;
+        while self.current.passage > passage
+            && let Some(earlier) = self.before.pop_back()
+        {
+            after = Some(std::mem::replace(&mut self.current, earlier).track);
+        }
+        after
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Entries 0, 1 and 2, each begun after the one before.
+    fn three() -> Passages {
+        let mut passages = Passages::new(Track::silence(0, 3));
+        passages.follow_with(Track::silence(1, 3));
+        passages.follow_with(Track::silence(2, 3));
+        passages
+    }
+
+    #[test]
+    fn going_back_gives_the_track_that_came_next() {
+        let mut passages = three();
+        let (first, last) = (passages.earliest(), passages.current());
+        assert_eq!([first, first + 1, last].map(|passage| passages.entry_in(passage)), [0, 1, 2]);
+        let after = passages.go_back_to(first).expect("there is a later one");
+        assert_eq!((passages.track().info.entry, after.info.entry), (0, 1));
+        assert!(passages.go_back_to(first).is_none(), "it is there already");
+    }
+
+    #[test]
+    fn what_is_over_is_forgotten_and_the_current_track_stays() {
+        let mut passages = three();
+        passages.forget_before(passages.current());
+        assert!(!passages.has_earlier());
+        assert_eq!((passages.earliest(), passages.track().info.entry), (passages.current(), 2));
+    }
+
+    #[test]
+    fn tracks_that_were_replaced_do_not_come_back() {
+        let mut passages = three();
+        let heard = passages.earliest();
+        passages.replace_with(Track::silence(7, 9));
+        assert!(!passages.has_earlier() && passages.go_back_to(heard).is_none());
+        assert_eq!(passages.track().info.entry, 7);
+    }
+
+    #[test]
+    fn no_passage_has_the_number_of_another() {
+        let mut passages = three();
+        let last = passages.current();
+        let _ = passages.go_back_to(last - 1);
+        passages.begin_anew();
+        assert!(passages.current() > last);
+        let last = passages.current();
+        passages.replace_with(Track::silence(0, 3));
+        assert!(passages.current() > last);
+    }
+}

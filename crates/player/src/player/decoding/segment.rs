@@ -1,0 +1,246 @@
+//! The segment that is being filled, and the output that plays it.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use super::place::Goal;
+use crate::clock::{Audible, Course};
+use crate::limits::LIMITS;
+use crate::output::OutputCallbackLink;
+use crate::player::filling::Filling;
+use crate::resample::{ResampleError, Resampler};
+use crate::timeline::SharedTimeline;
+use crate::track::TrackInfo;
+use mariana_music::StereoFrame;
+
+/// Depth of the ring, in seconds, or [`RING_BUFFERS`] buffers of the device if that is more.
+const RING: f64 = 0.4;
+
+/// See [`RING`].
+const RING_BUFFERS: usize = 4;
+
+/// How much of a segment must be ready before it is heard, in seconds: more than the analysis looks ahead.
+const PREFILL: f64 = 0.15;
+
+/// What a segment begins with.
+pub(super) struct SegmentStart {
+    /// The passage of its first frame, and its track.
+    pub(super) passage: u64,
+    /// What is known about that track.
+    pub(super) info: Arc<TrackInfo>,
+    /// Time of the track of its first frame, in seconds.
+    pub(super) target: f64,
+    /// From the source's rate to that of the output.
+    pub(super) resampler: Resampler,
+    /// Frames of the source before the target: for the analysis alone.
+    pub(super) skip: u64,
+    /// Whether the source stands at the track's start.
+    pub(super) from_start: bool,
+}
+
+/// See the module. There is none before the first output, and after one that could not begin.
+pub(super) struct CurrentSegment {
+    timeline: SharedTimeline,
+    link: Option<OutputCallbackLink>,
+    filling: Option<Filling>,
+    last_id: u64,
+    /// Grows with each seek and each skip.
+    run: u64,
+    /// When the first frame of the segment is due, if it has to meet a time.
+    due: Option<Instant>,
+    /// How many calls the output had made when the process last stood still.
+    stood_still: Option<u64>,
+    /// Where to start once there is an output, in seconds.
+    start: f64,
+}
+
+impl CurrentSegment {
+    /// No segment yet, nor an output. What sounds when is noted in `timeline`.
+    pub(super) fn new(timeline: SharedTimeline) -> Self {
+        Self {
+            timeline,
+            link: None,
+            filling: None,
+            last_id: 0,
+            run: 0,
+            due: None,
+            stood_still: None,
+            start: 0.0,
+        }
+    }
+
+    /// Takes another output; the next segment is for it.
+    pub(super) fn set_output(&mut self, link: OutputCallbackLink) {
+        self.link = Some(link);
+        self.stood_still = None;
+    }
+
+    /// Frames per second of the output, if there is one.
+    pub(super) fn output_rate(&self) -> Option<u32> {
+        self.link.as_ref().map(|link| link.rate)
+    }
+
+    /// Frees what the output is done with.
+    pub(super) fn clean_up(&mut self) {
+        if let Some(link) = &mut self.link {
+            link.clean_up();
+        }
+    }
+
+    /// Notes that the process stood still until now.
+    pub(super) fn note_standstill(&mut self) {
+        self.stood_still = self.link.as_ref().map(|link| link.history.calls());
+    }
+
+    /// Whether the process stood still, and so did the song: the output has not called since then.
+    pub(super) fn stands_still(&self) -> bool {
+        let calls = self.link.as_ref().map(|link| link.history.calls());
+        calls.is_some() && self.stood_still == calls
+    }
+
+    /// Whether there is a segment.
+    pub(super) fn is_filling(&self) -> bool {
+        self.filling.is_some()
+    }
+
+    /// Whether all of it is in the ring.
+    pub(super) fn is_finished(&self) -> bool {
+        self.filling.as_ref().is_some_and(|filling| filling.finished)
+    }
+
+    /// The segment, if there is one.
+    pub(super) fn filling(&mut self) -> Option<&mut Filling> {
+        self.filling.as_mut()
+    }
+
+    /// What sounds when.
+    pub(super) fn timeline(&self) -> &SharedTimeline {
+        &self.timeline
+    }
+
+    /// When its first frame is due, if it has to meet a time.
+    pub(super) fn due(&self) -> Option<Instant> {
+        self.due
+    }
+
+    /// Track time at which it starts, or will once there is an output, in seconds.
+    pub(super) fn start(&self) -> f64 {
+        self.filling.as_ref().map_or(self.start, |filling| filling.target)
+    }
+
+    /// What of it is audible now.
+    pub(super) fn audible(&self) -> Option<Audible> {
+        let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
+        link.history.at(Instant::now()).filter(|audible| audible.segment == filling.id)
+    }
+
+    /// What of it is audible at a moment if the output runs on; none before any of it was heard.
+    pub(super) fn course_of_output(&self, at: Instant) -> Option<Course> {
+        let (link, filling) = (self.link.as_ref()?, self.filling.as_ref()?);
+        link.history.course(at).filter(|course| course.audible.segment == filling.id)
+    }
+
+    /// Sets where the next segment starts, now or when there is an output.
+    pub(super) fn aim(&mut self, goal: Goal) {
+        self.start = goal.time.max(0.0);
+        self.run += u64::from(!goal.same_run);
+        self.due = goal.due;
+    }
+
+    /// Ends the segment for another one, and forgets it if it was never handed over.
+    pub(super) fn abandon(&mut self) {
+        if let Some(unheard) = self.filling.take().filter(|filling| filling.waiting.is_some()) {
+            self.timeline.lock().discard(unheard.id);
+        }
+    }
+
+    /// Begins another segment for the output.
+    pub(super) fn begin(&mut self, start: SegmentStart) {
+        let Some(link) = &self.link else { return };
+        let SegmentStart { passage, info, target, resampler, skip, from_start } = start;
+        self.last_id += 1;
+        self.start = target;
+        self.timeline.lock().begin(self.last_id, self.run, link.rate, passage, target, info);
+        let ring_frames = ((RING * f64::from(link.rate)) as usize).max(RING_BUFFERS * link.buffer_frames);
+        let mut filling = Filling::new(self.last_id, target, ring_frames, resampler, skip, from_start);
+        if let Some(due) = self.due {
+            filling.waiting = filling.waiting.take().map(|segment| segment.due_at(due));
+        }
+        self.filling = Some(filling);
+    }
+
+    /// Moves what is ready into the ring, and hands the segment over once enough of it is there. Returns whether more
+    /// is to be decoded now.
+    pub(super) fn push(&mut self) -> bool {
+        let Some((link, filling)) = self.link.as_mut().zip(self.filling.as_mut()) else { return false };
+        filling.push_ready();
+        if filling.is_pushed() && filling.exhausted && !filling.finished {
+            filling.finished = true;
+            filling.end.store(filling.pushed, Ordering::Release);
+            self.timeline.lock().finish(filling.id, filling.pushed);
+        }
+        let prefill = ((PREFILL * f64::from(link.rate)) as u64).min(filling.ring.buffer().capacity() as u64);
+        // What is heard first must have its features, unless there is no room to wait for them.
+        let is_full = !filling.is_pushed();
+        let is_ready = filling.pushed >= prefill && (is_full || self.timeline.lock().has_begun(filling.id));
+        if (is_ready || filling.finished)
+            && let Some(segment) = filling.waiting.take()
+        {
+            filling.waiting = link.offer(segment).err();
+        }
+        !filling.finished && filling.is_pushed()
+    }
+
+    /// Notes that the track of `passage`, whose source has `rate` frames per second, ended before the target: the
+    /// segment starts at its end.
+    pub(super) fn start_at_end(&mut self, passage: u64, rate: u32) {
+        let Some(filling) = self.filling.as_mut().filter(|filling| filling.skip > 0) else { return };
+        filling.target = (filling.target - filling.skip as f64 / f64::from(rate)).max(0.0);
+        filling.skip = 0;
+        self.timeline.lock().set_start(passage, filling.target);
+    }
+
+    /// Goes on with the same track from its start.
+    pub(super) fn begin_lap(&mut self) {
+        let played = self.played();
+        let Some(filling) = &mut self.filling else { return };
+        (filling.since_jump, filling.from_start) = (0, true);
+        self.timeline.lock().begin_lap(filling.id, filling.next_time(), played);
+    }
+
+    /// Goes on with another track from its start, as `passage`. Its frames come at the rate that was last set.
+    pub(super) fn begin_track(&mut self, passage: u64, info: Arc<TrackInfo>) {
+        let played = self.played();
+        let Some(filling) = &mut self.filling else { return };
+        (filling.since_jump, filling.from_start) = (0, true);
+        self.timeline.lock().begin_track(filling.id, filling.next_time(), played, passage, info);
+    }
+
+    /// Takes frames at this rate from now on.
+    ///
+    /// # Errors
+    /// A rate that cannot be converted.
+    pub(super) fn set_source_rate(
+        &mut self,
+        rate: u32,
+        scratch: &mut Vec<StereoFrame>,
+    ) -> Result<(), ResampleError> {
+        let Some((link, filling)) = self.link.as_ref().zip(self.filling.as_mut()) else { return Ok(()) };
+        if rate == filling.resampler.from_hz() {
+            return Ok(());
+        }
+        filling.change_resampler(Resampler::new(rate, link.rate)?, link.rate, scratch)
+    }
+
+    /// Time of the segment that is certainly past, however late the picture is, in seconds.
+    fn played(&self) -> f64 {
+        let rate = self.output_rate().unwrap_or(1);
+        let audible = self.audible().map_or(0.0, |audible| audible.frame / f64::from(rate));
+        audible - LIMITS.latency_ms_max / 1000.0
+    }
+}
+
+#[cfg(test)]
+#[path = "segment_tests.rs"]
+mod tests;

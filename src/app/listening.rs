@@ -1,0 +1,126 @@
+//! What is listened to, as the user steers it: pause, skips, the order of tracks, the tapped tempo.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::announcer::{TrackOrder, words_of};
+use super::overlay::OverlayContent;
+use super::sound::Sound;
+use mariana_music::{Tables, TapTempo};
+use mariana_player::input::LiveStatus;
+use mariana_player::{Moment, Player, PlayerStatus};
+
+/// See the module. What it returns in words is for the user to read.
+pub(super) struct Listening {
+    sound: Sound,
+    /// The tempo tapped by hand.
+    taps: TapTempo,
+    /// What the user wants; until the first picture the player waits in any case.
+    paused: bool,
+}
+
+impl Listening {
+    /// Begins with a sound that waits for the first picture.
+    pub(super) fn new(sound: Sound) -> Self {
+        Self { sound, taps: TapTempo::default(), paused: false }
+    }
+
+    /// Whether the user wants a pause.
+    pub(super) fn is_paused(&self) -> bool {
+        self.paused
+    }
+
+    /// Notes whether the user wants a pause.
+    pub(super) fn want_paused(&mut self, paused: bool) {
+        self.paused = paused;
+    }
+
+    /// Pauses the sound or lets it run, as the user wants.
+    pub(super) fn follow_wish(&mut self) {
+        self.sound.set_paused(self.paused);
+    }
+
+    /// Does something with the song, if it is what is listened to.
+    pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
+        if let Some(player) = self.sound.player() {
+            act(player);
+        }
+    }
+
+    /// Changes the order of the tracks and says how; does nothing while another source is listened to.
+    pub(super) fn set_order(&mut self, change: impl FnOnce(TrackOrder) -> TrackOrder) -> Option<String> {
+        let player = self.sound.player()?;
+        let status = player.status();
+        let before = TrackOrder { repeat: status.repeat, shuffled: status.shuffled };
+        let after = change(before);
+        player.set_order(after.repeat, after.shuffled);
+        Some(words_of(before, after).to_owned())
+    }
+
+    /// Plays files that were dropped onto the window, or says why not.
+    pub(super) fn play_files(&mut self, files: Vec<PathBuf>) -> Option<String> {
+        match self.sound.player() {
+            Some(player) => {
+                player.play_files(files);
+                None
+            }
+            None => Some("files play only while the song is listened to: press D".to_owned()),
+        }
+    }
+
+    /// Takes this moment as a beat, and says which tempo that makes.
+    pub(super) fn tap(&mut self) -> Option<String> {
+        let Moment { song_time, .. } = self.sound.now()?;
+        self.taps.tap(song_time);
+        Some(match self.taps.at(song_time) {
+            Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
+            None => "tap again to set the tempo".to_owned(),
+        })
+    }
+
+    /// Goes to the next track, or back. A tapped tempo belonged to the track before, so it is forgotten.
+    pub(super) fn skip(&mut self, forward: bool) {
+        self.taps = TapTempo::default();
+        self.with_song(|player| player.skip(forward));
+    }
+
+    /// Listens to the next source. A tapped tempo belonged to the one before, so it is forgotten.
+    pub(super) fn next_source(&mut self) {
+        self.taps = TapTempo::default();
+        self.sound.next_source();
+    }
+
+    /// Shows the picture later by this many steps, and says how late that is.
+    pub(super) fn shift(&mut self, steps: f64) -> String {
+        self.sound.shift(steps)
+    }
+
+    /// What is heard now, with the tapped tempo.
+    pub(super) fn now(&mut self) -> Option<Moment> {
+        let mut now = self.sound.now()?;
+        self.taps.apply(now.song_time, &mut now.features);
+        Some(now)
+    }
+
+    /// The curves of the sound at the moment that [`Listening::now`] last returned.
+    pub(super) fn curves(&self) -> Tables {
+        self.sound.heard().tables
+    }
+
+    /// The state of the song, if it is what is listened to.
+    pub(super) fn song_status(&mut self) -> Option<PlayerStatus> {
+        let status = self.sound.song_status()?;
+        Some(PlayerStatus { paused: self.paused, ..status })
+    }
+
+    /// The state of the input, if one is listened to.
+    pub(super) fn live_status(&mut self) -> Option<LiveStatus> {
+        self.sound.live_status()
+    }
+
+    /// Adds what there is to show of the sources.
+    pub(super) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, now: Instant) {
+        content.hint = self.sound.hint();
+        content.sources = self.sound.list(now);
+    }
+}

@@ -1,0 +1,88 @@
+//! What the show reports while it plays: over the picture, in the title, on the terminal, to the desktop.
+
+use std::time::{Duration, Instant};
+
+use super::announcer::Announcer;
+use super::media_controls::{Asked, MediaControls};
+use super::overlay::Notice;
+use crate::export::print::tell;
+use mariana_player::PlayerStatus;
+
+/// How often the state of the sound is looked at.
+const INTERVAL: Duration = Duration::from_millis(200);
+
+/// See the module.
+pub(super) struct Reports {
+    announcer: Announcer,
+    controls: MediaControls,
+    /// When the state of the sound is to be looked at.
+    due: Instant,
+    /// Why there is no sound, as was last told.
+    told_silent: Option<String>,
+    /// The window's title.
+    title: String,
+}
+
+impl Reports {
+    /// Begins with what `announcer` has to say already.
+    pub(super) fn new(announcer: Announcer, controls: MediaControls, now: Instant) -> Self {
+        Self { announcer, controls, due: now, told_silent: None, title: String::new() }
+    }
+
+    /// Whether the state of the sound is to be looked at now. If so, it is a while until it is again.
+    pub(super) fn is_due(&mut self, now: Instant) -> bool {
+        let is_due = now >= self.due;
+        if is_due {
+            self.due = now + INTERVAL;
+        }
+        is_due
+    }
+
+    /// Looks at the state of the sound at once, because something was changed.
+    pub(super) fn hurry(&mut self) {
+        self.due = Instant::now();
+    }
+
+    /// What the desktop asks for next, if anything.
+    pub(super) fn asked(&self) -> Option<Asked> {
+        self.controls.poll()
+    }
+
+    /// Shows `text` over the picture at once.
+    pub(super) fn answer(&mut self, text: String) {
+        self.announcer.answer(text);
+    }
+
+    /// Makes room over the picture for the sentences that wait.
+    pub(super) fn update(&mut self, now: Instant) {
+        self.announcer.update(now);
+    }
+
+    /// What shows over the picture.
+    pub(super) fn notice(&self) -> Option<Notice<'_>> {
+        self.announcer.notice()
+    }
+
+    /// Tells once why there is no sound, unless `silence_asked`.
+    pub(super) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
+        if status.silent != self.told_silent {
+            if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked) {
+                tell(&format!("the song runs without sound: {reason}"));
+            }
+            self.told_silent.clone_from(&status.silent);
+        }
+    }
+
+    /// Reports what is new of the song, over the picture and to the desktop.
+    pub(super) fn look(&mut self, status: &PlayerStatus, fullscreen: bool) {
+        self.announcer.look(status);
+        self.controls.show(status, fullscreen);
+    }
+
+    /// The window's title, if it is another than before. (Window systems take their time for each.)
+    pub(super) fn changed_title(&mut self, title: String) -> Option<&str> {
+        let is_new = title != self.title;
+        self.title = title;
+        is_new.then_some(&*self.title)
+    }
+}

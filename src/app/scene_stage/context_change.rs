@@ -1,0 +1,73 @@
+//! What a stage begins with, and what of it goes on when its context is lost and another one takes its place.
+
+use std::collections::HashMap;
+
+use super::{SceneLoader, SceneStage};
+use crate::config::SdfChoice;
+use crate::scenes::{ReadyScene, SceneList, SceneSource};
+use crate::view::ViewChoice;
+
+/// A scene that was loaded, and where it comes from.
+pub(in crate::app) struct LoadedScene {
+    /// Where it comes from.
+    pub source: SceneSource,
+    /// What can be drawn.
+    pub scene: ReadyScene,
+}
+
+/// How scenes are drawn.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::app) struct DrawingWays {
+    /// Interpreted, compiled or both.
+    pub sdf: SdfChoice,
+    /// Whether cells of regions are used where they can be.
+    pub regions: bool,
+    /// A view of how the picture is made, instead of the picture.
+    pub view: Option<ViewChoice>,
+}
+
+/// What outlives the context that scenes are drawn in.
+pub(in crate::app) struct KeptScenes {
+    /// What loads scenes.
+    pub loader: SceneLoader,
+    /// The scene that was shown.
+    pub shown: Option<LoadedScene>,
+    /// The scene that was last asked for.
+    pub wanted: SceneSource,
+    /// Parameters that were moved.
+    pub moved: HashMap<String, f32>,
+    /// How scenes are drawn.
+    pub ways: DrawingWays,
+}
+
+impl SceneStage {
+    /// Drops everything that belongs to its context, and returns what another stage goes on with.
+    pub(in crate::app) fn let_go(self) -> KeptScenes {
+        let shown = self.on_stage.or(self.coming).map(|cast| {
+            let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
+            let scene = ReadyScene { world, buffers, plan: cast.resources.plan().clone() };
+            LoadedScene { source: cast.source, scene }
+        });
+        KeptScenes {
+            loader: self.loader,
+            shown,
+            wanted: self.source,
+            moved: self.moved,
+            ways: DrawingWays {
+                sdf: self.choice,
+                regions: self.regions.are_wanted(),
+                view: self.views.choice(),
+            },
+        }
+    }
+
+    /// Goes on where another stage ended, with the parameters that were moved and the scene that was asked for.
+    pub(in crate::app) fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
+        self.moved = moved;
+        if wanted != self.source {
+            self.list = SceneList::around(&wanted);
+            self.source = wanted.clone();
+            self.loader.request(wanted);
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Draws the window: the scene's picture if it is to look different, and the overlay over it.
+
+use std::time::{Duration, Instant};
+
+use super::Stage;
+use crate::app::drawing_pace::{Verdict, drawn_size};
+use crate::app::dynamic_resolution::Level;
+use crate::app::error::AppError;
+use crate::app::listening::Listening;
+use crate::app::overlay::OverlayContent;
+use crate::app::reports::Reports;
+use crate::app::scene_regions::Shown;
+use crate::app::scene_stage::{Drawn, WantedPicture};
+use crate::gpu::error::GpuError;
+use mariana_player::Moment;
+
+impl Stage {
+    /// Draws the window, or a part of a picture that takes long. Returns whether it shows its first picture, with
+    /// which the song starts.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(in crate::app) fn draw(&mut self) -> Result<bool, AppError> {
+        let begun = Instant::now();
+        // A picture whose regions have come was due before.
+        if !self.scene.has_regions() && !self.scene.is_drawing() {
+            self.pace.begun(begun);
+        }
+        let size = self.window.size();
+        self.pace.set_window_size(size);
+        let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
+            return Ok(false);
+        };
+        let level = self.level(begun);
+        let drawn = drawn_size(level, size, self.side_max());
+        if !self.scene.is_ready() {
+            return Ok(false);
+        }
+        let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
+        let mut new = None;
+        if self.pace.shown() != Some(wanted) || self.scene.is_drawing() {
+            // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
+            // them.
+            let curves = if self.scene.hears_curves() { self.listening.curves() } else { Default::default() };
+            let sound = mariana_music::Sound { features: moment.features, tables: curves };
+            let aspect = f64::from(size.0) / f64::from(size.1.max(1));
+            let picture = WantedPicture { moment, sound, size: drawn, aspect, level };
+            let drawn = self.scene.draw(&mut self.renderer, picture);
+            new = self.without_room_smaller(drawn)?;
+            if new.is_some() {
+                // What flashes too often is dimmed.
+                self.renderer.limit_flashes(self.pace.note_picture(begun))?;
+            } else {
+                self.weigh_picture(level, begun);
+            }
+        }
+        let corner = self.corner_line();
+        let is_drawing = self.scene.is_drawing();
+        let mut content = self.scene.overlay(corner.as_deref(), self.panels);
+        add_reports(&mut content, &self.listening, &self.reports, begun);
+        let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
+        let handing_over = Instant::now();
+        // Without a new picture there is something to show only if the overlay or the window changes.
+        let waits = new.is_none() && (shown != wanted || is_drawing);
+        if waits && self.overlay.due(&content, begun).is_none_or(|due| due > begun) {
+            return Ok(false);
+        }
+        self.renderer.show(size)?;
+        let painted = self.overlay.paint(self.window.window(), size, content)?;
+        let painting = handing_over.elapsed();
+        self.window.swap()?;
+        let first = self.pace.show(shown);
+        if let Some(Drawn { spent, .. }) = new {
+            let showing = spent + handing_over.elapsed();
+            let cost = self.cost(spent + painting, showing);
+            self.pace.note_times(level, showing, cost);
+            self.scene.note_frame_time(showing);
+        }
+        if painted.params_changed {
+            self.scene.note_moved();
+        }
+        if first {
+            self.listening.follow_wish();
+        }
+        Ok(first)
+    }
+
+    /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.
+    pub(super) fn moment(&mut self) -> Option<Moment> {
+        let now = self.listening.now()?;
+        Some(self.pace.moment(now, self.scene.moves_by_itself()))
+    }
+
+    /// Whether a show that stands still could be drawn better than it is.
+    pub(super) fn could_be_better(&self, now: Instant) -> bool {
+        self.pace.could_be_better(now, self.scene.view().is_some(), self.side_max())
+    }
+
+    /// When the window has to be drawn again because of the overlay.
+    pub(super) fn overlay_due(&mut self, now: Instant) -> Option<Instant> {
+        let corner = self.corner_line();
+        let mut content = self.scene.overlay(corner.as_deref(), self.panels);
+        add_reports(&mut content, &self.listening, &self.reports, now);
+        self.overlay.due(&content, now)
+    }
+
+    fn level(&self, now: Instant) -> Level {
+        self.pace.level(now, self.scene.view().is_some())
+    }
+
+    fn side_max(&self) -> u32 {
+        self.window.gl().info().texture_side_max
+    }
+
+    /// The line about the scene and how it is drawn, if it is wanted.
+    fn corner_line(&self) -> Option<String> {
+        let scene = self.scene.corner().filter(|_| self.panels.corner())?;
+        Some(format!("{scene}{}", self.pace))
+    }
+
+    /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that
+    /// would not be enough, not at all.
+    fn weigh_picture(&mut self, level: Level, now: Instant) {
+        let Some(seconds) = self.scene.seconds_of_picture() else { return };
+        match self.pace.weigh(level, seconds, now) {
+            Verdict::GoOn => {}
+            Verdict::DrawSmaller => self.scene.give_picture_up(),
+            Verdict::TakeBack => self.scene.take_back(seconds),
+        }
+    }
+
+    /// What was drawn. If the driver has no memory for a picture, the next one is drawn smaller and this one is left
+    /// out.
+    fn without_room_smaller(
+        &mut self,
+        drawn: Result<Option<Drawn>, GpuError>,
+    ) -> Result<Option<Drawn>, GpuError> {
+        match drawn {
+            Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
+                tracing::warn!("the driver could not make {what}: {reason}");
+                self.reports.answer(
+                    "the driver has no room for a picture of this size: a smaller one is drawn".to_owned(),
+                );
+                self.scene.give_picture_up();
+                Ok(None)
+            }
+            drawn => drawn,
+        }
+    }
+
+    /// What a picture cost that took `drawing` until it was handed over and `showing` in all. Handing over waits for a
+    /// monitor, but on a software renderer it is what draws.
+    fn cost(&mut self, drawing: Duration, showing: Duration) -> Duration {
+        match (self.window.gl().info().software, self.renderer.gpu_time()) {
+            (true, _) => showing,
+            (false, gpu) => drawing.max(gpu.unwrap_or_default()),
+        }
+    }
+}
+
+/// Adds what there is to report of the sound and the tracks.
+fn add_reports<'a>(
+    content: &mut OverlayContent<'a>,
+    listening: &'a Listening,
+    reports: &'a Reports,
+    now: Instant,
+) {
+    content.add(reports.notice());
+    listening.show_in(content, now);
+}
