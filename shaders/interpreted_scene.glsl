@@ -29,6 +29,7 @@ uvec4 run_program(int program, Place here, Place right, Place above) {
     uvec4 head = texelFetch(tape, program);
 #if SAMPLES > 0
     int samples = int(head.w);
+    FORGET(sampled, 0, 4 * SAMPLES);
     int sample_number = 0;
     int neighbour = 0;
     vec2 dx = vec2(0.0);

@@ -74,6 +74,14 @@ uint written_register(uint word, const bool last) {
     return last && (word & 255u) == 0u ? BYTE(word, 2) : BYTE(word, 1);
 }
 
+// Before a run, a GPU's compiler is told that nothing of a file is kept from the last one: else its registers would be
+// held all the while between runs. A processor keeps them in memory, where clearing costs time.
+#ifdef SOFTWARE
+#define FORGET(file, first, count)
+#else
+#define FORGET(file, first, count) for (int i = first; i < count; ++i) file[i] = 0.0
+#endif
+
 // --- A region's tape ---
 
 float region_file[REGION_REGISTERS];
@@ -94,6 +102,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     region_file[1] = p.y;
     region_file[2] = p.z;
     region_file[3] = penumbra;
+    FORGET(region_file, 4, REGION_REGISTERS);
     uvec4 words = uvec4(0u);
     int texel = first;
     float a;
@@ -159,6 +168,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     tape_file[3] = n.x;
     tape_file[4] = n.y;
     tape_file[5] = n.z;
+    FORGET(tape_file, 6, REGISTERS);
     uvec4 words = uvec4(0u);
     int texel = first;
     float a;

@@ -113,7 +113,7 @@ pub(super) struct TrackOrder {
 pub(super) fn words_of(before: TrackOrder, after: TrackOrder) -> &'static str {
     match (before.shuffled, after.shuffled) {
         (false, true) => "tracks in random order",
-        (true, false) => "tracks in their own order",
+        (true, false) => "tracks in list order",
         _ => match after.repeat {
             Repeat::All => "repeat all tracks",
             Repeat::One => "repeat this track",

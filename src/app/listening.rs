@@ -64,7 +64,7 @@ impl Listening {
                 player.play_files(files);
                 None
             }
-            None => Some("files play only while the song is listened to: press D".to_owned()),
+            None => Some("files can be played only while the song is the source: press D".to_owned()),
         }
     }
 

@@ -67,7 +67,7 @@ impl Reports {
     pub(super) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if status.silent != self.told_silent {
             if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked) {
-                tell(&format!("the song runs without sound: {reason}"));
+                tell(&format!("the song plays without sound: {reason}"));
             }
             self.told_silent.clone_from(&status.silent);
         }

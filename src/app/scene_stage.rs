@@ -141,7 +141,7 @@ impl SceneStage {
         let LoadedScene { source, scene } = first;
         let mut regions = SceneRegions::start(ways.regions, wake.clone()).map_err(no_worker)?;
         regions.insist(ways.view.is_some());
-        let compiler = BackgroundCompiler::start(contexts, library, wake);
+        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), wake);
         let mut stage = Self {
             gl: gl.clone(),
             choice: ways.sdf,

@@ -80,7 +80,7 @@ fn a_scene_that_is_too_much_is_drawn_with_fewer_pixels_and_best_is_not() {
     let mut app = place.open("640x480", &["--sdf", "compiled"]);
     app.wait_until_told(FEWER);
     drop(app);
-    let mut app = place.open("640x480", &["--sdf", "compiled", "--quality", "best"]);
+    let app = place.open("640x480", &["--sdf", "compiled", "--quality", "best"]);
     for _ in 0..PICTURES {
         let picture = app.picture();
         wait_until("another picture", || app.picture() != picture);

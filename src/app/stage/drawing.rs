@@ -139,7 +139,7 @@ impl Stage {
             Err(GpuError::Object { what, reason }) if self.pace.make_smaller() => {
                 tracing::warn!("the driver could not make {what}: {reason}");
                 self.reports.answer(
-                    "the driver has no room for a picture of this size: a smaller one is drawn".to_owned(),
+                    "the driver has no memory for a picture of this size: a smaller one is drawn".to_owned(),
                 );
                 self.scene.give_picture_up();
                 Ok(None)

@@ -111,7 +111,7 @@ impl TrackQueue {
                 Found::Track(track) => self.replace_with(track),
                 Found::Again => {}
                 Found::End => {
-                    self.troubles.tell("the list ends here; press the key for repeating to go round".into());
+                    self.troubles.tell("the list ends here; switch repeating on to play it again".into());
                     return false;
                 }
                 // What is wrong has been reported already.
@@ -129,7 +129,11 @@ impl TrackQueue {
                 self.replace_with(track);
                 return true;
             }
-            Found::Again if ended => return true,
+            Found::Again if ended => {
+                // So it goes on at each of the track's ends.
+                self.next = Next::Again;
+                return true;
+            }
             Found::Track(track) => Next::Track(track),
             Found::Again => Next::Again,
             Found::End => Next::End,
@@ -264,6 +268,18 @@ mod tests {
         queue.set_order(Repeat::All, false);
         assert!(queue.take(asked(&requests).0, Found::Track(Track::silence(4, 9)), true));
         assert_eq!(queue.passages.track().info.entry, 4);
+    }
+
+    #[test]
+    fn a_song_that_had_ended_was_repeated_only_once() {
+        let (mut queue, requests) = queue();
+        queue.ask_ahead();
+        queue.take(asked(&requests).0, Found::End, false);
+        assert!(matches!(queue.following(false), Following::End));
+        queue.set_order(Repeat::One, false);
+        assert!(queue.take(asked(&requests).0, Found::Again, true));
+        assert!(matches!(queue.following(false), Following::Again));
+        assert!(matches!(queue.following(false), Following::Again));
     }
 
     #[test]
