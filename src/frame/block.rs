@@ -3,9 +3,10 @@
 
 use super::Frame;
 use mariana_field::graph::SoundInput;
+use mariana_field::lang::Light;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_field::rays::ROOT_SIDE;
-use mariana_field::world::{LightKind, LightValues, PLANES_MAX, World};
+use mariana_field::world::{LightKind, PLANES_MAX, World};
 use mariana_music::{BAND_COUNT, HISTORY_POINTS, SPECTRUM_POINTS, WAVEFORM_POINTS};
 
 const _: () = assert!(PLANES_MAX <= 4, "the objects of the planes are one vector");
@@ -122,14 +123,13 @@ impl Frame {
 }
 
 /// A light as `frame_block.glsl` describes it.
-fn light(light: &LightValues) -> [[f32; 4]; LIGHT] {
-    let kind = match light.kind {
-        LightKind::Lamp => 1.0,
-        LightKind::Sun => 2.0,
-        LightKind::Panel => 3.0,
+fn light(light: &Light<f32>) -> [[f32; 4]; LIGHT] {
+    let (kind, [x, y, z]) = match light.kind {
+        LightKind::Lamp => (1.0, light.position),
+        LightKind::Sun => (2.0, light.direction),
+        LightKind::Panel => (3.0, light.position),
     };
-    let [[rx, ry, rz], [ux, uy, uz]] = light.sides;
-    let ([x, y, z], [r, g, b]) = (light.place, light.color);
+    let ([r, g, b], [rx, ry, rz], [ux, uy, uz]) = (light.color, light.right, light.up);
     let (range, shadow) = (light.range.max(0.0), light.shadow.clamp(0.0, 1.0));
     [[x, y, z, kind], [r, g, b, light.radius.max(0.0)], [rx, ry, rz, range], [ux, uy, uz, shadow]]
 }

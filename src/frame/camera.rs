@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::orbit_controls::OrbitControls;
-use mariana_field::world::FrameValues;
+use mariana_field::lang;
 
 /// A pinhole camera. The axes are of unit length and at right angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,21 +35,20 @@ impl Camera {
     /// If the picture at the target would be narrower than the scene's `keep`, the eye steps back along its line of
     /// sight until it is not. Values that are not finite are taken as 0; a field of view is clamped to 1..170
     /// degrees.
-    pub fn of(values: &FrameValues, aspect: f64) -> Self {
-        Self::by_hand(values, aspect, &OrbitControls::OFF)
+    pub fn of(asked: &lang::Camera<f32>, aspect: f64) -> Self {
+        Self::by_hand(asked, aspect, &OrbitControls::OFF)
     }
 
     /// The same, moved by hand.
-    pub fn by_hand(values: &FrameValues, aspect: f64, hand: &OrbitControls) -> Self {
-        let target = place(values.target);
-        let mut eye = place(values.position);
-        let fov =
-            if values.fov.is_finite() { f64::from(values.fov).clamp(FOV.0, FOV.1) } else { FOV.1 / 2.0 };
+    pub fn by_hand(asked: &lang::Camera<f32>, aspect: f64, hand: &OrbitControls) -> Self {
+        let target = place(asked.target);
+        let mut eye = place(asked.position);
+        let fov = if asked.fov.is_finite() { f64::from(asked.fov).clamp(FOV.0, FOV.1) } else { FOV.1 / 2.0 };
         let tan = (0.5 * fov.to_radians()).tan();
         let tan_half = (tan * aspect, tan);
         let away = eye - target;
         let seen = 2.0 * away.length() * tan_half.0;
-        let keep = f64::from(values.keep);
+        let keep = f64::from(asked.keep);
         if keep.is_finite() && keep > seen && seen > 0.0 {
             eye = target + away * (keep / seen);
         }
@@ -58,7 +57,7 @@ impl Camera {
         let stepped_back = to_target - away.length();
         // Looking straight up or down, no picture is upright: any will do.
         let level = DVec3::Y.cross(forward).normalize_or(DVec3::X);
-        let roll = if values.roll.is_finite() { f64::from(values.roll) } else { 0.0 };
+        let roll = if asked.roll.is_finite() { f64::from(asked.roll) } else { 0.0 };
         let right = DQuat::from_axis_angle(forward, roll) * level;
         let up = forward.cross(right);
         Self { position: eye, right, up, forward, tan_half, to_target, stepped_back }
@@ -121,8 +120,8 @@ mod tests {
             [fov, roll, keep] in prop::array::uniform3(any::<f32>()),
             shape in -4.0..4.2f64,
         ) {
-            let values = FrameValues { position, target, fov, roll, keep, ..FrameValues::default() };
-            let camera = Camera::of(&values, 10f64.powf(shape));
+            let asked = lang::Camera { position, target, fov, roll, keep, ..lang::Camera::of([]) };
+            let camera = Camera::of(&asked, 10f64.powf(shape));
             for axis in [camera.right, camera.up, camera.forward] {
                 prop_assert!((axis.length() - 1.0).abs() < 1e-6, "{camera:?}");
             }
@@ -134,13 +133,13 @@ mod tests {
 
     #[test]
     fn the_picture_is_not_mirrored_and_rolls_clockwise() {
-        let values = FrameValues { target: [0.0, 0.0, 1.0], fov: 60.0, ..FrameValues::default() };
-        let camera = Camera::of(&values, 1.6);
+        let asked = lang::Camera { target: [0.0, 0.0, 1.0], fov: 60.0, ..lang::Camera::of([]) };
+        let camera = Camera::of(&asked, 1.6);
         let (right, _) = camera.project(DVec3::new(0.5, 0.0, 1.0)).unwrap();
         let (_, high) = camera.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
         assert!(right > 0.0 && high > 0.0);
         // What was up goes to the right.
-        let rolled = Camera::of(&FrameValues { roll: 0.5, ..values }, 1.6);
+        let rolled = Camera::of(&lang::Camera { roll: 0.5, ..asked }, 1.6);
         let (turned, _) = rolled.project(DVec3::new(0.0, 0.5, 1.0)).unwrap();
         assert!(turned > 0.0, "{turned}");
     }

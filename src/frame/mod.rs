@@ -75,7 +75,7 @@ impl Frame {
             ..FrameInputs::default()
         };
         let values = world.frame_tape.values(&inputs);
-        let camera = Camera::of(&values, aspect(size));
+        let camera = Camera::of(&values.camera, aspect(size));
         let picture = Picture::of(&values, &camera, world.traits.lens);
         let mut frame =
             Self { size, inputs, camera, values, quality: 1.0, picture, hand: OrbitControls::OFF };
@@ -87,7 +87,7 @@ impl Frame {
 impl Frame {
     /// The point that the camera looks at, finite.
     pub fn target(&self) -> glam::DVec3 {
-        camera::place(self.values.target)
+        camera::place(self.values.camera.target)
     }
 
     /// The same as it is drawn for a window of this width over height, whatever its number of pixels, at a quality.
@@ -112,7 +112,7 @@ impl Frame {
 
     /// Puts the camera in its place, and gives its place to the expressions.
     fn see_from(&mut self, world: &World, aspect: f64, hand: OrbitControls) {
-        (self.hand, self.camera) = (hand, Camera::by_hand(&self.values, aspect, &hand));
+        (self.hand, self.camera) = (hand, Camera::by_hand(&self.values.camera, aspect, &hand));
         self.picture = Picture::of(&self.values, &self.camera, world.traits.lens);
         let eye = self.camera.position.as_vec3().to_array();
         // What is computed once per frame depends on nothing else here.
@@ -124,7 +124,7 @@ impl Frame {
 
     /// How far the scene's own camera is above its target, in radians.
     pub fn own_pitch(&self) -> f64 {
-        OrbitControls::pitch_of(camera::place(self.values.position), self.target())
+        OrbitControls::pitch_of(camera::place(self.values.camera.position), self.target())
     }
 }
 

@@ -91,14 +91,19 @@ mod tests {
 
     use super::*;
     use crate::frame::camera::Camera;
-    use mariana_field::world::FrameValues;
+    use mariana_field::lang;
 
-    fn values() -> FrameValues {
-        FrameValues { position: [1.0, 2.0, -6.0], target: [0.5, 1.0, 2.0], fov: 50.0, ..Default::default() }
+    fn asked() -> lang::Camera<f32> {
+        lang::Camera {
+            position: [1.0, 2.0, -6.0],
+            target: [0.5, 1.0, 2.0],
+            fov: 50.0,
+            ..lang::Camera::of([])
+        }
     }
 
     fn seen(hand: &OrbitControls, point: DVec3) -> (f64, f64) {
-        Camera::by_hand(&values(), 1.6, hand).project(point).unwrap()
+        Camera::by_hand(&asked(), 1.6, hand).project(point).unwrap()
     }
 
     #[test]
@@ -121,7 +126,7 @@ mod tests {
     #[test]
     fn the_wheel_comes_nearer_smoothly_and_within_its_limits() {
         let reach = |hand: &OrbitControls| {
-            (Camera::by_hand(&values(), 1.6, hand).position - DVec3::new(0.5, 1.0, 2.0)).length()
+            (Camera::by_hand(&asked(), 1.6, hand).position - DVec3::new(0.5, 1.0, 2.0)).length()
         };
         let own = reach(&OrbitControls::OFF);
         let mut hand = OrbitControls::OFF;
@@ -158,19 +163,19 @@ mod tests {
             same in any::<bool>(),
         ) {
             let target = if same { position } else { target };
-            let values = FrameValues { position, target, fov: 50.0, ..FrameValues::default() };
+            let asked = lang::Camera { position, target, fov: 50.0, ..lang::Camera::of([]) };
             let mut hand = OrbitControls::OFF;
             for (right, down, notches) in moves {
                 hand.drag((right, down), 0.3);
                 hand.zoom(notches);
             }
-            let camera = Camera::by_hand(&values, 1.6, &hand);
+            let camera = Camera::by_hand(&asked, 1.6, &hand);
             prop_assert!(camera.position.is_finite());
             for axis in [camera.right, camera.up, camera.forward] {
                 prop_assert!((axis.length() - 1.0).abs() < 1e-6, "{camera:?}");
             }
             prop_assert!(camera.right.dot(camera.up).abs() < 1e-6);
-            prop_assert_eq!(Camera::by_hand(&values, 1.6, &OrbitControls::OFF), Camera::of(&values, 1.6));
+            prop_assert_eq!(Camera::by_hand(&asked, 1.6, &OrbitControls::OFF), Camera::of(&asked, 1.6));
         }
     }
 }

@@ -42,17 +42,17 @@ impl Picture {
     pub fn of(values: &FrameValues, camera: &Camera, has_lens: bool) -> Self {
         let picture = &values.picture;
         let lens = || {
-            let asked = picture.focus.filter(|focus| focus.is_finite());
-            let focus = asked.map_or(camera.to_target, |focus| f64::from(focus) + camera.stepped_back) as f32;
-            let radius = within(picture.aperture, 0.0, LENS_RADIUS_MAX, 0.0);
-            Lens { radius, nearness: 1.0 / focus.clamp(FOCUS.0, FOCUS.1) }
+            let asked = f64::from(values.camera.focus);
+            let focus = if asked.is_finite() { asked + camera.stepped_back } else { camera.to_target };
+            let radius = within(values.camera.aperture, 0.0, LENS_RADIUS_MAX, 0.0);
+            Lens { radius, nearness: 1.0 / (focus as f32).clamp(FOCUS.0, FOCUS.1) }
         };
         Self {
             exposure: within(picture.exposure, 0.0, EXPOSURE_MAX, 1.0),
             bloom: within(picture.bloom, 0.0, 1.0, 0.0),
             vignette: within(picture.vignette, 0.0, 1.0, 0.0),
             grain: within(picture.grain, 0.0, GRAIN_MAX, 1.0),
-            tone_map: picture.tone_map,
+            tone_map: ToneMap::numbered(picture.tone_map),
             lens: has_lens.then(lens),
         }
     }

@@ -335,15 +335,15 @@ fn ray_of(
     inputs: &FrameInputs,
     random: &mut Random,
 ) -> Option<(Ray, Span)> {
-    let values = world.frame_tape.values(inputs);
+    let eye = world.frame_tape.values(inputs).camera.position;
     // From the eye towards anywhere in the tree's middle, as pixels and mirrors would.
     let box_of = world.bounds.map_or((regions.low, regions.size), |bounds| {
         (bounds.low, [0, 1, 2].map(|axis| bounds.high[axis] - bounds.low[axis]))
     });
     let aim = [0, 1, 2].map(|axis| box_of.0[axis] + box_of.1[axis] * random.between(0.2, 0.8));
-    let way = [0, 1, 2].map(|axis| aim[axis] - values.position[axis]);
+    let way = [0, 1, 2].map(|axis| aim[axis] - eye[axis]);
     let length = way.iter().map(|v| v * v).sum::<f32>().sqrt();
-    let ray = Ray { origin: values.position, direction: way.map(|v| v / length) };
+    let ray = Ray { origin: eye, direction: way.map(|v| v / length) };
     let (mut start, mut end) = (0.01_f32, 200.0_f32);
     for axis in 0..3 {
         let faces = [regions.low[axis] + 1e-3, regions.low[axis] + regions.size[axis] - 1e-3];
@@ -368,7 +368,7 @@ fn hits_and_misses_are_those_of_the_oracle() {
         let (mut hits, mut misses, mut open, mut capped) = (0, 0, 0, 0);
         for moment in 0..moments {
             let inputs = inputs_of(&world, 3.0 + 17.0 * moment as f32);
-            let center = world.frame_tape.values(&inputs).position;
+            let center = world.frame_tape.values(&inputs).camera.position;
             let regions = plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center });
             let mut table = Vec::new();
             tape.table_values(&inputs, &mut table);

@@ -45,7 +45,7 @@ fn trees(criterion: &mut Criterion) {
         let Some(scene) = compile(name, text, &mut no_includes).scene else { continue };
         let Ok(world) = World::new(name, scene, Vec::new()) else { continue };
         let inputs = inputs_of(&world);
-        let center = world.frame_tape.values(&inputs).position;
+        let center = world.frame_tape.values(&inputs).camera.position;
         let options = RegionOptions { cells: true, texels_max: 1 << 22, center };
         let plan = RegionPlan::new(&world);
         eprintln!("{name}: {:?}", plan.build(&inputs, &options).stats);

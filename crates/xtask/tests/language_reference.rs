@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use mariana_field::lang::{compile, entries, inputs, no_includes};
+use mariana_field::lang::{Camera, Light, Material, Picture, Sky, compile, entries, inputs, no_includes};
 
 const REMEDY: &str = "run `cargo xtask language-page`";
 
@@ -63,6 +63,29 @@ fn every_function_and_input_stands_in_the_reference() {
     for (name, doc) in inputs() {
         let doc = doc.replace('|', "\\|");
         assert!(text.contains(&format!("| `{name}` | {doc} |")), "the input `{name}` is missing: {REMEDY}");
+    }
+}
+
+#[test]
+fn every_field_of_a_section_stands_in_the_reference() {
+    let text = reference();
+    let sections = [
+        ("| `light` | `", Light::FIELDS),
+        ("| `camera` | `", Camera::FIELDS),
+        ("| `sky` | `", Sky::FIELDS),
+        ("| `picture` | `", Picture::FIELDS),
+    ];
+    for (start, fields) in sections {
+        let row = text.lines().find(|line| line.starts_with(start)).unwrap();
+        for field in fields {
+            let name = format!("`{}`", field.name);
+            assert!(row.contains(&name), "{name} is not in intro.md, in the row of {start}…");
+        }
+    }
+    for field in Material::FIELDS {
+        let ends = (format!("| `{}`", field.name), format!("| {} | {} |", field.doc, field.default));
+        let stands = text.lines().any(|line| line.starts_with(&ends.0) && line.ends_with(&ends.1));
+        assert!(stands, "{} … {} is missing: {REMEDY}", ends.0, ends.1);
     }
 }
 

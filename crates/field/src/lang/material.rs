@@ -1,129 +1,43 @@
-//! The material of a surface, one row for each field. Everything else about the fields is derived from the rows: the
-//! block in the language with its diagnostics and documentation, the outputs of a material's tape and their order,
-//! the struct in the shaders, and how each mode fills it.
+//! The material of a surface, one row for each field (see `fields`). The struct in the shaders and how each mode fills
+//! it follow from the rows, too.
 
 use std::fmt::Write;
 
-use crate::graph::NodeId;
-use crate::lang::scene::Vec3;
+use super::builtin::uses::{EYE, FRAME, NORMAL, POINT, TEXTURE};
+use super::fields::DefaultValue::Each;
+use super::fields::{Holds, MaterialRange, section};
 use crate::limits::LIMITS;
 
-/// How a field's values are clamped to their range before lighting; a NaN becomes 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MaterialRange {
-    /// A share, 0..1.
-    Share,
-    /// A reflected colour: each part 0..1.
-    Reflectance,
-    /// Emitted light: each part at least 0, and at most what a half float holds well.
-    Light,
-}
+/// What a field may depend on.
+const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
 
-/// A field of a material.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MaterialField {
-    /// Its name.
-    pub name: &'static str,
-    /// How many numbers it holds: 1, or 3 for a vector.
-    pub parts: usize,
-    /// The value of each number if a material does not set it.
-    pub default: f32,
-    /// The range of its values.
-    pub range: MaterialRange,
-    /// Its description for readers.
-    pub doc: &'static str,
-}
-
-/// One number, or a vector of three.
-trait Parts: Sized {
-    const PARTS: usize;
-    fn take(numbers: &mut impl Iterator<Item = NodeId>) -> Self;
-    fn put(self, numbers: &mut Vec<NodeId>);
-}
-
-impl Parts for NodeId {
-    const PARTS: usize = 1;
-
-    fn take(numbers: &mut impl Iterator<Item = NodeId>) -> Self {
-        numbers.next().unwrap_or_default()
+section! {
+    /// The material of a surface: functions of point, normal and frame (R⁶ → R³ in Abt 2022, section 3.2).
+    Material {
+        /// Its name; `default` for the material of objects that name none.
+        name: String,
     }
-
-    fn put(self, numbers: &mut Vec<NodeId>) {
-        numbers.push(self);
-    }
-}
-
-impl Parts for Vec3 {
-    const PARTS: usize = 3;
-
-    fn take(numbers: &mut impl Iterator<Item = NodeId>) -> Self {
-        std::array::from_fn(|_| NodeId::take(numbers))
-    }
-
-    fn put(self, numbers: &mut Vec<NodeId>) {
-        numbers.extend(self);
-    }
-}
-
-macro_rules! material {
-    ($($field:ident: $holds:ty = $default:literal, $range:ident, $doc:literal;)+) => {
-        /// The material of a surface: functions of point, normal and frame (R⁶ → R³ in Abt 2022, section 3.2).
-        #[derive(Debug, Clone, PartialEq)]
-        pub struct Material {
-            /// Its name; `default` for the material of objects that name none.
-            pub name: String,
-            $(#[doc = $doc] pub $field: $holds,)+
-        }
-
-        impl Material {
-            /// The fields, in the order of [`Material::numbers`].
-            pub const FIELDS: &'static [MaterialField] = &[$(MaterialField {
-                name: stringify!($field),
-                parts: <$holds as Parts>::PARTS,
-                default: $default,
-                range: MaterialRange::$range,
-                doc: $doc,
-            },)+];
-
-            /// Every number of the material.
-            pub fn numbers(&self) -> Vec<NodeId> {
-                let mut numbers = Vec::with_capacity(MATERIAL_NUMBERS);
-                $(self.$field.put(&mut numbers);)+
-                numbers
-            }
-
-            /// The material with these numbers, in the order of [`Material::numbers`].
-            pub fn of(name: String, numbers: impl IntoIterator<Item = NodeId>) -> Self {
-                let mut numbers = numbers.into_iter();
-                Self { name, $($field: Parts::take(&mut numbers),)+ }
-            }
-        }
-    };
-}
-
-material! {
-    color: Vec3 = 0.8, Reflectance, "diffuse reflectance, or the metal's colour, 0..1";
-    roughness: NodeId = 0.5, Share, "0 polished .. 1 matt";
-    metalness: NodeId = 0.0, Share, "0 insulator .. 1 metal";
-    emission: Vec3 = 0.0, Light, "light of its own";
-    reflect: NodeId = 0.0, Share, "share of light that is mirrored when looked at straight on, 0..1: the ray goes on";
-    coat: NodeId = 0.0, Share, "strength of a clear coat, 0..1";
-    haze: NodeId = 0.0, Share, "share of it that the sky covers, 0..1: for what fades into the distance";
-    blur: NodeId = 0.0, Share,
+    color: Vector = Each(0.8), SURFACE, Reflectance, "diffuse reflectance, or the metal's colour, 0..1";
+    roughness: Number = Each(0.5), SURFACE, Share, "0 polished .. 1 matt";
+    metalness: Number = Each(0.0), SURFACE, Share, "0 insulator .. 1 metal";
+    emission: Vector = Each(0.0), SURFACE, Light, "light of its own";
+    reflect: Number = Each(0.0), SURFACE, Share,
+        "share of light that is mirrored when looked at straight on, 0..1: the ray goes on";
+    coat: Number = Each(0.0), SURFACE, Share, "strength of a clear coat, 0..1";
+    haze: Number = Each(0.0), SURFACE, Share,
+        "share of it that the sky covers, 0..1: for what fades into the distance";
+    blur: Number = Each(0.0), SURFACE, Share,
         "how rough the mirror is, 0 sharp .. 1 matt: the square root of GGX's alpha, as roughness is for lights";
 }
 
-/// How many numbers a material holds.
-pub const MATERIAL_NUMBERS: usize = {
-    let (mut sum, mut field) = (0, 0);
+const _: () = assert!(Material::NUMBERS <= LIMITS.tape_outputs_max, "a tape gives no more numbers");
+const _: () = {
+    let mut field = 0;
     while field < Material::FIELDS.len() {
-        sum += Material::FIELDS[field].parts;
+        assert!(Material::FIELDS[field].range.is_some(), "a field of a material has a range");
         field += 1;
     }
-    sum
 };
-
-const _: () = assert!(MATERIAL_NUMBERS <= LIMITS.tape_outputs_max, "a tape gives no more numbers");
 
 /// The fields as the shaders see them: the struct, the function that clamps its members to their ranges, the members
 /// as a list of arguments, and how they are read from an interpreted program's result (each part of `head` holds four
@@ -132,18 +46,20 @@ pub fn material_glsl() -> String {
     let (mut members, mut ranges, mut read) = (String::new(), Vec::new(), Vec::new());
     let mut number = 0;
     for field in Material::FIELDS {
-        let kind = if field.parts == 3 { "vec3" } else { "float" };
+        let parts = field.holds.parts();
+        let kind = if field.holds == Holds::Vector { "vec3" } else { "float" };
         let _ = writeln!(members, "    {kind} {};    // {}", field.name, field.doc);
         let value = format!("m.{}", field.name);
         ranges.push(match field.range {
-            MaterialRange::Share => format!("share_of({value})"),
-            MaterialRange::Light => format!("light_of({value})"),
-            MaterialRange::Reflectance => format!("min(light_of({value}), vec3(1.0))"),
+            Some(MaterialRange::Share) => format!("share_of({value})"),
+            Some(MaterialRange::Light) => format!("light_of({value})"),
+            Some(MaterialRange::Reflectance) => format!("min(light_of({value}), vec3(1.0))"),
+            None => value,
         });
         let place =
             |number: usize| format!("READ(head.{}, {})", ["x", "y", "z", "w"][number / 4], number % 4);
-        let places: Vec<String> = (number..number + field.parts).map(place).collect();
-        number += field.parts;
+        let places: Vec<String> = (number..number + parts).map(place).collect();
+        number += parts;
         read.push(format!("{kind}({})", places.join(", ")));
     }
     format!(
@@ -163,7 +79,7 @@ pub fn material_glsl() -> String {
 /// The members of a material `name` in the shaders' struct, one per number.
 pub(crate) fn material_members(name: &str) -> Vec<String> {
     let members = Material::FIELDS.iter().flat_map(|field| {
-        let parts: &[&str] = if field.parts == 3 { &[".r", ".g", ".b"] } else { &[""] };
+        let parts: &[&str] = if field.holds == Holds::Vector { &[".r", ".g", ".b"] } else { &[""] };
         parts.iter().map(move |part| format!("{name}.{}{part}", field.name))
     });
     members.collect()

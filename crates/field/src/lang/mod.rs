@@ -23,6 +23,7 @@
 mod ast;
 mod builtin;
 mod diagnostic;
+mod fields;
 mod lexer;
 mod library;
 mod load;
@@ -40,10 +41,11 @@ mod token;
 mod value;
 
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
+pub use fields::{DefaultValue, Field, Holds, MaterialRange};
 pub use library::{Accuracy, Entry, entries, inputs};
 pub(crate) use material::material_members;
-pub use material::{MATERIAL_NUMBERS, Material, MaterialField, MaterialRange, material_glsl};
-pub use scene::{Camera, Light, LightPlace, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap, Vec3};
+pub use material::{Material, material_glsl};
+pub use scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap};
 pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]

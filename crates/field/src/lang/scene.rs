@@ -5,12 +5,12 @@
 //! shape alone because a bound would cast shadows of things that do not exist (Abt 2022, figure 12); beyond the bound
 //! the estimate grows until it casts none.
 
+use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, TEXTURE};
+use super::fields::DefaultValue::{Each, Library, Parts};
+use super::fields::section;
 use super::material::Material;
 use super::source::Span;
 use crate::graph::{Graph, NodeId};
-
-/// Three numbers: a point, a direction, or a colour in linear light (red, green, blue).
-pub type Vec3 = [NodeId; 3];
 
 /// A scene without mistakes. All [`NodeId`]s are of [`Scene::graph`].
 #[derive(Debug, Clone)]
@@ -58,73 +58,71 @@ pub struct Object {
 
 /// Where a light's rays come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LightPlace {
+pub enum LightKind {
     /// A point or, with a radius, a ball. Its light falls with the square of the distance.
-    At(Vec3),
-    /// From infinitely far away, travelling in this direction (of any length but 0).
-    Towards(Vec3),
-    /// A rectangle around a point: `right` and `up` are half its sides. It shines to the side of their cross product.
-    Panel {
-        /// The centre of the rectangle.
-        at: Vec3,
-        /// From the centre to the middle of the right side.
-        right: Vec3,
-        /// From the centre to the middle of the upper side.
-        up: Vec3,
-    },
+    Lamp,
+    /// From infinitely far away, in one direction.
+    Sun,
+    /// A rectangle. It shines to the side of the cross product of its sides.
+    Panel,
 }
 
-/// A light: functions of the frame alone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Light {
-    /// Its name; `default` for the light of a scene that has none.
-    pub name: String,
-    /// Where its rays come from.
-    pub place: LightPlace,
-    /// Its strength in red, green and blue: the light that arrives at distance 1 or, for a direction, everywhere. For
-    /// a panel its brightness, in the units of `emission`.
-    pub color: Vec3,
-    /// Radius of the shining ball (for a direction: the tangent of its half angle); softens shadows.
-    pub radius: NodeId,
-    /// Distance at which its light has faded to nothing; 0 for no limit.
-    pub range: NodeId,
-    /// Share of its light that shadows remove, 0..1.
-    pub shadow: NodeId,
+section! {
+    /// A light: functions of the frame alone.
+    Light {
+        /// Where its rays come from.
+        kind: LightKind,
+    }
+    position: Vector = Each(0.0), FRAME, "Where it is; the centre of a panel. Unused for a sun.";
+    direction: Vector = Each(0.0), FRAME, "In which direction a sun's rays travel, of any length but 0.";
+    color: Vector = Each(1.0), FRAME,
+        "Its strength in red, green and blue: the light that arrives at distance 1 or, for a sun, everywhere. For a \
+         panel its brightness, in the units of `emission`.";
+    radius: Number = Each(0.0), FRAME,
+        "Radius of the shining ball (for a sun: the tangent of its half angle); softens shadows.";
+    range: Number = Each(0.0), FRAME, "Distance at which its light has faded to nothing; 0 for no limit.";
+    shadow: Number = Each(1.0), FRAME, "Share of its light that shadows remove, 0..1.";
+    right: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its right side; else 0.";
+    up: Vector = Each(0.0), FRAME, "From a panel's centre to the middle of its upper side; else 0.";
 }
 
-/// The camera: functions of the frame alone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Camera {
-    /// The eye.
-    pub position: Vec3,
-    /// The point it looks at.
-    pub target: Vec3,
-    /// Vertical field of view in degrees.
-    pub fov: NodeId,
-    /// Roll around the line of sight in radians; positive values turn the picture clockwise.
-    pub roll: NodeId,
-    /// Radius of the lens; 0 is sharp everywhere.
-    pub aperture: NodeId,
-    /// Distance that is in focus; `None` for that of the target.
-    pub focus: Option<NodeId>,
-    /// Width at the target that is always in the picture: in a narrow window the eye steps back to keep it there. 0
-    /// asks for none.
-    pub keep: NodeId,
+section! {
+    /// The camera: functions of the frame alone. Where a scene says nothing, it shows the unit ball at the origin and
+    /// the ball of the thesis at (1, 1, 6).
+    Camera {}
+    position: Vector = Parts([0.0, 2.0, -5.0]), FRAME, "The eye.";
+    target: Vector = Parts([0.0, 0.5, 0.0]), FRAME, "The point it looks at.";
+    fov: Number = Each(45.0), FRAME, "Vertical field of view in degrees.";
+    roll: Number = Each(0.0), FRAME,
+        "Roll around the line of sight in radians; positive values turn the picture clockwise.";
+    aperture: Number = Each(0.0), FRAME, "Radius of the lens; 0 is sharp everywhere.";
+    focus: Number = Each(f32::INFINITY), FRAME,
+        "Distance that is in focus; where it is not finite, that of the target.";
+    keep: Number = Each(0.0), FRAME,
+        "Width at the target that is always in the picture: in a narrow window the eye steps back to keep it there. 0 \
+         asks for none.";
 }
 
-/// How the scene's light becomes the picture: functions of the frame alone.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
-    /// Factor by which light is multiplied.
-    pub exposure: NodeId,
-    /// Share of the light that is scattered around its place, 0..1.
-    pub bloom: NodeId,
-    /// Share of the light that a wide lens loses in the corners, 0..1.
-    pub vignette: NodeId,
-    /// Strength of the grain, in steps of 1/255.
-    pub grain: NodeId,
-    /// How light becomes a colour of the screen.
-    pub tone_map: ToneMap,
+section! {
+    /// The background. Where a scene says nothing, it is dusk, brightest at the horizon, so that no ray ends in black.
+    Sky {}
+    color: Vector = Library("default_sky"), DIRECTION | TEXTURE | FRAME | EYE, "Light from a direction.";
+    ambient: Vector = Library("default_ambient"), DIRECTION | FRAME | EYE,
+        "Light from everywhere on a surface with its normal in that direction.";
+    reach: Number = Each(1.1), FRAME,
+        "Distance from a surface within which other things block that light and give their own.";
+}
+
+section! {
+    /// How the scene's light becomes the picture: functions of the frame alone. Where a scene says nothing, there is a
+    /// slight glow around bright places, and grain too weak to be seen.
+    Picture {}
+    exposure: Number = Each(1.0), FRAME, "Factor by which light is multiplied.";
+    bloom: Number = Each(0.04), FRAME, "Share of the light that is scattered around its place, 0..1.";
+    vignette: Number = Each(0.0), FRAME, "Share of the light that a wide lens loses in the corners, 0..1.";
+    grain: Number = Each(1.0), FRAME, "Strength of the grain, in steps of 1/255.";
+    tone_map: ToneMap = Each(ToneMap::Agx.number()), NOTHING,
+        "How light becomes a colour of the screen: the number of a [`ToneMap`].";
 }
 
 /// How light becomes a colour of the screen.
@@ -145,6 +143,16 @@ impl ToneMap {
     /// All of them, in the order of their numbers in `shaders/tone_map.glsl`.
     pub const ALL: [ToneMap; 4] = [ToneMap::Agx, ToneMap::Aces, ToneMap::Reinhard, ToneMap::None];
 
+    /// Its number among the numbers of a scene.
+    pub const fn number(self) -> f32 {
+        self as u8 as f32
+    }
+
+    /// The tone map of a number; the default where there is none.
+    pub fn numbered(number: f32) -> Self {
+        Self::ALL.into_iter().find(|map| map.number() == number).unwrap_or_default()
+    }
+
     /// Its name in scenes.
     pub fn name(self) -> &'static str {
         match self {
@@ -154,18 +162,6 @@ impl ToneMap {
             ToneMap::None => "none",
         }
     }
-}
-
-/// The background: functions of a direction (read where materials read the normal) and the frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sky {
-    /// Light from a direction.
-    pub color: Vec3,
-    /// Light from everywhere on a surface with its normal in that direction.
-    pub ambient: Vec3,
-    /// Distance from a surface within which other things block that light and give their own: a function of the frame
-    /// alone.
-    pub reach: NodeId,
 }
 
 /// A number that the user sets.

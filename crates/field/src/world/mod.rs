@@ -21,13 +21,13 @@ mod traits;
 mod validate;
 
 pub use bounds::Bounds;
-pub use frame_tape::{FrameTape, FrameValues, LightKind, LightValues, PictureValues};
+pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
 pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use traits::SceneFeatures;
-// How a picture is made is part of a scene.
-pub use crate::lang::ToneMap;
+// What lights and pictures are made of is part of a scene.
+pub use crate::lang::{LightKind, ToneMap};
 
 use std::sync::Arc;
 
@@ -182,7 +182,9 @@ impl World {
             let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
             bounds = bounds::find(&tape, &any);
             let around = |inputs: &FrameInputs| {
-                bounds.unwrap_or_else(|| Bounds::around(frame_tape.values(inputs).target, steepness::AROUND))
+                bounds.unwrap_or_else(|| {
+                    Bounds::around(frame_tape.values(inputs).camera.target, steepness::AROUND)
+                })
             };
             let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
             steep = steepness::is_steep(&tape, frames);

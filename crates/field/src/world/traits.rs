@@ -4,7 +4,7 @@
 //! glow, a lens. A renderer that never skips a branch would compute them for nothing.
 
 use crate::graph::NodeId;
-use crate::lang::{LightPlace, Scene};
+use crate::lang::{LightKind, Scene};
 
 /// Parts of the shaders that only some scenes need.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -24,11 +24,10 @@ pub struct SceneFeatures {
 impl SceneFeatures {
     /// The features of a scene.
     pub(super) fn of(scene: &Scene, glow: bool) -> Self {
-        let panel = |place: &LightPlace| matches!(place, LightPlace::Panel { .. });
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         let mirrors = scene.materials.iter().any(|material| some(material.reflect));
         Self {
-            panels: scene.lights.iter().any(|light| panel(&light.place)),
+            panels: scene.lights.iter().any(|light| light.kind == LightKind::Panel),
             mirrors,
             blur: mirrors && scene.materials.iter().any(|material| some(material.blur)),
             glow,

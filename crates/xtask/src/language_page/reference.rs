@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use mariana_field::lang::{Accuracy, Entry, Material, entries, inputs};
+use mariana_field::lang::{Accuracy, Entry, Holds, Material, entries, inputs};
 
 use super::pictures::PICTURES;
 
@@ -18,7 +18,7 @@ pub fn text() -> String {
         "\n## Fields of a material\n\n| field | what it is | where it is not given |\n|---|---|---|\n",
     );
     for field in Material::FIELDS {
-        let kind = if field.parts == 3 { " (vec3)" } else { "" };
+        let kind = if field.holds == Holds::Vector { " (vec3)" } else { "" };
         line(&mut text, format_args!("| `{}`{kind} | {} | {} |", field.name, cell(field.doc), field.default));
     }
     let entries = entries();

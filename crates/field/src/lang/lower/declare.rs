@@ -5,7 +5,7 @@ use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::material::Material;
-use super::super::scene::{Camera, Light, LightPlace, Object, Param, Picture, Scene, Sky, ToneMap};
+use super::super::scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky};
 use super::super::source::{Sources, Span};
 use super::super::symbol::Symbol;
 use super::super::value::Value;
@@ -28,8 +28,6 @@ pub(super) struct Parts {
 
 /// The name given to a bare expression.
 const BARE_NAME: &str = "shape";
-/// Reach of ambient occlusion where a scene does not set it.
-const DEFAULT_REACH: f32 = 1.1;
 
 impl<'a> Lowering<'a> {
     pub(super) fn scene(
@@ -84,23 +82,17 @@ impl<'a> Lowering<'a> {
             return None;
         };
         if parts.lights.is_empty() {
-            let place = LightPlace::At(self.vector([-6.0, 9.0, -6.0]));
-            let (color, radius) = (self.vector([500.0, 480.0, 450.0]), self.constant(0.5));
-            let (range, shadow) = (self.constant(0.0), self.constant(1.0));
-            parts.lights.push(Light { name: "default".to_owned(), place, color, radius, range, shadow });
+            parts.lights.push(Light {
+                position: self.vector([-6.0, 9.0, -6.0]),
+                color: self.vector([500.0, 480.0, 450.0]),
+                radius: self.constant(0.5),
+                ..Light::of(LightKind::Lamp, self.numbers(Light::FIELDS, &Values::default()))
+            });
         }
-        let camera = match parts.camera {
-            Some(camera) => camera,
-            None => self.default_camera(),
-        };
-        let sky = match parts.sky {
-            Some(sky) => sky,
-            None => self.default_sky(),
-        };
-        let picture = match parts.picture {
-            Some(picture) => picture,
-            None => self.default_picture(),
-        };
+        let unset = Values::default();
+        let camera = parts.camera.unwrap_or_else(|| Camera::of(self.numbers(Camera::FIELDS, &unset)));
+        let sky = parts.sky.unwrap_or_else(|| Sky::of(self.numbers(Sky::FIELDS, &unset)));
+        let picture = parts.picture.unwrap_or_else(|| Picture::of(self.numbers(Picture::FIELDS, &unset)));
         Some(Scene {
             graph: self.graph,
             objects: parts.objects,
@@ -313,50 +305,15 @@ impl<'a> Lowering<'a> {
         if let Some(index) = parts.default_material {
             return index;
         }
-        let material = self.material("default".to_owned(), &Values::default());
+        let material = Material::of("default".to_owned(), self.numbers(Material::FIELDS, &Values::default()));
         parts.materials.push(material);
         parts.default_material = Some(parts.materials.len() - 1);
         parts.materials.len() - 1
     }
 
-    /// Shows the unit ball at the origin and the ball of the thesis at (1, 1, 6).
-    pub(super) fn default_camera(&mut self) -> Camera {
-        Camera {
-            position: self.vector([0.0, 2.0, -5.0]),
-            target: self.vector([0.0, 0.5, 0.0]),
-            fov: self.constant(45.0),
-            roll: self.constant(0.0),
-            aperture: self.constant(0.0),
-            focus: None,
-            keep: self.constant(0.0),
-        }
-    }
-
-    /// A slight glow around bright places, and grain too weak to be seen.
-    pub(super) fn default_picture(&mut self) -> Picture {
-        Picture {
-            exposure: self.constant(1.0),
-            bloom: self.constant(0.04),
-            vignette: self.constant(0.0),
-            grain: self.constant(1.0),
-            tone_map: ToneMap::default(),
-        }
-    }
-
-    /// Dusk, brightest at the horizon, so that no ray ends in black.
-    pub(super) fn default_sky(&mut self) -> Sky {
-        let symbols = ["default_sky", "default_ambient"].map(|name| self.names.get(name));
-        let [color, ambient] = symbols.map(|symbol| symbol.and_then(|symbol| self.library_color(symbol)));
-        let black = self.vector([0.0; 3]);
-        Sky {
-            color: color.unwrap_or(black),
-            ambient: ambient.unwrap_or(black),
-            reach: self.constant(DEFAULT_REACH),
-        }
-    }
-
     /// A library function that gives a colour for a direction.
-    fn library_color(&mut self, symbol: Symbol) -> Option<[NodeId; 3]> {
+    pub(super) fn library_color(&mut self, name: &str) -> Option<[NodeId; 3]> {
+        let symbol = self.names.get(name)?;
         let direction = self.names.get("direction")?;
         let value = self.within(uses::DIRECTION | uses::FRAME, "the sky", |this| {
             let argument = this.lookup(direction, Span::default());

@@ -1,44 +1,19 @@
-//! Lights: their places and their fields.
+//! Lights: what kind of light the fields say.
 
 use super::super::diagnostic::Diagnostic;
-use super::super::scene::{Light, LightPlace};
+use super::super::scene::LightKind;
 use super::super::source::Span;
 use super::Lowering;
 use super::sections::Values;
 
 impl Lowering<'_> {
-    pub(super) fn light(&mut self, name: String, span: Span, values: &Values) -> Option<Light> {
-        let (zero, one) = (self.constant(0.0), self.constant(1.0));
-        let white = self.vector([1.0; 3]);
-        let place = self.light_place(&name, span, values)?;
-        Some(Light {
-            name,
-            place,
-            color: self.vector_of(values, "color", white),
-            radius: self.number_of(values, "radius", zero),
-            range: self.number_of(values, "range", zero),
-            shadow: self.number_of(values, "shadow", one),
-        })
-    }
-
-    fn light_place(&mut self, name: &str, span: Span, values: &Values) -> Option<LightPlace> {
+    /// The kind of a light, by which of its fields are given.
+    pub(super) fn light_kind(&mut self, name: &str, span: Span, values: &Values) -> Option<LightKind> {
         let given = |field: &str| values.given(field).map(|(_, span)| span);
-        let origin = self.vector([0.0; 3]);
-        let (position, direction) = (given("position"), given("direction"));
-        let wrong = match (position, direction, given("right"), given("up")) {
-            (Some(_), None, None, None) => {
-                return Some(LightPlace::At(self.vector_of(values, "position", origin)));
-            }
-            (None, Some(_), None, None) => {
-                return Some(LightPlace::Towards(self.vector_of(values, "direction", origin)));
-            }
-            (Some(_), None, Some(_), Some(_)) => {
-                return Some(LightPlace::Panel {
-                    at: self.vector_of(values, "position", origin),
-                    right: self.vector_of(values, "right", origin),
-                    up: self.vector_of(values, "up", origin),
-                });
-            }
+        let wrong = match (given("position"), given("direction"), given("right"), given("up")) {
+            (Some(_), None, None, None) => return Some(LightKind::Lamp),
+            (None, Some(_), None, None) => return Some(LightKind::Sun),
+            (Some(_), None, Some(_), Some(_)) => return Some(LightKind::Panel),
             (Some(_), Some(second), ..) => {
                 let both = Diagnostic::new(
                     second,

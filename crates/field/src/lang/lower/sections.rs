@@ -1,12 +1,14 @@
 //! Blocks with fields: objects, materials, lights, the camera, the sky and the picture.
 //!
-//! One table lists the fields of each block; `objects.rs` and `lights.rs` build the larger ones.
+//! A section's rows (see `lang::fields`) say which fields it has. What the fields of an object mean together stands in
+//! `objects.rs`, and those of a light in `lights.rs`.
 
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
-use super::super::builtin::uses::{DIRECTION, EYE, FRAME, NORMAL, POINT, TEXTURE};
+use super::super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::super::diagnostic::Diagnostic;
-use super::super::material::{MATERIAL_NUMBERS, Material};
-use super::super::scene::{Camera, Picture, Sky, ToneMap, Vec3};
+use super::super::fields::{DefaultValue, Field, Holds};
+use super::super::material::Material;
+use super::super::scene::{Camera, Light, Picture, Sky, ToneMap};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
@@ -15,72 +17,26 @@ use super::Lowering;
 use super::declare::Parts;
 use crate::graph::NodeId;
 
-/// The type of a field's value.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Holds {
-    Number,
-    Vector,
-    Material,
-    ToneMap,
+/// The fields of objects. `objects.rs` makes an object of them, so their defaults are not read.
+const OBJECT: &[Field] = &[
+    of_object("shape", Holds::Number, POINT | FRAME),
+    of_object("material", Holds::Material, NOTHING),
+    of_object("bound", Holds::Number, POINT | FRAME),
+    of_object("melt", Holds::Number, FRAME),
+];
+
+const fn of_object(name: &'static str, holds: Holds, uses: u8) -> Field {
+    Field { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc: "" }
 }
 
-/// A field: its name, the type of its value, and the inputs that it may use.
-type Field = (&'static str, Holds, u8);
-
-const SURFACE: u8 = POINT | NORMAL | TEXTURE | FRAME | EYE;
-
-const MATERIAL: &[Field] = &{
-    let mut fields = [("", Holds::Number, SURFACE); Material::FIELDS.len()];
-    let mut at = 0;
-    while at < fields.len() {
-        let field = &Material::FIELDS[at];
-        fields[at] = (field.name, if field.parts == 3 { Holds::Vector } else { Holds::Number }, SURFACE);
-        at += 1;
-    }
-    fields
-};
-
 fn fields(section: Section) -> &'static [Field] {
-    use Holds::{Material, Number, ToneMap, Vector};
     match section {
-        Section::Object => &[
-            ("shape", Number, POINT | FRAME),
-            ("material", Material, 0),
-            ("bound", Number, POINT | FRAME),
-            ("melt", Number, FRAME),
-        ],
-        Section::Material => MATERIAL,
-        Section::Light => &[
-            ("position", Vector, FRAME),
-            ("direction", Vector, FRAME),
-            ("color", Vector, FRAME),
-            ("radius", Number, FRAME),
-            ("range", Number, FRAME),
-            ("shadow", Number, FRAME),
-            ("right", Vector, FRAME),
-            ("up", Vector, FRAME),
-        ],
-        Section::Camera => &[
-            ("position", Vector, FRAME),
-            ("target", Vector, FRAME),
-            ("fov", Number, FRAME),
-            ("roll", Number, FRAME),
-            ("aperture", Number, FRAME),
-            ("focus", Number, FRAME),
-            ("keep", Number, FRAME),
-        ],
-        Section::Sky => &[
-            ("color", Vector, DIRECTION | TEXTURE | FRAME | EYE),
-            ("ambient", Vector, DIRECTION | FRAME | EYE),
-            ("reach", Number, FRAME),
-        ],
-        Section::Picture => &[
-            ("exposure", Number, FRAME),
-            ("bloom", Number, FRAME),
-            ("vignette", Number, FRAME),
-            ("grain", Number, FRAME),
-            ("tone_map", ToneMap, 0),
-        ],
+        Section::Object => OBJECT,
+        Section::Material => Material::FIELDS,
+        Section::Light => Light::FIELDS,
+        Section::Camera => Camera::FIELDS,
+        Section::Sky => Sky::FIELDS,
+        Section::Picture => Picture::FIELDS,
     }
 }
 
@@ -88,7 +44,7 @@ fn fields(section: Section) -> &'static [Field] {
 fn is_field(name: &str) -> bool {
     use Section::{Camera, Light, Material, Object, Picture, Sky};
     let sections = [Object, Material, Light, Camera, Sky, Picture];
-    sections.into_iter().flat_map(fields).any(|field| field.0 == name)
+    sections.into_iter().flat_map(fields).any(|field| field.name == name)
 }
 
 /// The word that begins a section.
@@ -121,8 +77,6 @@ pub(super) struct Values {
     given: Vec<(&'static str, Value, Span)>,
     /// Index of the material that an object names.
     pub(super) material: Option<usize>,
-    /// The tone map that a picture names.
-    tone_map: Option<ToneMap>,
     /// Whether a field was wrong, so that the values are of no use.
     pub(super) broken: bool,
 }
@@ -155,7 +109,7 @@ impl Lowering<'_> {
                     self.stop(span, message, "let one material depend on the point");
                     return;
                 }
-                let material = self.material(title, values);
+                let material = Material::of(title, self.numbers(Material::FIELDS, values));
                 parts.materials.push(material);
                 if let Some(global) = name.and_then(|name| self.globals.get_mut(name.symbol.index()))
                     && global.material == 0
@@ -168,55 +122,31 @@ impl Lowering<'_> {
                 if parts.lights.len() >= max {
                     let message = format!("the scene has more than {max} lights");
                     self.stop(span, message, "let surfaces shine with `emission` instead");
-                } else if let Some(light) = self.light(title, span, values) {
-                    parts.lights.push(light);
+                } else if let Some(kind) = self.light_kind(&title, span, values) {
+                    parts.lights.push(Light::of(kind, self.numbers(Light::FIELDS, values)));
                 }
             }
             Section::Camera => {
-                if parts.camera.is_some() {
-                    return self.second(section, span);
-                }
-                let base = self.default_camera();
-                parts.camera = Some(Camera {
-                    position: self.vector_of(values, "position", base.position),
-                    target: self.vector_of(values, "target", base.target),
-                    fov: self.number_of(values, "fov", base.fov),
-                    roll: self.number_of(values, "roll", base.roll),
-                    aperture: self.number_of(values, "aperture", base.aperture),
-                    focus: values.given("focus").map(|_| self.number_of(values, "focus", base.fov)),
-                    keep: self.number_of(values, "keep", base.keep),
-                });
+                let camera = Camera::of(self.numbers(Camera::FIELDS, values));
+                self.only(&mut parts.camera, camera, section, span);
             }
             Section::Sky => {
-                if parts.sky.is_some() {
-                    return self.second(section, span);
-                }
-                let base = self.default_sky();
-                parts.sky = Some(Sky {
-                    color: self.vector_of(values, "color", base.color),
-                    ambient: self.vector_of(values, "ambient", base.ambient),
-                    reach: self.number_of(values, "reach", base.reach),
-                });
+                let sky = Sky::of(self.numbers(Sky::FIELDS, values));
+                self.only(&mut parts.sky, sky, section, span);
             }
             Section::Picture => {
-                if parts.picture.is_some() {
-                    return self.second(section, span);
-                }
-                let base = self.default_picture();
-                parts.picture = Some(Picture {
-                    exposure: self.number_of(values, "exposure", base.exposure),
-                    bloom: self.number_of(values, "bloom", base.bloom),
-                    vignette: self.number_of(values, "vignette", base.vignette),
-                    grain: self.number_of(values, "grain", base.grain),
-                    tone_map: values.tone_map.unwrap_or(base.tone_map),
-                });
+                let picture = Picture::of(self.numbers(Picture::FIELDS, values));
+                self.only(&mut parts.picture, picture, section, span);
             }
         }
     }
 
-    fn second(&mut self, section: Section, span: Span) {
-        let message = format!("the scene has a second {}", word(section));
-        self.report(Diagnostic::new(span, message).hint("leave one of them out"));
+    /// Keeps a section of which a scene has one, and reports a second one.
+    fn only<T>(&mut self, place: &mut Option<T>, made: T, section: Section, span: Span) {
+        if place.replace(made).is_some() {
+            let message = format!("the scene has a second {}", word(section));
+            self.report(Diagnostic::new(span, message).hint("leave one of them out"));
+        }
     }
 
     /// Lowers a section's lets and fields in their order.
@@ -225,7 +155,7 @@ impl Lowering<'_> {
         let mut values = Values { broken, ..Values::default() };
         let mark = self.scope.len();
         let outside = std::mem::replace(&mut self.frame, mark);
-        let all = known.iter().fold(0, |all, field| all | field.2);
+        let all = known.iter().fold(0, |all, field| all | field.uses);
         for entry in entries {
             if entry.is_let {
                 let value = self.within(all, place(section), |this| this.expr(entry.value));
@@ -233,38 +163,32 @@ impl Lowering<'_> {
                 continue;
             }
             let text = self.name(entry.name.symbol);
-            let Some(index) = known.iter().position(|field| field.0 == text) else {
+            let Some(field) = known.iter().find(|field| field.name == text) else {
                 values.broken = true;
                 self.unknown_field(section, entry.name);
                 continue;
             };
-            let (name, holds, allowed) = known[index];
-            if let Some((_, first)) = values.given(name) {
+            if let Some((_, first)) = values.given(text) {
                 let message = format!("`{text}` is given twice");
                 let twice = Diagnostic::new(entry.name.span, message).note(first, "the first one is here");
                 self.report(twice.hint("leave one of them out"));
                 continue;
             }
-            let value = match holds {
+            let value = match field.holds {
                 Holds::Material => {
                     values.material = self.material_index(entry.value);
                     values.broken |= values.material.is_none();
-                    values.given.push((name, Value::Unknown, entry.name.span));
+                    values.given.push((field.name, Value::Unknown, entry.name.span));
                     continue;
                 }
-                Holds::ToneMap => {
-                    values.tone_map = self.tone_map(entry.value);
-                    values.broken |= values.tone_map.is_none();
-                    values.given.push((name, Value::Unknown, entry.name.span));
-                    continue;
-                }
-                _ => {
-                    let value = self.within(allowed, place(section), |this| this.expr(entry.value));
-                    self.field_value(value, holds, text, self.ast.span(entry.value))
+                Holds::ToneMap => self.tone_map(entry.value),
+                Holds::Number | Holds::Vector => {
+                    let value = self.within(field.uses, place(section), |this| this.expr(entry.value));
+                    self.field_value(value, field.holds, text, self.ast.span(entry.value))
                 }
             };
             values.broken |= value == Value::Unknown;
-            values.given.push((name, value, entry.name.span));
+            values.given.push((field.name, value, entry.name.span));
         }
         self.unbind(mark);
         self.frame = outside;
@@ -297,7 +221,7 @@ impl Lowering<'_> {
 
     fn unknown_field(&mut self, section: Section, name: Name) {
         let text = self.name(name.symbol);
-        let known = fields(section).iter().map(|field| field.0);
+        let known = fields(section).iter().map(|field| field.name);
         let near = suggest::nearest(text, known.clone());
         let message = format!("{} has no field `{text}`", place_of_field(section));
         let wrong = Diagnostic::new(name.span, message);
@@ -311,30 +235,27 @@ impl Lowering<'_> {
         self.report(wrong);
     }
 
-    /// The tone map that an expression names.
-    fn tone_map(&mut self, value: ExprId) -> Option<ToneMap> {
+    /// The number of the tone map that an expression names.
+    fn tone_map(&mut self, value: ExprId) -> Value {
         let span = self.ast.span(value);
         let names = ToneMap::ALL.map(ToneMap::name);
         let all = names.map(|name| format!("`{name}`")).join(", ");
-        let Expr::Name(symbol) = self.ast.expr(value) else {
-            if self.ast.expr(value) != Expr::Error {
-                let wrong = Diagnostic::new(span, "a tone map must be given by its name");
-                self.report(wrong.hint(format!("the tone maps are {all}")));
+        let wrong = match self.ast.expr(value) {
+            Expr::Error => return Value::Unknown,
+            Expr::Name(symbol) => {
+                let name = self.name(symbol);
+                if let Some(known) = ToneMap::ALL.into_iter().find(|map| map.name() == name) {
+                    return Value::scalar(self.constant(known.number()));
+                }
+                let unknown = Diagnostic::new(span, format!("there is no tone map `{name}`"));
+                match suggest::nearest(name, names) {
+                    near @ Some(_) => unknown.did_you_mean(near),
+                    None => unknown.hint(format!("there are {all}")),
+                }
             }
-            return None;
+            _ => Diagnostic::new(span, "a tone map is given by its name").hint(format!("there are {all}")),
         };
-        let name = self.name(symbol);
-        let known = ToneMap::ALL.into_iter().find(|map| map.name() == name);
-        if known.is_none() {
-            let near = suggest::nearest(name, names);
-            let unknown = Diagnostic::new(span, format!("there is no tone map `{name}`"));
-            let unknown = match near {
-                Some(_) => unknown.did_you_mean(near),
-                None => unknown.hint(format!("the tone maps are {all}")),
-            };
-            self.report(unknown);
-        }
-        known
+        self.report(wrong)
     }
 
     /// The material that an expression names, as its index.
@@ -368,24 +289,28 @@ impl Lowering<'_> {
         None
     }
 
-    pub(super) fn material(&mut self, name: String, values: &Values) -> Material {
-        let mut numbers = Vec::with_capacity(MATERIAL_NUMBERS);
-        for field in Material::FIELDS {
-            if field.parts == 3 {
-                let default = self.vector([field.default; 3]);
-                numbers.extend(self.vector_of(values, field.name, default));
-            } else {
-                let default = self.constant(field.default);
-                numbers.push(self.number_of(values, field.name, default));
-            }
+    /// The numbers of a section, in the order of its fields.
+    pub(super) fn numbers(&mut self, fields: &[Field], values: &Values) -> Vec<NodeId> {
+        let mut numbers = Vec::new();
+        for field in fields {
+            let default = self.default_of(field.default);
+            let parts = match values.given(field.name) {
+                Some((Value::Vector(vector), _)) => [0, 1, 2].map(|part| vector.part(part)),
+                _ => default,
+            };
+            numbers.extend(parts.into_iter().take(field.holds.parts()));
         }
-        Material::of(name, numbers)
+        numbers
     }
 
-    pub(super) fn vector_of(&mut self, values: &Values, name: &str, default: Vec3) -> Vec3 {
-        match values.given(name) {
-            Some((Value::Vector(vector), _)) => [vector.part(0), vector.part(1), vector.part(2)],
-            _ => default,
+    fn default_of(&mut self, default: DefaultValue) -> [NodeId; 3] {
+        match default {
+            DefaultValue::Each(number) => self.vector([number; 3]),
+            DefaultValue::Parts(parts) => self.vector(parts),
+            DefaultValue::Library(name) => match self.library_color(name) {
+                Some(color) => color,
+                None => self.vector([0.0; 3]),
+            },
         }
     }
 

@@ -1,4 +1,4 @@
-use super::super::{LightPlace, compile};
+use super::super::{LightKind, compile};
 use super::{distance, frame, scene, value};
 use crate::graph::{FrameInputs, Point};
 
@@ -101,8 +101,8 @@ fn a_scene_has_objects_materials_lights_camera_and_sky() {
     assert_eq!(at(&red.color), [1.0, 0.0, 0.0]);
     assert_eq!(at(&[red.roughness, red.reflect]), [0.5, 0.0]);
     assert_eq!(at(&red.emission), [0.25; 3]);
-    let LightPlace::Towards(direction) = scene.lights[0].place else { panic!("{:?}", scene.lights) };
-    assert_eq!(at(&direction), [0.0, -1.0, 2.0]);
+    assert_eq!(scene.lights[0].kind, LightKind::Sun);
+    assert_eq!(at(&scene.lights[0].direction), [0.0, -1.0, 2.0]);
     assert_eq!(at(&scene.camera.position), [2.0, 0.0, 0.0]);
     assert_eq!(at(&[scene.camera.fov]), [60.0]);
     assert_eq!(at(&scene.sky.color), [0.0, -0.5, 0.25]);

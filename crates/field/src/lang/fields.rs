@@ -1,0 +1,162 @@
+//! The fields of a scene's sections, one row for each.
+//!
+//! `section!` makes a section of its rows: the struct with its documentation, the block in the language with its
+//! diagnostics, what holds where a scene says nothing, and the order in which the section's numbers stand on a tape.
+//! What computes with a value names its field; nothing else does.
+
+use std::fmt;
+
+/// A field of a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Field {
+    /// Its name.
+    pub name: &'static str,
+    /// The type of its value.
+    pub holds: Holds,
+    /// Its value where a scene does not set it.
+    pub default: DefaultValue,
+    /// The inputs that it may use.
+    pub(super) uses: u8,
+    /// The range of its values; only materials have ranges here.
+    pub range: Option<MaterialRange>,
+    /// Its description for readers.
+    pub doc: &'static str,
+}
+
+/// The type of a field's value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Holds {
+    /// One number.
+    Number,
+    /// Three numbers.
+    Vector,
+    /// The name of a tone map, kept as its number.
+    ToneMap,
+    /// The name of a material.
+    Material,
+}
+
+impl Holds {
+    /// How many numbers it is.
+    pub const fn parts(self) -> usize {
+        match self {
+            Holds::Vector => 3,
+            Holds::Number | Holds::ToneMap | Holds::Material => 1,
+        }
+    }
+}
+
+/// What each of these types is, where `N` stands for a number: a node in a scene, its value in a frame.
+pub(super) mod of {
+    pub(crate) type Number<N> = N;
+    pub(crate) type Vector<N> = [N; 3];
+    pub(crate) type ToneMap<N> = N;
+}
+
+/// The value of a field that a scene does not set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DefaultValue {
+    /// This number, in each part of a vector.
+    Each(f32),
+    /// These parts.
+    Parts([f32; 3]),
+    /// What this function of the library gives for the direction.
+    Library(&'static str),
+}
+
+impl fmt::Display for DefaultValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Each(number) => write!(f, "{number}"),
+            Self::Parts([x, y, z]) => write!(f, "vec3({x}, {y}, {z})"),
+            Self::Library(name) => write!(f, "{name}(direction)"),
+        }
+    }
+}
+
+/// How a field's values are clamped to their range before lighting; a NaN becomes 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MaterialRange {
+    /// A share, 0..1.
+    Share,
+    /// A reflected colour: each part 0..1.
+    Reflectance,
+    /// Emitted light: each part at least 0, and at most what a half float holds well.
+    Light,
+}
+
+/// One number, or a vector of three.
+pub(super) trait Parts<N> {
+    fn take(numbers: &mut impl Iterator<Item = N>) -> Self;
+    fn put(self, numbers: &mut Vec<N>);
+}
+
+impl<N: Default> Parts<N> for N {
+    fn take(numbers: &mut impl Iterator<Item = N>) -> Self {
+        numbers.next().unwrap_or_default()
+    }
+
+    fn put(self, numbers: &mut Vec<N>) {
+        numbers.push(self);
+    }
+}
+
+impl<N: Default> Parts<N> for [N; 3] {
+    fn take(numbers: &mut impl Iterator<Item = N>) -> Self {
+        std::array::from_fn(|_| N::take(numbers))
+    }
+
+    fn put(self, numbers: &mut Vec<N>) {
+        numbers.extend(self);
+    }
+}
+
+/// Makes a section. In braces stands what it holds besides its fields; a row is
+/// `name: type = default, inputs that it may use, range of a material's field, "description";`.
+macro_rules! section {
+    (
+        $(#[$about:meta])*
+        $section:ident { $($(#[$told:meta])* $own:ident: $type:ty,)* }
+        $($field:ident: $holds:ident = $default:expr, $uses:expr, $($range:ident,)? $doc:literal;)+
+    ) => {
+        $(#[$about])*
+        #[derive(Debug, Clone, PartialEq)]
+        pub struct $section<N = $crate::graph::NodeId> {
+            $($(#[$told])* pub $own: $type,)*
+            $(#[doc = $doc] pub $field: $crate::lang::fields::of::$holds<N>,)+
+        }
+
+        impl $section {
+            /// The fields, in the order of [`Self::numbers`].
+            pub const FIELDS: &'static [$crate::lang::fields::Field] = &[$($crate::lang::fields::Field {
+                name: stringify!($field),
+                holds: $crate::lang::fields::Holds::$holds,
+                default: $default,
+                uses: $uses,
+                range: $crate::lang::fields::section!(@range $($range)?),
+                doc: $doc,
+            },)+];
+            /// How many numbers they hold.
+            pub const NUMBERS: usize = 0 $(+ $crate::lang::fields::Holds::$holds.parts())+;
+        }
+
+        impl<N: Copy + Default> $section<N> {
+            /// The number of each part of each field.
+            pub fn numbers(&self) -> Vec<N> {
+                let mut numbers = Vec::new();
+                $($crate::lang::fields::Parts::put(self.$field, &mut numbers);)+
+                numbers
+            }
+
+            /// The section of these numbers, in the order of [`Self::numbers`]; those that are missing are 0.
+            pub fn of($($own: $type,)* numbers: impl IntoIterator<Item = N>) -> Self {
+                let mut numbers = numbers.into_iter();
+                Self { $($own,)* $($field: $crate::lang::fields::Parts::take(&mut numbers),)+ }
+            }
+        }
+    };
+    (@range) => { None };
+    (@range $range:ident) => { Some($crate::lang::fields::MaterialRange::$range) };
+}
+
+pub(super) use section;
