@@ -4,9 +4,12 @@
 //
 // A texel holds two clauses, each followed by its immediate. The second clause of the last texel is END, with the
 // registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
-// region's tape, the place of the normal's x holds the distance beyond which a surface casts no shadow. Rare
-// operators stand only in the second place and are computed between runs of texels: a renderer that never skips a
-// branch would otherwise compute them with every clause.
+// region's tape, the place of the normal's x holds the distance beyond which a surface casts no shadow.
+//
+// There are two loops over clauses. EVERY_CASE is for renderers that never skip a branch: both clauses of a texel stand
+// one after the other, and rare operators, which stand only in the second place, are computed between runs of texels,
+// because they would otherwise be computed with every clause. A GPU skips branches, and its compilers make a function
+// anew at each call: its loop holds one clause.
 
 #include "operators.glsl"
 
@@ -15,11 +18,11 @@ uniform usamplerBuffer tape;        // RGBA32UI
 #ifdef COUNT_EVALUATIONS
 float count_clauses = 0.0;          // clauses of regions run in this pixel, those that do nothing included
 float count_surface_clauses = 0.0;  // those of materials and light
-#define COUNT_TEXEL(kind) count_##kind += 2.0
+#define COUNT_CLAUSES(kind, count) count_##kind += count
 #define CLAUSES_RUN count_clauses
 #define SURFACE_CLAUSES_RUN count_surface_clauses
 #else
-#define COUNT_TEXEL(kind)
+#define COUNT_CLAUSES(kind, count)
 #endif
 
 // --- Decoding a word ---
@@ -69,8 +72,15 @@ int operator_number(uint word) {
 #define WRITE(at, value) tape_file[at & uint(REGISTERS - 1)] = value
 #endif
 
+// Whether a clause is the second of its texel: known at each call, or only in the loop.
+#ifdef EVERY_CASE
+#define CLAUSE_PLACE const bool
+#else
+#define CLAUSE_PLACE bool
+#endif
+
 // The register that a clause writes. END assigns the register in its byte 2 to itself.
-uint written_register(uint word, const bool last) {
+uint written_register(uint word, CLAUSE_PLACE last) {
     return last && (word & 255u) == 0u ? BYTE(word, 2) : BYTE(word, 1);
 }
 
@@ -86,8 +96,8 @@ uint written_register(uint word, const bool last) {
 
 float region_file[REGION_REGISTERS];
 
-// Runs a clause, except for rare operators, which run_region computes from their operands a and b.
-void region_clause(uint word, uint immediate, const bool last, out float a, out float b) {
+// Runs a clause; with EVERY_CASE except for rare operators, which run_region computes from their operands a and b.
+void region_clause(uint word, uint immediate, CLAUSE_PLACE last, out float a, out float b) {
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
@@ -107,10 +117,11 @@ vec2 run_region(int first, vec3 p, float penumbra) {
     int texel = first;
     float a;
     float b;
+#ifdef EVERY_CASE
     for (int round = 0; round < TEXELS_MAX; ++round) {
         for (int i = 0; i < TEXELS_MAX; ++i) {
             words = texelFetch(regions, texel++);
-            COUNT_TEXEL(clauses);
+            COUNT_CLAUSES(clauses, 2.0);
             region_clause(words.x, words.y, false, a, b);
             region_clause(words.z, words.w, true, a, b);
             if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
@@ -119,6 +130,15 @@ vec2 run_region(int first, vec3 p, float penumbra) {
         float r = region_rare(operator_number(words.z), a, b);
         REGION_WRITE(BYTE(words.z, 1), r);
     }
+#else
+    for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
+        bool last = (i & 1) != 0;
+        if (last) { words.xy = words.zw; } else { words = texelFetch(regions, texel++); }
+        COUNT_CLAUSES(clauses, 1.0);
+        region_clause(words.x, words.y, last, a, b);
+        if (last && (words.x & 255u) == 0u) break;
+    }
+#endif
     return vec2(REGION_READ(words.z, 2), REGION_READ(words.z, 3));
 }
 
@@ -134,7 +154,7 @@ float sampled[4 * SAMPLES];
 #endif
 
 // Like region_clause.
-void tape_clause(uint word, uint immediate, const bool last, vec3 p, vec3 n, out float a, out float b) {
+void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, out float a, out float b) {
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 3);
@@ -173,10 +193,11 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
     int texel = first;
     float a;
     float b;
+#ifdef EVERY_CASE
     for (int round = 0; round < TEXELS_MAX; ++round) {
         for (int i = 0; i < TEXELS_MAX; ++i) {
             words = texelFetch(tape, texel++);
-            COUNT_TEXEL(surface_clauses);
+            COUNT_CLAUSES(surface_clauses, 2.0);
             tape_clause(words.x, words.y, false, p, n, a, b);
             tape_clause(words.z, words.w, true, p, n, a, b);
             if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
@@ -185,5 +206,14 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
         float r = tape_rare(operator_number(words.z), a, b);
         WRITE(BYTE(words.z, 1), r);
     }
+#else
+    for (int i = 0; i < 2 * TEXELS_MAX; ++i) {
+        bool last = (i & 1) != 0;
+        if (last) { words.xy = words.zw; } else { words = texelFetch(tape, texel++); }
+        COUNT_CLAUSES(surface_clauses, 1.0);
+        tape_clause(words.x, words.y, last, p, n, a, b);
+        if (last && (words.x & 255u) == 0u) break;
+    }
+#endif
     return vec2(READ(words.z, 2), READ(words.z, 3));
 }

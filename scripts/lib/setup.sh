@@ -203,6 +203,34 @@ ensure_rust() {
     fi
 }
 
+# Unpacks mesa-drm-shim from the backports of this Debian into target/, without touching the system's lists.
+unpack_gpu_shim() {
+    local folder=$root/target/mesa-drm-shim options codename uri
+    codename=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
+    uri=$(apt-get indextargets --format '$(REPO_URI)' "Codename: $codename" 'Created-By: Packages' | head -n 1)
+    [[ -n $codename && -n $uri ]] || return 1
+    rm -rf "$folder" && mkdir -p "$folder"/{lists,cache/archives}/partial || return 1
+    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] $uri $codename-backports main" >"$folder/sources.list"
+    options=(-qq -o APT::Sandbox::User=root -o Dir::Etc::SourceList="$folder/sources.list" -o Dir::Etc::SourceParts=/dev/null
+        -o Dir::State::Lists="$folder/lists" -o Dir::Cache="$folder/cache")
+    apt-get "${options[@]}" update && (cd "$folder" && apt-get "${options[@]}" download mesa-drm-shim) &&
+        dpkg -x "$folder"/mesa-drm-shim_*.deb "$folder"
+}
+
+# What lets Mesa compile for GPUs that are not there, for `cargo xtask gpu`. Where it cannot be had, the tests say so and
+# compare nothing.
+get_gpu_shim() {
+    if [[ $1 != apt || $(uname -m) != x86_64 || ${MARIANA_SETUP:-} == dry-run ]] || is_installed apt mesa-drm-shim ||
+        compgen -G "$root/target/mesa-drm-shim/usr/lib/*/libamdgpu_noop_drm_shim.so" >/dev/null; then
+        return
+    fi
+    if apt-cache show mesa-drm-shim >/dev/null 2>&1; then
+        install_with apt mesa-drm-shim
+    else
+        unpack_gpu_shim </dev/null >&2 || say "mesa-drm-shim cannot be had: programs for GPUs are not compared."
+    fi
+}
+
 mariana_setup() {
     local manager
     case ${MARIANA_SETUP:-} in
@@ -213,6 +241,7 @@ mariana_setup() {
     manager=$(package_manager)
     install_packages "$manager" "$@"
     ensure_rust "$manager" "$@"
+    if [[ " $* " == *" test "* ]]; then get_gpu_shim "$manager"; fi
     if [[ ${MARIANA_SETUP:-} == dry-run ]]; then
         say "That is all: nothing was installed."
         exit 0

@@ -28,10 +28,12 @@ impl Headless {
         &self.gl
     }
 
-    /// Makes a context on the first EGL device that gives one, hardware before software, and makes it current.
+    /// Makes a context of OpenGL 3.3 on the first EGL device that gives one, hardware before software, and makes it
+    /// current. So a machine whose GPU is too old draws on its processor.
     ///
     /// # Errors
-    /// [`GpuError::NoHeadlessContext`] with what the devices said; [`GpuError::TooOld`] below OpenGL 3.3.
+    /// [`GpuError::NoHeadlessContext`] with what the devices said; [`GpuError::TooOld`] if all that give a context are
+    /// below OpenGL 3.3.
     #[cfg(all(unix, not(target_os = "macos")))]
     pub fn new(log_debug: bool) -> Result<Self, GpuError> {
         use glutin::api::egl::device::Device;
@@ -43,15 +45,24 @@ impl Headless {
             Device::query_devices().map_err(|error| no_context(error.to_string()))?.collect();
         devices.sort_by_key(|device| device.extensions().contains("EGL_MESA_device_software"));
         let mut reasons = Vec::new();
+        let mut too_old = None;
         for device in &devices {
             match context_on(device) {
                 Ok((display, context)) => {
                     use glutin::display::GlDisplay;
-                    let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
-                    return Ok(Self { gl, _context: context });
+                    match Gl::load(|name| display.get_proc_address(name), log_debug) {
+                        Ok(gl) => return Ok(Self { gl, _context: context }),
+                        Err(error) => {
+                            tracing::info!("a device is passed over: {error}");
+                            too_old = too_old.or(Some(error));
+                        }
+                    }
                 }
                 Err(error) => reasons.push(error.to_string()),
             }
+        }
+        if let Some(error) = too_old {
+            return Err(error);
         }
         if reasons.is_empty() {
             reasons.push("EGL lists no device".into());

@@ -3,6 +3,7 @@
 mod agreement;
 mod flashes;
 mod golden;
+mod hardware_path;
 mod light;
 mod light_to_screen;
 mod mips;

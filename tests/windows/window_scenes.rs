@@ -268,7 +268,7 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
     let place = Place::new();
     place.save("own.scene", VARIED);
     for (first, other) in [("interpreted", "compiled"), ("compiled", "interpreted")] {
-        let mut app = place.open("own.scene", &["--sdf", first]);
+        let mut app = place.open("own.scene", &["--sdf", first, "--quality", "best"]);
         let modes = |app: &App| app.title();
         assert!(modes(&app).starts_with(&format!("quiet.wav - Mariana (own, {first}")), "{}", app.title());
         pause(&mut app);
@@ -490,7 +490,7 @@ fn c_pressed_while_a_scene_is_coming_does_not_keep_it_away() {
         wait_for_color(&app, "the first scene", SEEN_RED);
         // The second needs a program of its own in either mode, and while that is made the wish changes.
         app.press(&["n"]);
-        app.wait_until_told(&format!("own2 is asked for, {sdf}"));
+        app.wait_until_told(&format!("own2 is requested, {sdf}"));
         app.press(&["c"]);
         app.wait_for_title("the second scene as wished", |title| title.contains(&format!("(own2, {wish})")));
         wait_for_color(&app, "the second scene", SEEN_GREEN);

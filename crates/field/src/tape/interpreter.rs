@@ -9,7 +9,7 @@
 //! a texel, and the shader computes them between runs of texels.
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. `EVERY_CASE` is for renderers that never skip a
-//! branch (llvmpipe): all cases are computed and the result is selected. Without it there is a switch.
+//! branch (llvmpipe): all cases are computed and the result is selected. Without it the case is searched by halves.
 //!
 //! **One number for a point.** The interpreter runs a tape for one point. Only the coordinates of textures, a few
 //! clauses, are also run for the pixels to the right and above, before the material's own tape. The frame's numbers
@@ -181,35 +181,54 @@ impl Variant {
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
         for (whose, operators) in [("region", region_operators), ("tape", &self.operators)] {
-            let (rare, common): (Vec<Op>, Vec<Op>) = operators.iter().partition(|op| is_rare(**op));
-            let _ = writeln!(text, "float {whose}_common(int number, float a, float b) {{\n    float r = a;");
-            self.write_cases(text, &common);
-            let _ =
-                writeln!(text, "}}\nfloat {whose}_rare(int number, float a, float b) {{\n    float r = a;");
-            self.write_cases(text, &rare);
-            let numbers: Vec<String> = rare.iter().map(|op| format!("number == {}", op.number())).collect();
-            let test = if numbers.is_empty() { "false".to_owned() } else { numbers.join(" || ") };
-            let _ = writeln!(text, "}}\nbool {whose}_is_rare(int number) {{\n    return {test};\n}}");
+            let (rare, common): (Vec<Op>, Vec<Op>) =
+                operators.iter().partition(|op| self.every_case && is_rare(**op));
+            self.write_function(text, whose, "common", &common);
+            if self.every_case {
+                self.write_function(text, whose, "rare", &rare);
+                let numbers: Vec<String> =
+                    rare.iter().map(|op| format!("number == {}", op.number())).collect();
+                let test = if numbers.is_empty() { "false".to_owned() } else { numbers.join(" || ") };
+                let _ = writeln!(text, "bool {whose}_is_rare(int number) {{\n    return {test};\n}}");
+            }
         }
     }
 
+    fn write_function(&self, text: &mut String, whose: &str, which: &str, operators: &[Op]) {
+        let _ = writeln!(text, "float {whose}_{which}(int number, float a, float b) {{\n    float r = a;");
+        self.write_cases(text, operators);
+        text.push_str("}\n");
+    }
+
     fn write_cases(&self, text: &mut String, operators: &[Op]) {
-        if !self.every_case {
-            text.push_str("    switch (number) {\n");
-        }
-        for &op in operators {
-            let number = op.number();
-            let value = expression(op);
-            let _ = if self.every_case {
-                writeln!(text, "    r = number == {number} ? {value} : r;")
-            } else {
-                writeln!(text, "    case {number}: r = {value}; break;")
-            };
-        }
-        if !self.every_case {
-            text.push_str("    default: break;\n    }\n");
+        if self.every_case {
+            for &op in operators {
+                let _ = writeln!(text, "    r = number == {} ? {} : r;", op.number(), expression(op));
+            }
+        } else {
+            write_search(text, operators);
         }
         text.push_str("    return r;\n");
+    }
+}
+
+/// A search for the operator by halves. Compilers make a chain of comparisons of a switch, which is passed to its
+/// middle on average.
+fn write_search(text: &mut String, operators: &[Op]) {
+    match operators {
+        [] => {}
+        [op] => {
+            let _ = writeln!(text, "    if (number == {}) r = {};", op.number(), expression(*op));
+        }
+        _ => {
+            let (low, high) = operators.split_at(operators.len() / 2);
+            let border = high.first().map_or(0, |op| op.number());
+            let _ = writeln!(text, "    if (number < {border}) {{");
+            write_search(text, low);
+            text.push_str("    } else {\n");
+            write_search(text, high);
+            text.push_str("    }\n");
+        }
     }
 }
 

@@ -15,7 +15,7 @@ mod table;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 
 use programs::Linked;
 pub(crate) use programs::run as programs;
@@ -84,11 +84,17 @@ pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
     let shim = wishes.shim.clone().or_else(shim).with_context(|| {
         format!("{SHIM} is not there: install mesa-drm-shim (Debian 13; in the backports of 12), or name it with --shim")
     })?;
-    let mut all = Vec::new();
-    for gpu in &wishes.gpus {
-        let programs = ask(&shim, gpu, &wishes).with_context(|| format!("asking the compiler for {gpu}"))?;
-        all.push((gpu.clone(), programs));
-    }
+    let all = std::thread::scope(|scope| {
+        let ask = |gpu: &String| -> anyhow::Result<_> {
+            let programs =
+                ask(&shim, gpu, &wishes).with_context(|| format!("asking the compiler for {gpu}"))?;
+            Ok((gpu.clone(), programs))
+        };
+        let asked: Vec<_> = wishes.gpus.iter().map(|gpu| scope.spawn(move || ask(gpu))).collect();
+        let answers =
+            asked.into_iter().map(|asked| asked.join().map_err(|_| anyhow!("a thread panicked"))?);
+        answers.collect::<anyhow::Result<Vec<_>>>()
+    })?;
     print!("{}", table::table(&all));
     if wishes.accept {
         budgets::accept(&all)?;

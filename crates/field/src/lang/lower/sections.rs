@@ -250,10 +250,11 @@ impl Lowering<'_> {
                 let unknown = Diagnostic::new(span, format!("there is no tone map `{name}`"));
                 match suggest::nearest(name, names) {
                     near @ Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint(format!("there are {all}")),
+                    None => unknown.hint(format!("the tone maps are {all}")),
                 }
             }
-            _ => Diagnostic::new(span, "a tone map is given by its name").hint(format!("there are {all}")),
+            _ => Diagnostic::new(span, "a tone map must be given by its name")
+                .hint(format!("the tone maps are {all}")),
         };
         self.report(wrong)
     }
