@@ -442,13 +442,18 @@ fn glsl_is_written_from_the_operators() {
     let tape = tape_of(&graph, &[root], 256);
     let cases =
         [(24, "(a * a)"), (25, "sqrt(max(a, 0.0))"), (64, "(a + b)"), (65, "(a - b)"), (69, "max(a, b)")];
-    let switch: String =
-        cases.iter().map(|(number, value)| format!("    case {number}: r = ({value}); break;\n")).collect();
+    let [square, root_of, add, subtract, max] =
+        cases.map(|(number, value)| format!("    if (number == {number}) r = ({value});\n"));
+    let or = "    } else {\n";
+    let search = format!(
+        "    if (number < 64) {{\n    if (number < 25) {{\n{square}{or}{root_of}    }}\n{or}    if (number < 65) {{\n{add}{or}    \
+         if (number < 69) {{\n{subtract}{or}{max}    }}\n    }}\n    }}\n"
+    );
     let selection: String = cases
         .iter()
         .map(|(number, value)| format!("    r = number == {number} ? ({value}) : r;\n"))
         .collect();
-    for (every_case, expected) in [(false, switch), (true, selection)] {
+    for (every_case, expected) in [(false, search), (true, selection)] {
         let text = interpreter::Variant::of([&tape], every_case).text(&tape.operators(), 8);
         assert_eq!(text.matches(&expected).count(), 2, "for materials and for regions: {text}");
     }
