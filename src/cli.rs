@@ -26,6 +26,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
+use crate::gpu::scene_resources::CellUse;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{SceneError, SceneSource};
 use mariana_player::decode::quiet_contained_panics;
@@ -127,8 +128,8 @@ struct CommonArguments {
     /// How the scene's formulas are run; auto interprets at once and compiles in the background
     #[arg(long, value_name = "HOW", default_value = "auto")]
     sdf: Sdf,
-    /// Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: on; bench
-    /// measures both]
+    /// Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where
+    /// that costs less; bench measures both]
     #[arg(long, value_name = "ON-OFF")]
     regions: Option<Switch>,
     /// How light is turned into screen colours [default: as the scene says, otherwise agx]
@@ -498,7 +499,7 @@ impl CommonArguments {
             source: SceneSource::find(&self.scene)?,
             sdf: self.sdf.into(),
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
-            regions: self.regions != Some(Switch::Off),
+            cells: self.regions.map_or(CellUse::WhereTheyPay, Into::into),
             view: None,
             tone_map: self.tone_map.map(Into::into),
             verbose: self.verbose > 0,

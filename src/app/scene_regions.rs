@@ -12,7 +12,7 @@ use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::scene_program::Mode;
-use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::gpu::scene_resources::{BuiltRegions, CellUse, SceneResources};
 use crate::limits::LIMITS;
 use mariana_music::{Features, Sound};
 use mariana_player::Moment;
@@ -38,7 +38,7 @@ pub(super) struct Shown {
 
 /// The builder's requests, and whether trees are waited for.
 pub(super) struct SceneRegions {
-    wanted: bool,
+    wish: CellUse,
     /// Whether a tree is waited for, however long it takes.
     insists: bool,
     builder: RegionBuilder<(u64, Shown)>,
@@ -61,9 +61,9 @@ impl SceneRegions {
     ///
     /// # Errors
     /// What the system says about threads.
-    pub(super) fn start(wanted: bool, wake: impl Fn() + Send + Clone + 'static) -> std::io::Result<Self> {
+    pub(super) fn start(wish: CellUse, wake: impl Fn() + Send + Clone + 'static) -> std::io::Result<Self> {
         Ok(Self {
-            wanted,
+            wish,
             insists: false,
             builder: RegionBuilder::start(wake.clone())?,
             trials: RegionBuilder::start(wake)?,
@@ -85,9 +85,7 @@ impl SceneRegions {
         sound: Sound,
         (params, hand): (&[f32], OrbitControls),
     ) -> Option<(Frame, Shown)> {
-        // If the distance is not a signed distance field, cells are used whatever is wanted.
-        let cells =
-            scene.world().steep || (self.wanted && (self.insists || self.late_for != Some((id, mode))));
+        let cells = self.uses_cells((id, mode), scene);
         scene.set_cells(cells);
         let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
         let frame = frame.by_hand(scene.world(), hand);
@@ -119,14 +117,23 @@ impl SceneRegions {
         Some((frame, shown))
     }
 
-    /// Whether cells are used where they can be.
-    pub(super) fn are_wanted(&self) -> bool {
-        self.wanted
+    /// When cells are used.
+    pub(super) fn wish(&self) -> CellUse {
+        self.wish
+    }
+
+    fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources) -> bool {
+        match self.wish {
+            CellUse::Never => scene.uses_cells(self.wish, drawn.1),
+            _ if self.insists => true,
+            _ if self.late_for == Some(drawn) => scene.world().steep,
+            wish => scene.uses_cells(wish, drawn.1),
+        }
     }
 
     /// Requests the first tree of a scene that is coming onto the stage, in place of any other scene's.
     pub(super) fn try_tree(&self, id: u64, scene: &SceneResources) {
-        scene.set_cells(self.wanted || scene.world().steep);
+        scene.set_cells(self.wish != CellUse::Never || scene.world().steep);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
         let request = scene.region_request(&frame);
         let patience = Duration::from_secs_f64(LIMITS.picture_seconds_max);
@@ -162,7 +169,7 @@ impl SceneRegions {
         built: &BuiltRegions,
         time: Duration,
     ) -> bool {
-        if drawn.1 != Mode::Compiled || !self.wanted {
+        if drawn.1 != Mode::Compiled || self.wish == CellUse::Never {
             return false;
         }
         let now = Some(drawn);
@@ -182,19 +189,25 @@ impl SceneRegions {
         no_sooner
     }
 
-    /// Uses cells from now on, or not, and says which.
-    pub(super) fn toggle(&mut self) -> &'static str {
-        self.wanted = !self.wanted;
-        if self.wanted { "regions" } else { "no regions" }
+    /// Uses cells from now on if the scene is drawn without, and else does without; says which.
+    pub(super) fn toggle(&mut self, drawn: Option<((u64, Mode), &SceneResources)>) -> &'static str {
+        let used = match drawn {
+            Some((drawn, scene)) if !scene.world().steep => self.uses_cells(drawn, scene),
+            _ => self.wish != CellUse::Never,
+        };
+        self.late_for = None;
+        self.wish = if used { CellUse::Never } else { CellUse::Always };
+        if used { "no regions" } else { "regions" }
     }
 
     /// What the line about the scene says of them.
     pub(super) fn about(&self, drawn: (u64, Mode), last: Option<&BuiltRegions>) -> String {
         match last {
-            _ if !self.wanted => "no regions".to_owned(),
+            _ if self.wish == CellUse::Never => "no regions".to_owned(),
             _ if self.late_for == Some(drawn) => {
                 format!("no regions: building a tree takes {:.0} ms", milliseconds(self.tree_time))
             }
+            Some(built) if !built.request.options.cells => "no regions: they would save nothing".to_owned(),
             Some(built) => {
                 let stats = &built.regions.stats;
                 let time = milliseconds(built.time);

@@ -139,7 +139,7 @@ impl SceneStage {
     ) -> Result<Self, GpuError> {
         let no_worker = |error: std::io::Error| GpuError::NoWorker { reason: error.to_string() };
         let LoadedScene { source, scene } = first;
-        let mut regions = SceneRegions::start(ways.regions, wake.clone()).map_err(no_worker)?;
+        let mut regions = SceneRegions::start(ways.cells, wake.clone()).map_err(no_worker)?;
         regions.insist(ways.view.is_some());
         let compiler = BackgroundCompiler::start(contexts, library, gl.info(), wake);
         let mut stage = Self {

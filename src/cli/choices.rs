@@ -1,6 +1,7 @@
 //! What the command line chooses from, and what that means.
 
 use crate::config::{QualityChoice, SdfChoice};
+use crate::gpu::scene_resources::CellUse;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 
@@ -74,6 +75,15 @@ pub(super) enum RepeatChoice {
 pub(super) enum Switch {
     On,
     Off,
+}
+
+impl From<Switch> for CellUse {
+    fn from(switch: Switch) -> Self {
+        match switch {
+            Switch::On => Self::Always,
+            Switch::Off => Self::Never,
+        }
+    }
 }
 
 /// See [`QualityChoice`].

@@ -19,7 +19,7 @@ use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
-use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::gpu::scene_resources::{BuiltRegions, CellUse, SceneResources};
 use crate::gpu::timer::GpuTimer;
 use crate::scenes::ReadyScene;
 use mariana_field::region::RegionStats;
@@ -152,7 +152,8 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
         let program = Rc::new(link_scene(gl, library, &variant)?);
         let shader_ms = milliseconds(start.elapsed());
-        let ways: &[bool] = if request.both { &[true, false] } else { &[request.scene.regions] };
+        let ways: &[bool] =
+            if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         for &regions in ways {
             let (built, build_ms) = build(&resources, &frame, regions);
             resources.take_regions(built.clone());

@@ -11,7 +11,7 @@ use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
     COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_views, link_scene, variant_of,
 };
-use crate::gpu::scene_resources::SceneResources;
+use crate::gpu::scene_resources::{CellUse, SceneResources};
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
@@ -30,8 +30,8 @@ pub struct SceneChoice {
     pub sdf: SdfChoice,
     /// The shaders.
     pub shaders: ShaderLibrary,
-    /// Whether regions are divided into cells.
-    pub regions: bool,
+    /// When space is divided into cells.
+    pub cells: CellUse,
     /// What is shown instead of the picture.
     pub view: Option<ViewChoice>,
     /// How light becomes a colour of the screen; none means as the scene says.
@@ -47,7 +47,7 @@ impl From<SceneSource> for SceneChoice {
             source,
             sdf: SdfChoice::default(),
             shaders: ShaderLibrary::embedded(),
-            regions: true,
+            cells: CellUse::default(),
             view: None,
             tone_map: None,
             verbose: false,
@@ -88,7 +88,12 @@ impl Painter {
         }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        resources.set_cells(choice.regions);
+        // Views show them.
+        let wish = match choice.cells {
+            CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
+            wish => wish,
+        };
+        resources.set_cells(resources.uses_cells(wish, mode));
         let view = choice.view.map(|view| (view, LegendPainter::default()));
         Ok(Self { renderer, program, resources, mode, view, context })
     }

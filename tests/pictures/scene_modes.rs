@@ -12,6 +12,7 @@ use mariana::gpu::gl::GlInfo;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::{DoesNotFit, Interpreter, Mode, compiled_variant};
+use mariana::gpu::scene_resources::CellUse;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::{Sound, Tables};
@@ -256,7 +257,7 @@ fn a_painter_draws_as_it_was_asked() {
             source,
             sdf,
             shaders: ShaderLibrary::embedded(),
-            regions: true,
+            cells: CellUse::Always,
             view: None,
             tone_map: None,
             verbose: false,
@@ -266,4 +267,23 @@ fn a_painter_draws_as_it_was_asked() {
         painter.draw(0.0, silence().into(), (16, 9)).unwrap();
         assert_eq!(painter.read().len(), 16 * 9 * 4);
     }
+}
+
+#[test]
+fn a_compiled_scene_has_cells_only_where_they_pay_or_are_wanted() {
+    let foam = |count: usize| {
+        let ball =
+            "sphere(p - vec3(3 * sin(i * 12.9898), 2 + 2 * sin(i * 78.233), 3 * sin(i * 37.719)), 0.3)";
+        SceneSource::Formula(format!("object foam {{ shape = union(for i in 0..{count}: {ball}) }}"))
+    };
+    let cells = |scene: &SceneSource, wish| {
+        let studio = Studio::of(scene, Mode::Interpreted, Counting::Off);
+        [Mode::Interpreted, Mode::Compiled].map(|mode| studio.resources.uses_cells(wish, mode))
+    };
+    assert_eq!(cells(&foam(9), CellUse::WhereTheyPay), [true, false]);
+    assert_eq!(cells(&foam(300), CellUse::WhereTheyPay), [true, true]);
+    assert_eq!(cells(&foam(9), CellUse::Always), [true, true]);
+    assert_eq!(cells(&foam(300), CellUse::Never), [false, false]);
+    let steep = SceneSource::Formula("sin(x)*cos(y) + sin(y)*cos(z) + sin(z)*cos(x)".into());
+    assert_eq!(cells(&steep, CellUse::Never), [true, true], "without them rays would miss it");
 }

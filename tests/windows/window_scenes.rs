@@ -110,6 +110,21 @@ fn pause(app: &mut App) {
     app.wait_for_title("paused", |title| title.contains("paused"));
 }
 
+/// A picture that does not change any more: notices have faded, and what stands still is drawn as well as possible,
+/// which takes a loaded machine more than one look.
+fn settled(app: &App) -> RgbaImage {
+    let mut last = app.picture();
+    let mut alike = 0;
+    wait_until("a picture that stands still", || {
+        std::thread::sleep(Duration::from_millis(700));
+        let newest = app.picture();
+        alike = if newest == last { alike + 1 } else { 0 };
+        last = newest;
+        alike >= 4
+    });
+    last
+}
+
 fn wait_for_mode(app: &mut App, mode: &str) {
     app.wait_for_title(mode, |title| title.contains(&format!(", {mode}")));
 }
@@ -272,28 +287,11 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
         let modes = |app: &App| app.title();
         assert!(modes(&app).starts_with(&format!("quiet.wav - Mariana (own, {first}")), "{}", app.title());
         pause(&mut app);
-        let settled = |app: &App| {
-            // Notices fade.
-            let mut last = app.picture();
-            wait_until("a picture that stands still", || {
-                std::thread::sleep(Duration::from_millis(700));
-                std::mem::replace(&mut last, app.picture()) == last
-            });
-            last
-        };
         app.press(&["Left"]);
         let before = settled(&app);
         app.press(&["c"]);
         wait_for_mode(&mut app, other);
-        let mut after = settled(&app);
-        // The notice of the new mode stands for a while.
-        wait_until("a picture without notice", || {
-            let newest = app.picture();
-            let gone =
-                crate::support::compare::difference(&newest, &before, TIGHT.visible).share <= TIGHT.share_max;
-            after = newest;
-            gone
-        });
+        let after = settled(&app);
         assert_alike(&format!("window-{other}"), &after, &before, TIGHT);
         app.press(&["c"]);
         wait_for_mode(&mut app, first);
@@ -311,19 +309,9 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
         wait_for_mode(&mut app, mode);
         pause(&mut app);
         app.press(&["Left"]);
-        let settled = |app: &App| {
-            let mut last = app.picture();
-            wait_until("a picture that stands still", || {
-                std::thread::sleep(Duration::from_millis(700));
-                std::mem::replace(&mut last, app.picture()) == last
-            });
-            last
-        };
         let before = settled(&app);
         app.press(&["r"]);
         wait_until("the notice", || app.picture() != before);
-        // It stands for a while.
-        std::thread::sleep(Duration::from_secs(3));
         let after = settled(&app);
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
         app.press(&["r"]);

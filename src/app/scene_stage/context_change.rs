@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use super::{SceneLoader, SceneStage};
 use crate::config::SdfChoice;
+use crate::gpu::scene_resources::CellUse;
 use crate::scenes::{ReadyScene, SceneList, SceneSource};
 use crate::view::ViewChoice;
 
@@ -21,7 +22,7 @@ pub(in crate::app) struct DrawingWays {
     /// Interpreted, compiled or both.
     pub sdf: SdfChoice,
     /// Whether cells of regions are used where they can be.
-    pub regions: bool,
+    pub cells: CellUse,
     /// A view of how the picture is made, instead of the picture.
     pub view: Option<ViewChoice>,
 }
@@ -53,11 +54,7 @@ impl SceneStage {
             shown,
             wanted: self.source,
             moved: self.moved,
-            ways: DrawingWays {
-                sdf: self.choice,
-                regions: self.regions.are_wanted(),
-                view: self.views.choice(),
-            },
+            ways: DrawingWays { sdf: self.choice, cells: self.regions.wish(), view: self.views.choice() },
         }
     }
 

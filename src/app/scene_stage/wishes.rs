@@ -52,7 +52,9 @@ impl SceneStage {
 
     /// Uses the cells of regions from now on, or the whole tape everywhere.
     pub(crate) fn toggle_regions(&mut self) {
-        let now = self.regions.toggle();
+        let drawn = self.on_stage.as_ref().zip(self.mode());
+        let drawn = drawn.map(|(cast, mode)| ((cast.id, mode), &cast.resources));
+        let now = self.regions.toggle(drawn);
         self.tell(now.to_owned());
         self.revision += 1;
     }

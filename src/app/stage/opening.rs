@@ -64,7 +64,7 @@ impl Opening<'_> {
             window.gl(),
             window.worker_contexts(COMPILERS),
             &scene.shaders,
-            DrawingWays { sdf: scene.sdf, regions: scene.regions, view: scene.view },
+            DrawingWays { sdf: scene.sdf, cells: scene.cells, view: scene.view },
             loader,
             first,
             move || of_scenes.wake(),

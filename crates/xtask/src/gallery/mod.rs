@@ -17,6 +17,7 @@ use mariana::config::SdfChoice;
 use mariana::demo_track::DEMO_TRACK;
 use mariana::export::painter::{Painter, SceneChoice};
 use mariana::export::song_features::SongFeatures;
+use mariana::gpu::scene_resources::CellUse;
 use mariana::gpu::shader_source::ShaderLibrary;
 use mariana::scenes::{SceneSource, shipped_names};
 use mariana_music::Sound;
@@ -89,7 +90,7 @@ fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
         source: SceneSource::Shipped(name.to_owned()),
         sdf: SdfChoice::Compiled,
         shaders: ShaderLibrary::embedded(),
-        regions: true,
+        cells: CellUse::default(),
         tone_map: None,
         view: None,
         verbose: false,
