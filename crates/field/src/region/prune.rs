@@ -260,7 +260,10 @@ fn decide(
             // In the first period nothing is subtracted.
             Op::Fract => left = below(rows, a, &[1.0; 64]) & not_above(rows, Arg::Number(0.0), a),
             Op::Mod => {
-                if let Arg::Number(period) = b {
+                // The remainder of an infinite period is not a number.
+                if let Arg::Number(period) = b
+                    && period.is_finite()
+                {
                     left = below(rows, a, &[period; 64]) & not_above(rows, Arg::Number(0.0), a);
                 }
             }

@@ -291,3 +291,25 @@ fn cells_hold_the_slopes_in_them() {
         assert!(slack < widest, "{text}: bounds are {slack} wide");
     }
 }
+
+#[test]
+fn the_remainder_of_an_infinite_period_was_a_number_in_cells() {
+    for period in [f32::INFINITY, 100.0] {
+        let mut graph = Graph::new();
+        let (y, one) = (graph.input(Input::Y), graph.constant(1.0));
+        let period = graph.constant(period);
+        let remainder = graph.binary(Op::Mod, y, period);
+        let zero = graph.constant(0.0);
+        let length = graph.binary(Op::Length, remainder, zero);
+        let root = graph.binary(Op::Sub, length, one);
+        let roots = [root, root, zero];
+        let plan = RegionPlan::of(&graph, roots, Some(([-1.0, 0.5, -1.0], [1.0, 2.5, 1.0])), true, false);
+        let frame = random::frame();
+        let tree = plan.build(&frame, &RegionOptions::default());
+        for number in 0..100 {
+            let at = point(&tree, number);
+            let wanted = graph.evaluate(&roots, &Point::at(at[0], at[1], at[2]), &frame).unwrap();
+            assert!(random::same(tree.distance(at, 0.0, &frame)[0], wanted[0]), "{at:?}: {}", wanted[0]);
+        }
+    }
+}
