@@ -17,8 +17,8 @@ pub(super) struct Reports {
     controls: MediaControls,
     /// When the state of the sound is to be looked at.
     due: Instant,
-    /// Why there is no sound, as was last told.
-    told_silent: Option<String>,
+    /// Whether it was told that there is no sound.
+    told_silent: bool,
     /// The window's title.
     title: String,
 }
@@ -26,7 +26,7 @@ pub(super) struct Reports {
 impl Reports {
     /// Begins with what `announcer` has to say already.
     pub(super) fn new(announcer: Announcer, controls: MediaControls, now: Instant) -> Self {
-        Self { announcer, controls, due: now, told_silent: None, title: String::new() }
+        Self { announcer, controls, due: now, told_silent: false, title: String::new() }
     }
 
     /// Whether the state of the sound is to be looked at now. If so, it is a while until it is again.
@@ -63,14 +63,13 @@ impl Reports {
         self.announcer.notice()
     }
 
-    /// Tells once why there is no sound, unless `silence_asked`.
+    /// Tells once why there is no sound, unless `silence_asked`. That the reason changes meanwhile (a server that has
+    /// died has no devices either) is no news.
     pub(super) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
-        if status.silent != self.told_silent {
-            if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked) {
-                tell(&format!("the song plays without sound: {reason}"));
-            }
-            self.told_silent.clone_from(&status.silent);
+        if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.told_silent) {
+            tell(&format!("the song plays without sound: {reason}"));
         }
+        self.told_silent = status.silent.is_some();
     }
 
     /// Reports what is new of the song, over the picture and to the desktop.

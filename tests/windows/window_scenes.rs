@@ -356,17 +356,28 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
     // The interpreter that is there for the first serves the second, too.
     // Short ones: on a software renderer long ones wait for their own programs.
     place.save("own.scene", &heavy(2, RED));
-    place.save("own2.scene", &heavy(3, GREEN));
+    let others = 2..7;
+    for number in others.clone() {
+        place.save(&format!("own{number}.scene"), &heavy(1 + number, GREEN));
+    }
     let mut app = place.open_tiny("own.scene", &["-v"]);
     app.wait_until_told("an interpreter is ready");
-    app.press(&["n"]);
-    app.wait_until_told("own2 is shown, compiled");
-    app.wait_for_title("the new scene, compiled", |title| title.contains("(own2, compiled)"));
-    wait_for_color(&app, "the new scene", SEEN_GREEN);
-    let told = app.told();
-    let [first, second] =
-        ["interpreted", "compiled"].map(|mode| told.find(&format!("own2 is shown, {mode}")));
-    assert!(first.is_some() && first < second, "{told}");
+    // A driver may be so quick that the interpreter's turn never comes; not with all of them.
+    let mut was_interpreted = false;
+    for number in others {
+        app.press(&["n"]);
+        app.wait_until_told(&format!("own{number} is shown, compiled"));
+        app.wait_for_title("the new scene, compiled", |title| {
+            title.contains(&format!("(own{number}, compiled)"))
+        });
+        wait_for_color(&app, "the new scene", SEEN_GREEN);
+        let told = app.told();
+        let [first, second] =
+            ["interpreted", "compiled"].map(|mode| told.find(&format!("own{number} is shown, {mode}")));
+        assert!(first.is_none_or(|first| Some(first) < second), "{told}");
+        was_interpreted |= first.is_some();
+    }
+    assert!(was_interpreted, "{}", app.told());
     quit(app);
 }
 
