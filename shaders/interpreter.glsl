@@ -86,7 +86,7 @@ uint written_register(uint word, CLAUSE_PLACE last) {
 
 // Before a run, a GPU's compiler is told that nothing of a file is kept from the last one: else its registers would be
 // held all the while between runs. A processor keeps them in memory, where clearing costs time.
-#ifdef SOFTWARE
+#ifdef EVERY_CASE
 #define FORGET(file, first, count)
 #else
 #define FORGET(file, first, count) for (int i = first; i < count; ++i) file[i] = 0.0

@@ -123,12 +123,13 @@ impl SceneRegions {
     }
 
     fn uses_cells(&self, drawn: (u64, Mode), scene: &SceneResources) -> bool {
-        match self.wish {
-            CellUse::Never => scene.uses_cells(self.wish, drawn.1),
-            _ if self.insists => true,
-            _ if self.late_for == Some(drawn) => scene.world().steep,
-            wish => scene.uses_cells(wish, drawn.1),
-        }
+        let wish = match self.wish {
+            CellUse::Never => CellUse::Never,
+            _ if self.insists => CellUse::Always,
+            _ if self.late_for == Some(drawn) => CellUse::Never,
+            wish => wish,
+        };
+        scene.uses_cells(wish, drawn.1)
     }
 
     /// Requests the first tree of a scene that is coming onto the stage, in place of any other scene's.

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::graph::random::{build, frame, number, same, steps};
 use crate::graph::{Choice, Interval, Point};
+use mariana_testing::thesis::TABLE_1;
 
 fn config(cases: u32) -> ProptestConfig {
     let cases = ProptestConfig::default().cases.max(cases);
@@ -25,19 +26,6 @@ fn ring(graph: &mut Graph) -> NodeId {
 fn tape_of(graph: &Graph, roots: &[NodeId], registers: usize) -> Tape {
     Tape::build(graph, roots, &TapeOptions { registers, ..TapeOptions::default() }).unwrap()
 }
-
-/// Table 1 (Abt 2022, section 4.3).
-const TABLE_1: [[&str; 4]; 9] = [
-    ["X", "-", "-", "slot 0"],
-    ["Y", "-", "-", "slot 1"],
-    ["SQUARE", "slot 0", "-", "slot 0"],
-    ["SQUARE", "slot 1", "-", "slot 1"],
-    ["ADD", "slot 0", "slot 1", "slot 1"],
-    ["SQRT", "slot 1", "-", "slot 1"],
-    ["SUB", "slot 1", "1.0f", "slot 0"],
-    ["SUB", "0.5f", "slot 1", "slot 1"],
-    ["MAX", "slot 0", "slot 1", "slot 1"],
-];
 
 #[test]
 fn table_1_of_the_thesis() {

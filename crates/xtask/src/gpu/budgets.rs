@@ -72,28 +72,21 @@ pub(super) fn accept(all: &[(String, Vec<Linked>)]) -> anyhow::Result<()> {
 /// A file of budgets that cannot be read.
 pub(super) fn worse(all: &[(String, Vec<Linked>)]) -> anyhow::Result<Vec<String>> {
     let (version, accepted) = read()?;
+    let programs =
+        || all.iter().flat_map(|(gpu, programs)| programs.iter().map(move |program| (gpu, program)));
+    if let Some((_, other)) = programs().find(|(_, program)| mesa(&program.driver) != version) {
+        println!("Not compared: this is Mesa {}, accepted was what {version} makes.", mesa(&other.driver));
+        return Ok(Vec::new());
+    }
     let mut found = Vec::new();
-    for (gpu, programs) in all {
-        for program in programs {
-            let Some(counts) = program.counts else {
-                found.push(format!("{gpu}, {}: its compiler tells nothing", program.name));
-                continue;
-            };
-            if mesa(&program.driver) != version {
-                println!(
-                    "Not compared: this is Mesa {}, accepted was what {version} makes.",
-                    mesa(&program.driver)
-                );
-                return Ok(Vec::new());
-            }
-            match accepted.get(&(gpu.clone(), program.name.clone())) {
-                None => found.push(format!("{gpu}, {}: nothing was accepted for it", program.name)),
-                Some(accepted) => {
-                    let what = worse_by(*accepted, counts);
-                    found.extend(what.map(|what| format!("{gpu}, {}: {what}", program.name)));
-                }
-            }
-        }
+    for (gpu, program) in programs() {
+        let key = (gpu.clone(), program.name.clone());
+        let what = match (program.counts, accepted.get(&key)) {
+            (None, _) => Some("its compiler tells nothing".to_owned()),
+            (Some(_), None) => Some("nothing was accepted for it".to_owned()),
+            (Some(counts), Some(accepted)) => worse_by(*accepted, counts),
+        };
+        found.extend(what.map(|what| format!("{gpu}, {}: {what}", program.name)));
     }
     Ok(found)
 }

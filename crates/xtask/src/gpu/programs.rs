@@ -22,6 +22,9 @@ use super::counts::Counts;
 /// Section 4.4 of the thesis (Abt 2022): its measurements are of this kind of formula.
 const FORMULA: &str = "min(y, sqrt(x*x + (y-1)*(y-1) + (z-6)*(z-6)) - 1)";
 
+/// The scene whose views are linked, too.
+const VIEWED: &str = "speakers";
+
 /// A program that a driver has linked.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Linked {
@@ -56,23 +59,26 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
     let shipped = shipped_names().into_iter().map(|name| (name.clone(), SceneSource::Shipped(name)));
     let formula = ("a plane and a ball".to_owned(), SceneSource::Formula(FORMULA.into()));
     for (name, source) in std::iter::once(formula).chain(shipped) {
-        for mode in [Mode::Compiled, Mode::Interpreted] {
-            let full_name = format!("{name}, {mode}");
-            let views_name = format!("{name}, {mode}, views");
-            let has_views = name == "speakers" && is_wanted(&views_name);
-            if !is_wanted(&full_name) && !has_views {
-                continue;
-            }
-            let ready = source.ready().with_context(|| name.clone())?;
-            let variant =
-                |counting| variant_of(&ready.world, &ready.buffers, &ready.plan, mode, gl.info(), counting);
-            if is_wanted(&full_name) {
-                found.push(Wanted { name: full_name, file: SCENE_SHADER, variant: variant(Counting::Off)? });
-            }
-            if has_views {
-                let variant = as_views(variant(Counting::On)?);
-                found.push(Wanted { name: views_name, file: SCENE_SHADER, variant });
-            }
+        let countings: &[Counting] =
+            if name == VIEWED { &[Counting::Off, Counting::On] } else { &[Counting::Off] };
+        let of_mode = |mode| countings.iter().map(move |&counting| (mode, counting));
+        let kinds = [Mode::Compiled, Mode::Interpreted].into_iter().flat_map(of_mode);
+        let mut kinds = kinds
+            .map(|(mode, counting)| {
+                // What counts is there for views.
+                let views = if counting == Counting::On { ", views" } else { "" };
+                (format!("{name}, {mode}{views}"), mode, counting)
+            })
+            .filter(|(name, ..)| is_wanted(name))
+            .peekable();
+        if kinds.peek().is_none() {
+            continue;
+        }
+        let ready = source.ready().with_context(|| name.clone())?;
+        for (name, mode, counting) in kinds {
+            let variant = variant_of(&ready.world, &ready.buffers, &ready.plan, mode, gl.info(), counting)?;
+            let variant = if counting == Counting::On { as_views(variant) } else { variant };
+            found.push(Wanted { name, file: SCENE_SHADER, variant });
         }
     }
     Ok(found)
