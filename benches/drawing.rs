@@ -23,7 +23,7 @@ const ROUNDS: usize = 25;
 fn main() {
     let context = Headless::new(false).unwrap();
     let (gl, library) = (context.gl(), ShaderLibrary::embedded());
-    let ReadyScene { world, buffers, plan } = SceneSource::Shipped("speakers".into()).ready().unwrap();
+    let ReadyScene { world, buffers, plan, .. } = SceneSource::Shipped("speakers".into()).ready().unwrap();
     let resources = SceneResources::upload(gl, world.clone(), buffers.clone(), plan.clone()).unwrap();
     let mut renderer = Renderer::new(gl, &library, Counting::Off).unwrap();
     let compiled = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();

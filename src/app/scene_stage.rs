@@ -8,6 +8,7 @@
 //! A new scene is prepared in parallel with what is shown, and takes its place only when a program can draw it: a
 //! scene that is broken or slow to compile never costs the present one.
 
+mod changed_numbers;
 mod context_change;
 mod drawing;
 mod kept;
@@ -67,6 +68,12 @@ struct Cast {
     /// Whether it reads curves of the sound.
     hears_curves: bool,
     sliders: Vec<Slider>,
+    /// When it was loaded.
+    since: Instant,
+    /// Whether it is the scene on the stage with its numbers as constants again.
+    settles: bool,
+    /// Whether it was asked for again, because its numbers are no longer changed.
+    is_resting: bool,
 }
 
 /// The first tree of regions of a scene that is coming.
@@ -199,6 +206,7 @@ impl SceneStage {
         while let Some((id, tree)) = self.regions.tried_tree() {
             self.take_tree(id, tree);
         }
+        self.settle_numbers();
         self.recast();
         Ok(())
     }
@@ -288,7 +296,8 @@ impl SceneStage {
         let interpreter = fits
             .is_ok()
             .then(|| Interpreter::for_scene(ready.world.traits, &ready.buffers, &ready.plan, self.gl.info()));
-        let sliders = ready.world.scene.params.iter().map(|param| Slider {
+        let params = ready.world.scene.params.iter().filter(|param| !param.is_number);
+        let sliders = params.map(|param| Slider {
             name: param.name.clone(),
             value: param.default,
             min: param.min,
@@ -298,21 +307,25 @@ impl SceneStage {
         let sliders = sliders.collect();
         let graph = &ready.world.scene.graph;
         let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
+        let id = self.fresh_id();
+        let compiled = self.inherited_program(id, &ready.world);
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
-        let id = self.fresh_id();
         self.coming = Some(Cast {
             id,
             source,
             resources,
             interpreter,
             interpreted: None,
-            compiled: None,
+            compiled,
             tree: FirstTree::Coming,
             compilable: true,
             moves,
             hears_curves,
             sliders,
+            since: Instant::now(),
+            settles: ready.settles,
+            is_resting: false,
         });
         self.forget_obsolete();
         let Some(cast) = self.cast(id) else { return Ok(()) };
@@ -428,7 +441,7 @@ impl SceneStage {
             let waits = match self.choice {
                 SdfChoice::Interpreted => false,
                 SdfChoice::Compiled => true,
-                SdfChoice::Auto => self.is_patient_with(cast),
+                SdfChoice::Auto => self.is_patient_with(cast) || self.coming_only_settles(),
             };
             let has_program =
                 cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable));

@@ -22,7 +22,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
-use crate::scenes::{Loader, TextureCache};
+use crate::scenes::{Loader, NumberEdits, SceneSource, TextureCache};
 use mariana_player::playlist::Opened;
 
 /// A context that is lost again this soon after it was made anew is not made again.
@@ -88,11 +88,11 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
 fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, LoadedScene), AppError> {
-    let mut textures = TextureCache::default();
+    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let waker = waker.clone();
-    let loader: SceneLoader =
-        Loader::start(move |source| source.ready_with(&mut textures), move || waker.wake())
-            .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
+    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits);
+    let loader: SceneLoader = Loader::start(load, move || waker.wake())
+        .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
     loader.request(scene.source.clone());
     let first = loop {
         match loader.poll() {

@@ -125,7 +125,7 @@ pub struct ModeReport {
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
     let start = Instant::now();
-    let ReadyScene { world, buffers, plan } = request.scene.source.ready()?;
+    let ReadyScene { world, buffers, plan, .. } = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
     let frame = Frame::new(&world, request.at, sound, request.size);
 

@@ -74,7 +74,7 @@ impl Painter {
     /// # Errors
     /// The scene or the driver refuses.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
-        let ReadyScene { world, buffers, plan } = choice.source.ready()?;
+        let ReadyScene { world, buffers, plan, .. } = choice.source.ready()?;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());

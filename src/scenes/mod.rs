@@ -8,6 +8,7 @@ mod debounce;
 mod error;
 mod folder;
 mod loader;
+mod number_edits;
 mod order;
 mod textures;
 mod watch;
@@ -20,6 +21,7 @@ use include_dir::{Dir, include_dir};
 
 pub use error::SceneError;
 pub use loader::{Loaded, Loader};
+pub use number_edits::NumberEdits;
 pub use order::SceneList;
 pub use textures::TextureCache;
 pub use world::ReadyScene;
@@ -122,6 +124,15 @@ impl SceneSource {
     /// # Errors
     /// A file that cannot be read, is too large, or is not text.
     pub fn compile(&self) -> Result<Compiled, SceneError> {
+        self.compile_following(&mut NumberEdits::default())
+    }
+
+    /// The same for a source of which earlier versions may have been compiled: numbers that are being changed are read
+    /// as inputs.
+    ///
+    /// # Errors
+    /// As [`SceneSource::compile`].
+    pub fn compile_following(&self, edits: &mut NumberEdits) -> Result<Compiled, SceneError> {
         let name = self.name();
         match self {
             Self::Formula(text) => Ok(lang::compile(&name, text, &mut lang::no_includes)),
@@ -142,7 +153,8 @@ impl SceneSource {
                 let mut include = |path: &str| {
                     folder.text(path, FIELD_LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
                 };
-                Ok(lang::compile(&name, &text, &mut include))
+                let changing = edits.follow(self, &text);
+                Ok(lang::compile_while_changing(&name, &text, &mut include, changing))
             }
         }
     }

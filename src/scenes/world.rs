@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::textures::TextureCache;
-use super::{SceneError, SceneSource};
+use super::{NumberEdits, SceneError, SceneSource};
 use mariana_field::lang::{Compiled, Diagnostic, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{TapeBuffers, World};
@@ -18,6 +18,8 @@ pub struct ReadyScene {
     pub buffers: Arc<TapeBuffers>,
     /// What builds its regions.
     pub plan: Arc<RegionPlan>,
+    /// Whether this is the text that is shown already, in which numbers are constants again after they were changed.
+    pub settles: bool,
 }
 
 impl SceneSource {
@@ -27,16 +29,21 @@ impl SceneSource {
     /// A file that cannot be read, mistakes in the text (with all diagnostics), missing pictures, a scene over the
     /// limits.
     pub fn ready(&self) -> Result<ReadyScene, SceneError> {
-        self.ready_with(&mut TextureCache::default()).0
+        self.ready_with(&mut TextureCache::default(), &mut NumberEdits::default()).0
     }
 
     /// The same with pictures from a cache, and the files that cause it to be repeated when they change, whether it
-    /// worked or not.
-    pub fn ready_with(&self, textures: &mut TextureCache) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
-        match self.compile() {
+    /// worked or not. `edits` tells which numbers of its text are being changed.
+    pub fn ready_with(
+        &self,
+        textures: &mut TextureCache,
+        edits: &mut NumberEdits,
+    ) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
+        match self.compile_following(edits) {
             Ok(compiled) => {
                 let files = self.files(Some(&compiled));
-                (self.prepare(compiled, textures), files)
+                let ready = self.prepare(compiled, textures);
+                (ready.map(|ready| ReadyScene { settles: edits.has_settled(), ..ready }), files)
             }
             Err(error) => (Err(error), self.files(None)),
         }
@@ -50,7 +57,7 @@ impl SceneSource {
         let world = World::new(&self.name(), scene, pictures)?;
         let buffers = Arc::new(world.tape_buffers()?);
         let plan = Arc::new(RegionPlan::new(&world));
-        Ok(ReadyScene { world: Arc::new(world), buffers, plan })
+        Ok(ReadyScene { world: Arc::new(world), buffers, plan, settles: false })
     }
 
     fn mistakes(&self, diagnostics: &[Diagnostic], compiled: &Compiled) -> SceneError {

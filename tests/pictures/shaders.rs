@@ -63,7 +63,7 @@ fn views_case(mut case: Case) -> Case {
 
 /// The scene's shader in a mode.
 fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Counting) -> Case {
-    let ReadyScene { world, buffers, plan } = ready(scene);
+    let ReadyScene { world, buffers, plan, .. } = ready(scene);
     let variant = variant_of(&world, &buffers, &plan, mode, &driver(software), counting).unwrap();
     let place = if software { "a processor" } else { "a GPU" };
     let name = format!("{SCENE_SHADER} of {}, {mode} for {place}, counting {counting:?}", scene.name());

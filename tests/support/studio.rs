@@ -62,7 +62,7 @@ impl Studio {
 
     /// Another scene and mode, or the counting variant.
     pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
-        let ReadyScene { world, buffers, plan } = ready(scene);
+        let ReadyScene { world, buffers, plan, .. } = ready(scene);
         let context = Headless::new(false).unwrap();
         let gl = context.gl();
         let renderer =

@@ -382,6 +382,34 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
 }
 
 #[test]
+fn a_number_that_is_changed_again_waits_for_no_compiler() {
+    let place = Place::new();
+    let save = |green: &str| place.save("own.scene", &wall(&format!("vec3({green}, 0, 0.9 - {green})")));
+    save("0");
+    let mut app = place.open("own.scene", &["-v"]);
+    let requests = |app: &mut App| app.told().matches("own is requested, compiled").count();
+    let is_compiled = |app: &mut App, times: usize| {
+        wait_until("a compiled scene", || app.told().matches("own is shown, compiled").count() >= times);
+    };
+    is_compiled(&mut app, 1);
+    wait_for_color(&app, "blue", SEEN_BLUE);
+    // The first change makes a program that reads the numbers, the others find it.
+    for (shown, (number, color)) in
+        [("0.9", SEEN_RED), ("0.0", SEEN_BLUE), ("0.91", SEEN_RED)].into_iter().enumerate()
+    {
+        save(number);
+        wait_for_color(&app, number, color);
+        is_compiled(&mut app, 2 + shown);
+        assert_eq!(requests(&mut app), 2, "{}", app.told());
+    }
+    // At rest they become constants again.
+    wait_until("another program", || requests(&mut app) == 3);
+    is_compiled(&mut app, 5);
+    assert_eq!(color(&app), SEEN_RED);
+    quit(app);
+}
+
+#[test]
 fn n_and_p_go_through_the_folder_and_the_shipped_scenes_and_back() {
     let place = Place::new();
     for (name, emission) in [("a.scene", RED), ("b.scene", GREEN), ("broken.scene", "vec3(")] {

@@ -46,7 +46,7 @@ impl SceneStage {
     pub(in crate::app) fn let_go(self) -> KeptScenes {
         let shown = self.on_stage.or(self.coming).map(|cast| {
             let (world, buffers) = (cast.resources.world().clone(), cast.resources.buffers().clone());
-            let scene = ReadyScene { world, buffers, plan: cast.resources.plan().clone() };
+            let scene = ReadyScene { world, buffers, plan: cast.resources.plan().clone(), settles: false };
             LoadedScene { source: cast.source, scene }
         });
         KeptScenes {

@@ -92,6 +92,11 @@ impl Graph {
         }
     }
 
+    /// Whether another graph was built of the same nodes in the same order.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.nodes == other.nodes
+    }
+
     /// Number of distinct nodes built so far, used or not.
     pub fn len(&self) -> usize {
         self.nodes.len()

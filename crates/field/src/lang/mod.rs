@@ -22,6 +22,7 @@
 
 mod ast;
 mod builtin;
+mod changing;
 mod diagnostic;
 mod fields;
 mod lexer;
@@ -40,6 +41,7 @@ mod tests;
 mod token;
 mod value;
 
+pub use changing::changed_numbers;
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
 pub use library::{Accuracy, Entry, entries, inputs};
@@ -51,7 +53,10 @@ pub use suggest::nearest;
 #[cfg(test)]
 pub(crate) use tests::SHAPES;
 
+use std::collections::BTreeSet;
+
 use crate::limits::{LIMITS, Limits};
+use changing::ChangingNumbers;
 use diagnostic::Diagnostics;
 
 /// Gives the text of an included file, or says in plain words why there is none. Its path is relative to the scene's
@@ -91,8 +96,36 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
     compile_with_limits(name, text, resolve, &LIMITS)
 }
 
+/// The same for a text in which the numbers of these places are being changed ([`changed_numbers`]): the expressions
+/// read them as inputs of a frame, behind the scene's parameters.
+pub fn compile_while_changing(
+    name: &str,
+    text: &str,
+    resolve: &mut Resolver<'_>,
+    changing: &BTreeSet<usize>,
+) -> Compiled {
+    if !changing.is_empty() {
+        let compiled = compile_all(name, text, resolve, &LIMITS, ChangingNumbers::of(text, changing));
+        if compiled.scene.is_some() {
+            return compiled;
+        }
+    }
+    // A mistake may be that a number has to be known.
+    compile(name, text, resolve)
+}
+
 /// The same with other limits.
 pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, limits: &Limits) -> Compiled {
+    compile_all(name, text, resolve, limits, ChangingNumbers::default())
+}
+
+fn compile_all(
+    name: &str,
+    text: &str,
+    resolve: &mut Resolver<'_>,
+    limits: &Limits,
+    changing: ChangingNumbers,
+) -> Compiled {
     let mut sources = Sources::default();
     let mut diagnostics = Diagnostics::new(limits.scene_diagnostics_max);
     let names = library::library().names.clone();
@@ -104,7 +137,7 @@ pub fn compile_with_limits(name: &str, text: &str, resolve: &mut Resolver<'_>, l
         resolve(path)
     };
     let loaded = load::load(name, text, &mut note_and_resolve, names, limits, &mut sources, &mut diagnostics);
-    let scene = lower::lower(loaded, limits, &sources, &mut diagnostics);
+    let scene = lower::lower(loaded, changing, limits, &sources, &mut diagnostics);
     let scene = if diagnostics.is_empty() { scene } else { None };
     Compiled { scene, diagnostics: diagnostics.finish(), sources, includes_asked }
 }

@@ -175,6 +175,9 @@ pub struct Param {
     pub min: f32,
     /// Largest value.
     pub max: f32,
+    /// Whether it is a number of the text that is being changed. Such a parameter has no name and one value, and comes
+    /// behind all others.
+    pub is_number: bool,
     /// Where it was declared.
     pub span: Span,
 }

@@ -9,6 +9,21 @@ use crate::lang::material_members;
 use crate::tape::glsl::{self, Sampling};
 
 impl World {
+    /// Whether a program that was compiled for this world draws the other one, too: they differ in nothing but what is
+    /// computed once per frame.
+    pub fn is_compiled_like(&self, other: &Self) -> bool {
+        let materials = |world: &Self| -> Vec<usize> {
+            world.scene.objects.iter().map(|object| object.material).collect()
+        };
+        self.graph.is_same(&other.graph)
+            && self.roots == other.roots
+            && materials(self) == materials(other)
+            && self.traits == other.traits
+            && self.steep == other.steep
+            && self.planes.len() == other.planes.len()
+            && self.pictures.len() == other.pictures.len()
+    }
+
     /// The scene's functions as GLSL, validated by naga.
     ///
     /// # Errors

@@ -38,7 +38,7 @@ pub struct Figures {
 impl Figures {
     /// Draws and counts a scene by the interpreter.
     pub fn of(source: &SceneSource, sounds: &[Sound]) -> anyhow::Result<Self> {
-        let ReadyScene { world, buffers, plan } = source.ready()?;
+        let ReadyScene { world, buffers, plan, .. } = source.ready()?;
         let context = Headless::new(false)?;
         let gl = context.gl();
         let library = ShaderLibrary::embedded();

@@ -46,6 +46,7 @@ impl Lowering<'_> {
             (Builtin::Round, [Some(a), Some(b), ..]) => self.pair(Op::Sub, a, b, row.name, span),
             (Builtin::Pair(op), [Some(a), Some(b), ..]) => self.pair(op, a, b, row.name, span),
             (Builtin::Pow, [Some(a), Some(b), ..]) if sizes_fit(&[a, b]) => {
+                let b = self.with_known(b);
                 self.zip(a, b, |graph, a, b| graph.pow(a, b))
             }
             (Builtin::Three(three), [Some(a), Some(b), Some(c), _]) if sizes_fit(&[a, b, c]) => {
@@ -134,7 +135,7 @@ impl Lowering<'_> {
             return self.report(Diagnostic::new(span, message));
         }
         let part = index.first();
-        let Some(number) = self.graph.as_constant(part) else {
+        let Some(number) = self.known(part) else {
             return Value::scalar(self.graph.unary(Op::Band, part));
         };
         if number < 0.0 || number >= BAND_COUNT as f32 || number.fract() != 0.0 {

@@ -106,7 +106,7 @@ impl Lowering<'_> {
         let span = self.ast.span(id);
         let value = match self.expr(id) {
             Value::Unknown => return None,
-            Value::Vector(vector) if vector.len() == 1 => self.graph.as_constant(vector.first()),
+            Value::Vector(vector) if vector.len() == 1 => self.known(vector.first()),
             _ => None,
         };
         let Some(value) = value else {

@@ -89,6 +89,17 @@ impl<'a> Lowering<'a> {
                 ..Light::of(LightKind::Lamp, self.numbers(Light::FIELDS, &Values::default()))
             });
         }
+        for value in self.changing.values() {
+            let of = |value: f32| Param {
+                name: String::new(),
+                default: value,
+                min: value,
+                max: value,
+                is_number: true,
+                span: Span::default(),
+            };
+            self.params.push(of(*value));
+        }
         let unset = Values::default();
         let camera = parts.camera.unwrap_or_else(|| Camera::of(self.numbers(Camera::FIELDS, &unset)));
         let sky = parts.sky.unwrap_or_else(|| Sky::of(self.numbers(Sky::FIELDS, &unset)));
@@ -271,7 +282,7 @@ impl<'a> Lowering<'a> {
         let global = &mut self.globals[name.symbol.index()];
         global.value = GlobalValue::Param(self.params.len() as u32);
         global.broken = false;
-        self.params.push(Param { name: name_text, default, min, max, span: name.span });
+        self.params.push(Param { name: name_text, default, min, max, is_number: false, span: name.span });
     }
 
     /// A number that is known before the music plays.
@@ -280,7 +291,7 @@ impl<'a> Lowering<'a> {
         let result = self.within(uses::NOTHING, "a parameter", |this| this.expr(value));
         let part = self.one_number(result, "a parameter", span)?;
         // An input was used here that was already reported.
-        self.graph.as_constant(part).filter(|number| number.is_finite())
+        self.known(part).filter(|number| number.is_finite())
     }
 
     /// Lowers functions that were never called, with unknown arguments, to find their mistakes.

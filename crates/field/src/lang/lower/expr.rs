@@ -30,7 +30,7 @@ impl Lowering<'_> {
                     self.spine.push(inner);
                     inner = of;
                 }
-                Expr::Number(value) => break Value::scalar(self.graph.constant(value)),
+                Expr::Number(value) => break self.written_number(value, inner),
                 Expr::Name(symbol) => break self.lookup(symbol, span),
                 Expr::Text(symbol) => break Value::Text(symbol),
                 Expr::Bool(value) => break Value::Bool(self.graph.constant(f32::from(u8::from(value)))),
@@ -57,7 +57,7 @@ impl Lowering<'_> {
     fn expr_below(&mut self, id: ExprId, span: Span) -> Value {
         // Numbers and names do not go deeper.
         match self.ast.expr(id) {
-            Expr::Number(value) => return Value::scalar(self.graph.constant(value)),
+            Expr::Number(value) => return self.written_number(value, id),
             Expr::Name(symbol) => {
                 let span = self.ast.span(id);
                 return if self.step(span) { self.lookup(symbol, span) } else { Value::Unknown };
@@ -249,14 +249,17 @@ impl Lowering<'_> {
             BinaryOp::Subtract => Op::Sub,
             BinaryOp::Multiply => Op::Mul,
             BinaryOp::Divide | BinaryOp::Modulo => {
-                let zero = b.parts().iter().any(|&part| self.graph.as_constant(part) == Some(0.0));
+                let zero = b.parts().iter().any(|&part| self.known(part) == Some(0.0));
                 if zero && self.library_call.is_none() {
                     let wrong = Diagnostic::new(span, "this divides by zero");
                     return self.report(wrong.hint("if that is one round of a loop, leave it out with `if`"));
                 }
                 if op == BinaryOp::Divide { Op::Div } else { Op::Mod }
             }
-            BinaryOp::Power => return self.zip(a, b, |graph, a, b| graph.pow(a, b)),
+            BinaryOp::Power => {
+                let b = self.with_known(b);
+                return self.zip(a, b, |graph, a, b| graph.pow(a, b));
+            }
             _ => return self.comparison(op, a, b, span),
         };
         self.zip(a, b, |graph, a, b| graph.binary(operator, a, b))

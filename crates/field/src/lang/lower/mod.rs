@@ -14,6 +14,7 @@ mod sections;
 
 use super::ast::{Ast, ExprId, Function, Parameter};
 use super::builtin::{INPUTS, InputValue, uses};
+use super::changing::ChangingNumbers;
 use super::diagnostic::{Diagnostic, Diagnostics};
 use super::library::{self, Library};
 use super::load::Loaded;
@@ -27,6 +28,7 @@ use crate::limits::Limits;
 /// Makes a scene from a tree; `None` if the scene has no shape or has mistakes.
 pub(super) fn lower(
     loaded: Loaded,
+    changing: ChangingNumbers,
     limits: &Limits,
     sources: &Sources,
     diagnostics: &mut Diagnostics,
@@ -47,6 +49,7 @@ pub(super) fn lower(
         lets: Vec::new(),
         functions: Vec::new(),
         params: Vec::new(),
+        changing,
         textures: Vec::new(),
         scope: Vec::new(),
         innermost: vec![NO_BINDING; names.len()],
@@ -125,6 +128,8 @@ struct Lowering<'a> {
     lets: Vec<GlobalLet>,
     functions: Vec<GlobalFunction<'a>>,
     params: Vec<Param>,
+    /// Numbers of the scene's text that are read as inputs.
+    changing: ChangingNumbers,
     textures: Vec<TextureRef>,
     scope: Vec<Binding>,
     /// By symbol: the innermost binding in `scope`.
@@ -191,6 +196,35 @@ impl<'a> Lowering<'a> {
             self.stop(span, message, "call fewer functions in functions, or shorten the loops");
         }
         !self.stopped
+    }
+
+    /// A number of the text.
+    fn written_number(&mut self, value: f32, id: ExprId) -> Value {
+        // Only where a frame's inputs are known, and not in the library's texts, whose places are others.
+        let may_change = self.allowed & uses::FRAME != 0 && std::ptr::eq(self.ast, self.scene_ast);
+        let (offset, declared) = (self.ast.span(id).start, self.params.len());
+        let input = if may_change {
+            self.changing.input(offset, value, declared, self.limits.scene_params_max)
+        } else {
+            None
+        };
+        Value::scalar(match input {
+            Some(input) => self.graph.input(input),
+            None => self.graph.constant(value),
+        })
+    }
+
+    /// The value of an expression that does not depend on anything, if it does not.
+    fn known(&self, value: NodeId) -> Option<f32> {
+        self.changing.known(&self.graph, value)
+    }
+
+    /// The same vector with what is known written as numbers.
+    fn with_known(&mut self, vector: Vector) -> Vector {
+        vector.map(|part| match self.known(part) {
+            Some(value) => self.graph.constant(value),
+            None => part,
+        })
     }
 
     fn constant(&mut self, value: f32) -> NodeId {

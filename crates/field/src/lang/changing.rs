@@ -1,0 +1,217 @@
+//! Numbers of a text that somebody is changing: they become inputs of a frame, so that a program that was compiled for
+//! the text draws it with other numbers, too.
+//!
+//! A number is known by its place among the numbers of the scene's own text: of two versions that differ in nothing
+//! but numbers, the same place means the same number. What a scene's meaning depends on stays a number of the text:
+//! exponents, the bounds of loops, the defaults and ranges of parameters.
+
+use std::collections::BTreeSet;
+
+use super::diagnostic::Diagnostics;
+use super::lexer;
+use super::library;
+use super::symbol::Interner;
+use super::token::{Kind, Token};
+use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
+use crate::limits::LIMITS;
+
+/// The places of the numbers that differ between two versions of a text, counted from 0; `None` if they differ in
+/// anything else than numbers, blanks and comments.
+pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
+    let mut names = library::library().names.clone();
+    let (before, now) = (tokens(before, &mut names), tokens(now, &mut names));
+    if before.len() != now.len() {
+        return None;
+    }
+    let mut changed = BTreeSet::new();
+    let mut place = 0;
+    for (before, now) in before.iter().zip(&now) {
+        let is_number = now.kind == Kind::Number;
+        if (before.kind, before.newline) != (now.kind, now.newline) {
+            return None;
+        }
+        if before.symbol != now.symbol {
+            if !is_number {
+                return None;
+            }
+            changed.insert(place);
+        }
+        place += usize::from(is_number);
+    }
+    Some(changed)
+}
+
+/// A text's tokens. Mistakes are found when it is compiled.
+fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
+    let mut tokens = Vec::new();
+    let mut mistakes = Diagnostics::new(1);
+    lexer::tokenize(text, 0, LIMITS.scene_tokens_max, names, &mut tokens, &mut mistakes);
+    tokens
+}
+
+/// The numbers of a scene's text that are being changed, while it is lowered.
+#[derive(Debug, Default)]
+pub(super) struct ChangingNumbers {
+    /// Where they begin in the text, in order.
+    offsets: Vec<u32>,
+    /// Those that occurred in an expression: where they begin, and the number of their input.
+    inputs: Vec<(u32, u16)>,
+    /// The first input that is a number of the text; those before it are parameters.
+    first: usize,
+    values: Vec<f32>,
+}
+
+impl ChangingNumbers {
+    /// Those of these places among the numbers of `text`, which is the first of the sources.
+    pub(super) fn of(text: &str, places: &BTreeSet<usize>) -> Self {
+        if places.is_empty() {
+            return Self::default();
+        }
+        let tokens = tokens(text, &mut library::library().names.clone());
+        let numbers = tokens.iter().filter(|token| token.kind == Kind::Number).enumerate();
+        let offsets = numbers.filter(|(place, _)| places.contains(place)).map(|(_, token)| token.span.start);
+        Self { offsets: offsets.collect(), ..Self::default() }
+    }
+
+    /// The input that the number beginning at `offset` is read from, if it is being changed. `declared` inputs are
+    /// parameters, and there may be `max` in all; beyond that, numbers stay as they are.
+    pub(super) fn input(&mut self, offset: u32, value: f32, declared: usize, max: usize) -> Option<Input> {
+        self.offsets.binary_search(&offset).ok()?;
+        if let Some((_, input)) = self.inputs.iter().find(|(known, _)| *known == offset) {
+            return Some(Input::Param(*input));
+        }
+        if self.values.is_empty() {
+            self.first = declared;
+        }
+        let number = self.first + self.values.len();
+        if number >= max {
+            return None;
+        }
+        let number = u16::try_from(number).ok()?;
+        self.inputs.push((offset, number));
+        self.values.push(value);
+        Some(Input::Param(number))
+    }
+
+    /// Their values, in the order of their inputs.
+    pub(super) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// The value of an expression of nothing but numbers.
+    pub(super) fn known(&self, graph: &Graph, value: NodeId) -> Option<f32> {
+        let constant = graph.as_constant(value);
+        if constant.is_some() || self.values.is_empty() {
+            return constant;
+        }
+        let used = graph.inputs_used(&[value]).ok()?;
+        let is_number =
+            |input: &Input| matches!(input, Input::Param(number) if usize::from(*number) >= self.first);
+        if !used.inputs.iter().all(is_number) || !used.tables.is_empty() || !used.textures.is_empty() {
+            return None;
+        }
+        let mut params = vec![0.0; self.first];
+        params.extend(&self.values);
+        let frame = FrameInputs { params, ..FrameInputs::default() };
+        graph.evaluate(&[value], &Point::default(), &frame).ok()?.first().copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::{Scene, compile, compile_while_changing, no_includes};
+    use crate::world::World;
+
+    fn changing(text: &str, places: &[usize]) -> Scene {
+        let places = places.iter().copied().collect();
+        let compiled = compile_while_changing("test", text, &mut no_includes, &places);
+        compiled.scene.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
+    }
+
+    fn world(text: &str, places: &[usize]) -> World {
+        World::new("test", changing(text, places), Vec::new()).unwrap()
+    }
+
+    fn distance(scene: &Scene, point: Point) -> f32 {
+        let params = scene.params.iter().map(|param| param.default).collect();
+        scene
+            .graph
+            .evaluate(&[scene.distance], &point, &FrameInputs { params, ..FrameInputs::default() })
+            .unwrap()[0]
+    }
+
+    #[test]
+    fn only_numbers_that_differ_are_changed() {
+        let text = "let r = 1.5 # a radius\nsphere(p, r) - 0.25 * 2";
+        let changed =
+            |now: &str| changed_numbers(text, now).map(|places| places.into_iter().collect::<Vec<_>>());
+        assert_eq!(changed(text), Some(vec![]));
+        assert_eq!(changed("let r = 1.50\nsphere(p, r)  - 0.25 * 2 # another word"), Some(vec![]));
+        assert_eq!(changed("let r = 0.5\nsphere(p, r) - .3 * 2"), Some(vec![0, 1]));
+        assert_eq!(changed("let r = 1.5\nsphere(p, r) + 0.25 * 2"), None);
+        assert_eq!(changed("let q = 1.5\nsphere(p, q) - 0.25 * 2"), None);
+        assert_eq!(changed("let r = 1.5\nsphere(p, r) - 0.25 * 2 * 2"), None);
+    }
+
+    #[test]
+    fn a_changed_number_needs_no_other_program() {
+        let of = |radius: &str| {
+            format!(
+                "fn ball(q) = length(q) - {radius}\nmaterial m {{ color = vec3({radius}, 0.5, x) }}\n\
+                     object one {{ shape = union(ball(p), ball(p - vec3(2, 0, 0)))  material = m }}"
+            )
+        };
+        let (before, now) = (of("1.25"), of("0.75"));
+        let places: Vec<usize> = changed_numbers(&before, &now).unwrap().into_iter().collect();
+        assert_eq!(places.len(), 2);
+        assert!(!world(&before, &[]).is_compiled_like(&world(&now, &[])));
+        let (first, second) = (world(&before, &places), world(&now, &places));
+        assert!(first.is_compiled_like(&second));
+        assert_eq!(first.compiled_glsl().unwrap(), second.compiled_glsl().unwrap());
+        // The same meaning as without.
+        for (text, world) in [(&before, &first), (&now, &second)] {
+            let plain = compile("test", text, &mut no_includes).scene.unwrap();
+            for at in [Point::at(0.3, -0.2, 2.0), Point::at(1.0, 1.0, -1.0)] {
+                assert_eq!(distance(&plain, at), distance(&world.scene, at));
+            }
+        }
+        // Parameters come before the numbers, and only they have a slider.
+        let with_param = world("param k = 0.5 in 0 .. 1\nsphere(p, k) - 0.1", &[3]);
+        let shown: Vec<(&str, bool)> =
+            with_param.scene.params.iter().map(|param| (param.name.as_str(), param.is_number)).collect();
+        assert_eq!(shown, [("k", false), ("", true)]);
+        assert_eq!(with_param.scene.params[1].default, 0.1);
+    }
+
+    #[test]
+    fn what_the_meaning_depends_on_stays_a_number() {
+        // An odd exponent keeps the sign, a power of an unknown exponent does not.
+        for text in ["x^3 + y", "fn f(k) = x^(k + 1) + y\nf(2)", "pow(x, 3) + y"] {
+            let number = changed_numbers(text, &text.replace(['3', '2'], "5")).unwrap();
+            let scene = changing(text, &number.into_iter().collect::<Vec<_>>());
+            assert_eq!(distance(&scene, Point::at(-2.0, 0.5, 0.0)), -7.5, "{text}");
+        }
+        // Loops, parameters, and what is derived from such a number.
+        let text =
+            "let rounds = 3\nparam k = 0.5 in 0 .. 2\nlength(p) - k * sum(for i in 0..rounds: 0.1 * i)";
+        let scene = changing(text, &[0, 1, 2, 3, 4, 5]);
+        let plain = compile("test", text, &mut no_includes).scene.unwrap();
+        let at = Point::at(1.0, 2.0, 2.0);
+        assert_eq!(distance(&scene, at), distance(&plain, at));
+        assert_eq!(scene.params[0].max, 2.0);
+        let mistake = compile_while_changing("test", "length(p) / 0", &mut no_includes, &BTreeSet::from([0]));
+        assert!(mistake.scene.is_none() && !mistake.diagnostics.is_empty());
+    }
+
+    #[test]
+    fn more_numbers_than_inputs_stay_in_the_text() {
+        let text: String =
+            (0..100).map(|i| format!("sphere(p - vec3({i}.5, 0, 0), 1)")).collect::<Vec<_>>().join("\n");
+        let text = text.lines().fold("1e3".to_owned(), |all, one| format!("min({all}, {one})"));
+        let all: Vec<usize> = (0..401).collect();
+        let scene = changing(&text, &all);
+        assert_eq!(scene.params.len(), LIMITS.scene_params_max);
+        assert_eq!(distance(&scene, Point::at(3.5, 0.0, 0.0)), -1.0);
+    }
+}
