@@ -1,8 +1,14 @@
-// The finished picture, with those cells dimmed that would flash too often (src/flash/limiter.rs).
+// Dims those cells of a finished picture that would flash too often (src/gpu/flash_pass.rs). It is drawn over that
+// picture, where it is shown or over a copy, so that all other pixels stay as they are.
 
+#include "post_block.glsl"
 #include "encode.glsl"
-
+#ifdef ENLARGED
+#include "enlarge.glsl"
+#else
 uniform sampler2D picture;      // finished
+#endif
+
 uniform sampler2D corrections;  // of each cell: gain of linear light, share of grey, whether it is limited at all
 
 layout(location = 0) out vec4 screen;
@@ -15,10 +21,16 @@ vec4 correction_of(vec2 cell, vec4 own) {
 }
 
 void main() {
-    ivec2 texel = ivec2(gl_FragCoord.xy);
-    vec3 color = texelFetch(picture, texel, 0).rgb;
-    vec2 place = gl_FragCoord.xy / vec2(textureSize(picture, 0)) * vec2(textureSize(corrections, 0));
+    vec2 place = post_place() * vec2(textureSize(corrections, 0));
     vec4 own = correction_of(floor(place), vec4(1.0, 0.0, 0.0, 0.0));
+    if (own.z < 0.5) {
+        discard;
+    }
+#ifdef ENLARGED
+    vec3 color = enlarged(post_place());
+#else
+    vec3 color = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
+#endif
     // Interpolated between the centres of four cells.
     vec2 first = floor(place - 0.5);
     vec2 share = fract(place - 0.5);
@@ -27,6 +39,5 @@ void main() {
     vec4 correction = mix(low, high, share.y);
     vec3 light = linear_from_srgb(color);
     float grey = dot(light, vec3(0.2126, 0.7152, 0.0722));
-    vec3 limited = srgb_from_linear(mix(light, vec3(grey), correction.y) * correction.x);
-    screen = vec4(own.z > 0.5 ? limited : color, 1.0);
+    screen = vec4(srgb_from_linear(mix(light, vec3(grey), correction.y) * correction.x), 1.0);
 }

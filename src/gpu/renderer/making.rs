@@ -237,9 +237,7 @@ impl Renderer {
         (self.targets, self.timer) = (Some(targets), timer);
         let progress = if finished? {
             self.stands = None;
-            if let Some(flashes) = &mut self.flashes {
-                flashes.begin();
-            }
+            self.is_limited = false;
             Progress::Finished { spent: making.spent }
         } else {
             let share = if making.pass == Pass::First && !making.is_view { 1.0 - FURTHER_SHARE } else { 1.0 };
