@@ -9,7 +9,9 @@
 uniform sampler2D picture;      // finished
 #endif
 
-uniform sampler2D corrections;  // of each cell: gain of linear light, share of grey, whether it is limited at all
+// Of each cell: x gain of linear light at its centre, y share of grey, z 1 if it is limited, 2 if all over by the gain
+// w instead.
+uniform sampler2D corrections;
 
 layout(location = 0) out vec4 screen;
 
@@ -37,6 +39,7 @@ void main() {
     vec4 low = mix(correction_of(first, own), correction_of(first + vec2(1.0, 0.0), own), share.x);
     vec4 high = mix(correction_of(first + vec2(0.0, 1.0), own), correction_of(first + 1.0, own), share.x);
     vec4 correction = mix(low, high, share.y);
+    correction.x = own.z > 1.5 ? own.w : correction.x;
     vec3 light = linear_from_srgb(color);
     float grey = dot(light, vec3(0.2126, 0.7152, 0.0722));
     screen = vec4(srgb_from_linear(mix(light, vec3(grey), correction.y) * correction.x), 1.0);

@@ -35,6 +35,9 @@ const EARLY: (f64, f64) = (0.9, 0.015);
 /// keeps 1/4 to all of itself in their means; these are Chebyshev's rates for that, which leave 2.5 % of any error.
 pub const CENTRE_RATES: [f32; 4] = [1.301, 2.077, 1.029, 3.59];
 
+/// How much a cell's mean gain may exceed the wanted one.
+pub(super) const LEVEL_ERROR: f32 = 0.015;
+
 /// What a limited cell does to its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction {
@@ -45,10 +48,12 @@ pub struct Correction {
     pub grey: f32,
     /// Whether the cell is changed at all; if not, its pixels stay as they are.
     pub limited: bool,
+    /// Whether the gain is the same all over the cell instead.
+    pub level: bool,
 }
 
 impl Correction {
-    const NONE: Self = Self { gain: 1.0, grey: 0.0, limited: false };
+    const NONE: Self = Self { gain: 1.0, grey: 0.0, limited: false, level: false };
 }
 
 #[derive(Clone)]
@@ -192,6 +197,7 @@ impl Limiter {
                 gain: if shown < came { shown / came } else { 1.0 },
                 grey: cell.grey,
                 limited: shown < came || cell.grey > 0.0,
+                level: false,
             };
             any |= correction.limited;
         }
@@ -250,28 +256,39 @@ impl Limiter {
 
     /// Turns the gains that cells shall have on average into those at their centres, between which the picture's gain
     /// is linear: a cell's own gain counts for 9/16 of its mean, one beside it for 3/32, one at its corner for 1/64.
+    /// Where the gains beside a cell are so large that its mean would be too large whatever its own is, it has one gain
+    /// all over.
     fn make_centres(&mut self) {
         let wanted: Vec<f32> = self.corrections.iter().map(|correction| correction.gain).collect();
         for rate in CENTRE_RATES {
             let before = self.corrections.clone();
             for (place, (own, wanted)) in self.corrections.iter_mut().zip(&wanted).enumerate() {
                 if own.limited {
-                    // A neighbour that is not limited does not count: the cell's own gain reaches to its edge.
-                    let gain = |step| {
-                        before
-                            .get(neighbour(place, step))
-                            .filter(|other| other.limited)
-                            .map_or(own.gain, |other| other.gain)
-                    };
-                    let mean: f32 = NEIGHBOURS.iter().map(|(step, share)| share * gain(*step)).sum();
-                    own.gain += rate * (wanted - mean);
+                    own.gain += rate * (wanted - mean_gain(&before, place, own.gain));
                 }
             }
         }
         for correction in &mut self.corrections {
             correction.gain = correction.gain.clamp(0.0, 1.0);
         }
+        let before = self.corrections.clone();
+        for (place, (own, wanted)) in self.corrections.iter_mut().zip(wanted).enumerate() {
+            own.level = own.limited && mean_gain(&before, place, own.gain) > wanted + LEVEL_ERROR;
+            if own.level {
+                own.gain = wanted;
+            }
+        }
     }
+}
+
+/// The mean gain of a cell whose centre has this one. A neighbour that is not limited does not count: the cell's own
+/// gain reaches to its edge.
+fn mean_gain(corrections: &[Correction], place: usize, own: f32) -> f32 {
+    let gain = |step| {
+        let beside = corrections.get(neighbour(place, step)).filter(|other| other.limited);
+        beside.map_or(own, |other| other.gain)
+    };
+    NEIGHBOURS.iter().map(|(step, share)| share * gain(*step)).sum()
 }
 
 fn marked(marks: &[bool], cell: usize) -> bool {

@@ -1,7 +1,7 @@
 //! What the limiter's shaders share with [`super::Limiter`]: its numbers, as GLSL.
 
 use super::fields::{HEIGHT, WIDTH};
-use super::limiter::{AREA, FOLLOW, GREY, HOLD, RED_RELEASE, RELEASE, SWING};
+use super::limiter::{AREA, FOLLOW, GREY, HOLD, LEVEL_ERROR, RED_RELEASE, RELEASE, SWING};
 use super::swing::{FLARE, LIGHT_CHANGE, LIGHT_DARKER, RED, RED_CHANGE, RED_SHARE, ROUNDING};
 use super::{COLUMNS, FLASHES_MAX, ROWS};
 
@@ -26,6 +26,7 @@ pub fn rules_glsl() -> String {
         ("RELEASE", RELEASE),
         ("GREY", GREY),
         ("RED_RELEASE", RED_RELEASE),
+        ("LEVEL_ERROR", LEVEL_ERROR),
     ];
     let wholes = wholes.map(|(name, value)| format!("const int {name} = {value};\n")).concat();
     let numbers = numbers.map(|(name, value)| format!("const float {name} = {value:?};\n")).concat();

@@ -153,13 +153,18 @@ impl FlashPass {
         self.draw(&self.decide, decided);
         bind(decided, &DECIDED);
         for (round, rate) in CENTRE_RATES.into_iter().enumerate() {
-            let is_last = f32::from(u8::from(round + 1 == CENTRE_RATES.len()));
-            self.place_block.set(&[0.0, 0.0, rate, is_last]);
-            let [even, odd] = &self.gains;
-            let gains = if round % 2 == 0 { even } else { odd };
-            self.draw(&self.centre, gains);
-            bind(gains, &["corrections"]);
+            self.centre_with(round, [rate, 0.0]);
         }
+        self.centre_with(CENTRE_RATES.len(), [0.0, 1.0]);
+    }
+
+    /// A round of `flash_centres.frag`, and what it is told.
+    fn centre_with(&self, round: usize, told: [f32; 2]) {
+        self.place_block.set(&[0.0, 0.0, told[0], told[1]]);
+        let [even, odd] = &self.gains;
+        let gains = if round.is_multiple_of(2) { even } else { odd };
+        self.draw(&self.centre, gains);
+        bind(gains, &["corrections"]);
     }
 
     /// Draws over `target`, which shows the `finished` picture that was taken last, whatever is dimmed in it.
@@ -183,10 +188,14 @@ impl FlashPass {
     pub fn read(&self) -> (Grid, Vec<Correction>) {
         let colors = self.cells.read_rgba32f(0);
         let corrections = self.corrections().read_rgba32f(0);
-        let correction = |[gain, grey, limited, _]: &[f32; 4]| Correction {
-            gain: *gain,
-            grey: *grey,
-            limited: *limited > 0.5,
+        let correction = |[gain, grey, limited, mean]: &[f32; 4]| {
+            let level = *limited > 1.5;
+            Correction {
+                gain: if level { *mean } else { *gain },
+                grey: *grey,
+                limited: *limited > 0.5,
+                level,
+            }
         };
         (
             Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b])),
@@ -197,7 +206,7 @@ impl FlashPass {
     /// What the last round made.
     fn corrections(&self) -> &Target {
         let [even, odd] = &self.gains;
-        if CENTRE_RATES.len() % 2 == 1 { even } else { odd }
+        if CENTRE_RATES.len().is_multiple_of(2) { even } else { odd }
     }
 
     /// Draws the limited cells into the framebuffer of `size` pixels that is bound.

@@ -80,10 +80,12 @@ impl Bench {
         self.changed += usize::from(shown != bytes);
 
         let (cells, corrections) = self.pass.read();
-        let none = vec![Correction { gain: 1.0, grey: 0.0, limited: false }; CELLS];
+        let none = vec![Correction { gain: 1.0, grey: 0.0, limited: false, level: false }; CELLS];
         let expected = self.limiter.limit(seconds, &cells).unwrap_or(&none);
         let differ = |(a, b): (&Correction, &Correction)| {
-            a.limited != b.limited || (a.gain - b.gain).abs() > 0.01 || (a.grey - b.grey).abs() > 0.01
+            (a.limited, a.level) != (b.limited, b.level)
+                || (a.gain - b.gain).abs() > 0.01
+                || (a.grey - b.grey).abs() > 0.01
         };
         self.cells += CELLS;
         self.differing += corrections.iter().zip(expected).filter(|pair| differ(*pair)).count();
