@@ -153,6 +153,11 @@ impl Renderer {
         Ok(renderer)
     }
 
+    /// The context that it draws in.
+    pub fn gl(&self) -> &Gl {
+        &self.gl
+    }
+
     /// Prepares what only a window needs: showing pictures that are smaller, and reporting how long they take.
     ///
     /// # Errors

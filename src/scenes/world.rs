@@ -30,6 +30,14 @@ impl SceneSource {
         self.ready_with(&mut TextureCache::default()).0
     }
 
+    /// The same as if `text` were its own.
+    ///
+    /// # Errors
+    /// As [`SceneSource::ready`].
+    pub fn ready_as(&self, text: &str) -> Result<ReadyScene, SceneError> {
+        self.prepare(self.compile_as(text), &mut TextureCache::default())
+    }
+
     /// The same with pictures from a cache, and the files that cause it to be repeated when they change, whether it
     /// worked or not.
     pub fn ready_with(&self, textures: &mut TextureCache) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
