@@ -164,6 +164,15 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(Program::link(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
+        self.time_pictures()
+    }
+
+    /// From now on a GPU's times of pictures are taken, so that their parts become smaller where pixels become dearer.
+    /// No other timer may run while one is drawn.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub fn time_pictures(&mut self) -> Result<(), GpuError> {
         if !self.gl.info().software {
             self.timer = Some(FrameTimer::new(&self.gl)?);
         }
@@ -273,6 +282,7 @@ impl Renderer {
             let place = [number % REFERENCE_SIDE, number / REFERENCE_SIDE];
             let place = place.map(|at| (at as f32 + 0.5) / REFERENCE_SIDE as f32 - 0.5);
             self.draw_sample(place, number as f32, FURTHER_SAMPLE);
+            self.gl.finish();
         }
         // SAFETY: plain state.
         unsafe { self.gl.disable(glow::BLEND) }
