@@ -21,7 +21,7 @@ use crate::config::{ListenChoice, PlaySettings};
 use crate::demo_track::{DEMO_TRACK, song_or_demo};
 use crate::ending::{self, Signal};
 use crate::export::analyze::{AnalyzeRequest, print_features};
-use crate::export::bench::{BenchRequest, measure};
+use crate::export::bench::{AllRequest, BenchRequest, measure, measure_all};
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::export::still::{StillRequest, write_still};
@@ -166,7 +166,8 @@ enum Command {
     Analyze(AnalyzeArguments),
     /// Measure frame times and distance evaluations, without a window
     #[command(
-        after_help = "Examples:\n  mariana bench\n  mariana bench song.flac --at 30 --size 1280x720 --json"
+        after_help = "Examples:\n  mariana bench\n  mariana bench song.flac --at 30 --size 1280x720 --json\n  \
+                      mariana bench --all --json > measured.json"
     )]
     Bench(BenchArguments),
     /// Check scenes: print every mistake with its place, or what the scene costs
@@ -272,6 +273,12 @@ struct BenchArguments {
     /// Frames to time
     #[arg(long, default_value = "60", value_parser = clap::value_parser!(u16).range(1..=10_000), allow_negative_numbers = true)]
     frames: u16,
+    /// Measure all shipped scenes
+    #[arg(long, conflicts_with = "scene")]
+    all: bool,
+    /// With --all: only the scenes whose names contain this; may be given several times
+    #[arg(long, value_name = "PART", requires = "all")]
+    only: Vec<String>,
     /// Also compare the picture at edges with one of 64 samples per pixel; slow
     #[arg(long)]
     edges: bool,
@@ -454,7 +461,7 @@ fn run_analyze(arguments: AnalyzeArguments) -> anyhow::Result<()> {
 
 fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
-    let report = measure(&BenchRequest {
+    let request = BenchRequest {
         song: song_or_demo(arguments.file),
         at: arguments.at,
         size: arguments.size,
@@ -463,7 +470,15 @@ fn run_bench(arguments: BenchArguments) -> anyhow::Result<()> {
         scene: common.scene()?,
         both: common.regions.is_none(),
         edges: arguments.edges,
-    })?;
+    };
+    if arguments.all {
+        let request = AllRequest { each: request, only: arguments.only };
+        let report = measure_all(&request, &mut |scene, number, count| {
+            tell(&format!("{scene}, {number} of {count}"));
+        });
+        return if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) };
+    }
+    let report = measure(&request)?;
     if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
 }
 

@@ -1,7 +1,7 @@
 //! Faults that tests cause: failures of drivers, at a moment that a test chooses.
 //!
 //! In builds with debug assertions the variable `MARIANA_FAULT` names a fault and after how many seconds it strikes,
-//! once: `context-lost@3`. In other builds none of this is compiled.
+//! `context-lost@3`; most strike once. In other builds none of this is compiled.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,6 +14,8 @@ pub enum Fault {
     ContextLost,
     /// The driver has no memory for a render target.
     NoTarget,
+    /// Every pixel seems to take 0.1 ms.
+    DearPixels,
 }
 
 impl Fault {
@@ -21,6 +23,7 @@ impl Fault {
         match name {
             "context-lost" => Some(Self::ContextLost),
             "no-target" => Some(Self::NoTarget),
+            "dear-pixels" => Some(Self::DearPixels),
             _ => None,
         }
     }
@@ -32,12 +35,16 @@ static STRUCK: AtomicBool = AtomicBool::new(false);
 
 /// Whether a fault strikes here and now. The seconds count from the first call.
 pub fn strikes(fault: Fault) -> bool {
+    lasts(fault) && !STRUCK.swap(true, Ordering::Relaxed)
+}
+
+/// Whether a fault that strikes again and again does so now.
+pub fn lasts(fault: Fault) -> bool {
     if !cfg!(debug_assertions) {
         return false;
     }
     let wanted = WANTED.get_or_init(|| wanted(&std::env::var("MARIANA_FAULT").ok()?));
     wanted.is_some_and(|(wanted, due)| wanted == fault && Instant::now() >= due)
-        && !STRUCK.swap(true, Ordering::Relaxed)
 }
 
 fn wanted(text: &str) -> Option<(Fault, Instant)> {

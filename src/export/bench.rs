@@ -1,12 +1,17 @@
 //! Measurements without a window: frame times, CPU time, evaluations and clauses, one row for each mode with and
 //! without regions.
 
+mod all;
+mod edit;
+mod report;
+
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+pub use all::{AllReport, AllRequest, measure_all};
 use cpu_time::ProcessTime;
-use serde::Serialize;
+pub use report::{BenchReport, EdgeReport, EditReport, ModeReport};
 
 use super::error::ExportError;
 use super::painter::SceneChoice;
@@ -14,16 +19,14 @@ use super::song_features::SongFeatures;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::gpu::edge_samples::EdgeSamples;
-use crate::gpu::gl::GlInfo;
 use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
 use crate::gpu::scene_resources::{BuiltRegions, CellUse, SceneResources};
+use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::timer::GpuTimer;
 use crate::scenes::ReadyScene;
-use mariana_field::region::RegionStats;
-use mariana_field::world::Cost;
 use mariana_music::Gain;
 use mariana_player::song::Song;
 
@@ -48,76 +51,6 @@ pub struct BenchRequest {
     pub edges: bool,
 }
 
-/// What was measured.
-#[derive(Debug, Serialize)]
-pub struct BenchReport {
-    /// The driver.
-    pub gl: GlInfo,
-    /// The scene.
-    pub scene: String,
-    /// Clauses of its programs.
-    pub clauses: Cost,
-    /// Width and height in pixels.
-    pub size: (u32, u32),
-    /// The moment, in seconds.
-    pub at: f64,
-    /// Frames that were to be timed in each row.
-    pub frames: usize,
-    /// From the start of the measurement to a complete context, in ms.
-    pub context_ms: f64,
-    /// From text to tapes and bounds, in ms.
-    pub scene_ms: f64,
-    /// A row for each measured mode, with and without regions.
-    pub modes: Vec<ModeReport>,
-    /// How close edges are to a picture with 64 samples per pixel, by their number of samples; empty unless asked
-    /// for.
-    pub edges: Vec<EdgeReport>,
-    /// Why a mode was not measured.
-    pub notes: Vec<String>,
-}
-
-/// How close pictures are to one with a regular grid of 64 samples in each pixel.
-#[derive(Debug, Serialize)]
-pub struct EdgeReport {
-    /// Further samples of each pixel at an edge.
-    pub samples: usize,
-    /// Share of the pixels that got these samples, 0..1.
-    pub share: f64,
-    /// Peak signal-to-noise ratio of the finished picture without grain, in dB.
-    pub decibels: f64,
-}
-
-/// What was measured of one mode.
-#[derive(Debug, Serialize)]
-pub struct ModeReport {
-    /// Interpreted or compiled.
-    pub mode: Mode,
-    /// Whether space was divided into cells.
-    pub regions: bool,
-    /// Frames that were timed; fewer than asked for if they took very long.
-    pub frames: usize,
-    /// Building the tree of regions on one thread, median, in ms.
-    pub build_ms: f64,
-    /// What the tree consists of.
-    pub tree: RegionStats,
-    /// Assembling, compiling and linking its program, in ms.
-    pub shader_ms: f64,
-    /// The first draw, at which drivers compile once more, in ms.
-    pub first_draw_ms: f64,
-    /// Wall time of a frame, median, in ms.
-    pub wall_p50_ms: f64,
-    /// Wall time of a frame, 99th percentile, in ms.
-    pub wall_p99_ms: f64,
-    /// Time that all processor cores together spent on a frame, median, in ms.
-    pub cpu_p50_ms: f64,
-    /// Time that the GPU spent on a frame, median, in ms; none where its timer reports nothing.
-    pub gpu_p50_ms: Option<f64>,
-    /// Distance evaluations and clauses per pixel.
-    pub evaluations_per_pixel: Evaluations,
-    /// Evaluations of all kinds.
-    pub evaluations_per_pixel_total: f64,
-}
-
 /// Measures. The modes take turns, frame by frame, so that all meet the same disturbances.
 ///
 /// # Errors
@@ -127,7 +60,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     let start = Instant::now();
     let ReadyScene { world, buffers, plan, .. } = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
-    let frame = Frame::new(&world, request.at, sound, request.size);
+    let frame = Frame::new(&world, request.at, sound.clone(), request.size);
 
     let start = Instant::now();
     let context = Headless::new(request.scene.verbose)?;
@@ -152,6 +85,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), Counting::Off)?;
         let program = Rc::new(link_scene(gl, library, &variant)?);
         let shader_ms = milliseconds(start.elapsed());
+        let mut again = None;
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         for &regions in ways {
@@ -161,6 +95,10 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
             renderer.draw(&frame, &resources, &program)?;
             gl.finish();
             let first_draw_ms = milliseconds(start.elapsed());
+            let again = match again {
+                Some(known) => known,
+                None => *again.insert(first_draw(&mut renderer, (&frame, &resources), library, &variant)?),
+            };
             let program = program.clone();
             let (wall, cpu, gpu) = Default::default();
             runs.push(Run {
@@ -171,6 +109,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
                 program,
                 shader_ms,
                 first_draw_ms,
+                again,
                 wall,
                 cpu,
                 gpu,
@@ -206,6 +145,13 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         Some(run) if request.edges => measure_edges(&mut renderer, &resources, run, &frame)?,
         _ => Vec::new(),
     };
+    let edit = match edit::measure_edit(&mut renderer, request, &resources, sound, &runs) {
+        Ok(edit) => Some(edit),
+        Err(error) => {
+            notes.push(format!("no edit was measured: {error}"));
+            None
+        }
+    };
     drop(renderer);
 
     let mut counter = Renderer::new(gl, library, Counting::On)?;
@@ -231,8 +177,26 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         scene_ms,
         modes: reports,
         edges,
+        edit,
         notes,
     })
+}
+
+/// Makes a program and draws with it: the ms of both.
+fn first_draw(
+    renderer: &mut Renderer,
+    (frame, resources): (&Frame, &SceneResources),
+    library: &ShaderLibrary,
+    variant: &Variant,
+) -> Result<[f64; 2], ExportError> {
+    let gl = renderer.gl().clone();
+    let start = Instant::now();
+    let program = link_scene(&gl, library, variant)?;
+    let made = milliseconds(start.elapsed());
+    let start = Instant::now();
+    renderer.draw(frame, resources, &program)?;
+    gl.finish();
+    Ok([made, milliseconds(start.elapsed())])
 }
 
 /// Compares pictures with each number of samples at edges with one of 64 samples everywhere.
@@ -282,9 +246,6 @@ fn build(resources: &SceneResources, frame: &Frame, cells: bool) -> (Arc<BuiltRe
     (Arc::new(built), percentile(&mut times, 0.5))
 }
 
-/// A title, and the text of a mode's cell below it.
-type Row<'a> = (&'a str, &'a dyn Fn(&ModeReport) -> String);
-
 /// One mode while it is measured.
 struct Run {
     mode: Mode,
@@ -294,6 +255,8 @@ struct Run {
     program: Rc<Program>,
     shader_ms: f64,
     first_draw_ms: f64,
+    /// The same for the program made once more: ms to make it, and to draw with it.
+    again: [f64; 2],
     wall: Vec<f64>,
     cpu: Vec<f64>,
     gpu: Vec<f64>,
@@ -309,6 +272,8 @@ impl Run {
             tree: self.built.regions.stats,
             shader_ms: self.shader_ms,
             first_draw_ms: self.first_draw_ms,
+            shader_again_ms: self.again[0],
+            first_draw_again_ms: self.again[1],
             wall_p50_ms: percentile(&mut self.wall, 0.5),
             wall_p99_ms: percentile(&mut self.wall, 0.99),
             cpu_p50_ms: percentile(&mut self.cpu, 0.5),
@@ -316,85 +281,6 @@ impl Run {
             evaluations_per_pixel: evaluations,
             evaluations_per_pixel_total: evaluations.total(),
         }
-    }
-}
-
-impl std::fmt::Display for BenchReport {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(f, "{} ({})", self.gl.renderer, self.gl.version)?;
-        writeln!(
-            f,
-            "{}: {} clauses for the distance, {} in all; {}x{}, t = {} s, {} frames in each row",
-            self.scene,
-            self.clauses.distance,
-            self.clauses.total,
-            self.size.0,
-            self.size.1,
-            self.at,
-            self.frames
-        )?;
-        writeln!(f, "start: scene {:.1} ms, context {:.0} ms", self.scene_ms, self.context_ms)?;
-        for note in &self.notes {
-            writeln!(f, "{note}")?;
-        }
-        writeln!(f)?;
-        let rows: [Row; 22] = [
-            ("", &|row| row.mode.to_string()),
-            ("", &|row| if row.regions { "regions" } else { "no regions" }.to_owned()),
-            ("tree, ms", &|row| format!("{:.2}", row.build_ms)),
-            ("  cells", &|row| row.tree.cells.to_string()),
-            ("  distinct tapes", &|row| row.tree.tapes.to_string()),
-            ("  KiB", &|row| (row.tree.bytes / 1024).to_string()),
-            ("shader, ms", &|row| format!("{:.0}", row.shader_ms)),
-            ("first draw, ms", &|row| format!("{:.0}", row.first_draw_ms)),
-            ("frame, wall, p50, ms", &|row| format!("{:.2}", row.wall_p50_ms)),
-            ("frame, wall, p99, ms", &|row| format!("{:.2}", row.wall_p99_ms)),
-            ("frame, CPU, all cores, p50, ms", &|row| format!("{:.2}", row.cpu_p50_ms)),
-            ("frame, GPU, p50, ms", &|row| {
-                // A software renderer's timer reports nothing.
-                row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |gpu| format!("{gpu:.2}"))
-            }),
-            ("lookups of cells per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel.lookups)),
-            ("clauses per pixel", &|row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
-            ("  of materials and light", &|row| format!("{:.1}", row.evaluations_per_pixel.surface_clauses)),
-            ("evaluations per pixel", &|row| format!("{:.2}", row.evaluations_per_pixel_total)),
-            ("  primary", &|row| format!("{:.2}", row.evaluations_per_pixel.primary)),
-            ("  reflection", &|row| format!("{:.2}", row.evaluations_per_pixel.reflection)),
-            ("  normal", &|row| format!("{:.2}", row.evaluations_per_pixel.normal)),
-            ("  shadow", &|row| format!("{:.2}", row.evaluations_per_pixel.shadow)),
-            ("  occlusion", &|row| format!("{:.2}", row.evaluations_per_pixel.occlusion)),
-            ("rays at their step cap, %", &|row| {
-                format!("{:.4}", 100.0 * row.evaluations_per_pixel.capped_rays)
-            }),
-        ];
-        for (title, value) in rows {
-            write!(f, "{title:<32}")?;
-            for row in &self.modes {
-                write!(f, "{:>14}", value(row))?;
-            }
-            writeln!(f)?;
-        }
-        let edge = self.modes.first().map_or(0.0, |row| row.evaluations_per_pixel.edge_pixels);
-        write!(f, "{:<32}{:>14}", "pixels with an edge's samples, %", format!("{:.2}", 100.0 * edge))?;
-        for EdgeReport { samples, share, decibels } in &self.edges {
-            let percent = 100.0 * share;
-            write!(
-                f,
-                "\n{samples} samples at edges, {percent:.2} % of the pixels: {decibels:.2} dB against 64 everywhere"
-            )?;
-        }
-        let cpu = |mode: Mode, regions: bool| {
-            let row = self.modes.iter().find(|row| row.mode == mode && row.regions == regions)?;
-            Some(row.cpu_p50_ms.max(1e-9))
-        };
-        let ratios = [("with", true, true), ("without", false, false), ("with over without", true, false)];
-        for (what, interpreted, compiled) in ratios {
-            let both = cpu(Mode::Interpreted, interpreted).zip(cpu(Mode::Compiled, compiled));
-            if let Some((slow, fast)) = both {
-                write!(f, "\ninterpreted over compiled, CPU, {what} regions: {:.2}", slow / fast)?;
-            }
-        }
-        Ok(())
     }
 }
 

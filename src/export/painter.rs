@@ -81,6 +81,7 @@ impl Painter {
         let mut renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
         renderer.set_tone_map(choice.tone_map);
         renderer.set_edge_samples(EdgeSamples::Sixteen);
+        renderer.time_pictures()?;
         let counting = if choice.view.is_some() { Counting::On } else { Counting::Off };
         let mut variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)?;
         if choice.view.is_some() {

@@ -2,8 +2,8 @@
 
 use super::{CELLS, COLUMNS, ROWS};
 
-const WIDTH: usize = COLUMNS / 3;
-const HEIGHT: usize = ROWS / 3;
+pub(super) const WIDTH: usize = COLUMNS / 3;
+pub(super) const HEIGHT: usize = ROWS / 3;
 const _: () = assert!(COLUMNS.is_multiple_of(3) && ROWS.is_multiple_of(3), "a field has whole cells");
 /// Cells of one field.
 const FIELD: usize = WIDTH * HEIGHT;

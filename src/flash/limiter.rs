@@ -11,25 +11,32 @@ use super::swing::{Change, LightSwing, RedSwing, Times};
 use super::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, fields, luminance};
 
 /// Share of a field from which on flashes are limited: somewhat less than the share that counts.
-const AREA: f64 = 0.2;
+pub(super) const AREA: f64 = 0.2;
 /// Changes within a second; if the last of this many is a rise, it begins one flash too many.
 const CHANGES: usize = 2 * FLASHES_MAX + 1;
 /// For how many seconds a cell stays marked for limiting.
-const HOLD: f64 = 1.0;
+pub(super) const HOLD: f64 = 1.0;
 /// How much brighter than its darkest moment a limited cell may be: somewhat less than counts as a flash.
-const SWING: f32 = 0.07;
+pub(super) const SWING: f32 = 0.07;
 /// Half of the time for which a darkest moment is remembered, in seconds.
 const MEMORY: f64 = 0.6;
 /// How fast a ceiling rises when the darkest moments have become brighter, and after the last flash, in luminance per
 /// second.
-const FOLLOW: f32 = 0.25;
-const RELEASE: f32 = 0.5;
+pub(super) const FOLLOW: f32 = 0.25;
+pub(super) const RELEASE: f32 = 0.5;
 /// Share of grey in a limited red: with this much grey no red is saturated.
-const GREY: f32 = 0.6;
+pub(super) const GREY: f32 = 0.6;
 /// How fast a limited red recovers, in share of grey per second.
-const RED_RELEASE: f32 = 0.6;
+pub(super) const RED_RELEASE: f32 = 0.6;
 /// A rise may come early by this share of a frame, and by at most this many seconds.
 const EARLY: (f64, f64) = (0.9, 0.015);
+
+/// How much of the error each round takes back that makes gains at the centres of cells. A pattern of cells' gains
+/// keeps 1/4 to all of itself in their means; these are Chebyshev's rates for that, which leave 2.5 % of any error.
+pub const CENTRE_RATES: [f32; 4] = [1.301, 2.077, 1.029, 3.59];
+
+/// How much a cell's mean gain may exceed the wanted one.
+pub(super) const LEVEL_ERROR: f32 = 0.015;
 
 /// What a limited cell does to its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +48,12 @@ pub struct Correction {
     pub grey: f32,
     /// Whether the cell is changed at all; if not, its pixels stay as they are.
     pub limited: bool,
+    /// Whether the gain is the same all over the cell instead.
+    pub level: bool,
 }
 
 impl Correction {
-    const NONE: Self = Self { gain: 1.0, grey: 0.0, limited: false };
+    const NONE: Self = Self { gain: 1.0, grey: 0.0, limited: false, level: false };
 }
 
 #[derive(Clone)]
@@ -105,12 +114,43 @@ impl Cell {
     }
 }
 
-/// Keeps the flashes of a picture few, frame by frame.
+/// What the time between two frames means for the limiter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Seconds since the frame before.
+    pub seconds: f64,
+    /// How many seconds early a rise may come, because frames do not come at regular times.
+    pub early: f64,
+    /// Whether a part of the memory of dark moments ends.
+    pub forgets: bool,
+}
+
+/// Makes [`Step`]s of the times between frames.
+#[derive(Debug, Clone, Default)]
+pub struct Steps {
+    /// Seconds since the present part of the memory began.
+    memory: f64,
+}
+
+impl Steps {
+    /// The step to a frame that is shown `seconds` after the last one.
+    pub fn next(&mut self, seconds: f64) -> Step {
+        let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
+        self.memory += seconds;
+        let forgets = self.memory >= MEMORY;
+        if forgets {
+            self.memory = 0.0;
+        }
+        Step { seconds, early: (EARLY.0 * seconds).min(EARLY.1), forgets }
+    }
+}
+
+/// Keeps the flashes of a picture few, frame by frame, on the processor: what `gpu::flash_pass` does on the GPU, to
+/// compare it with.
 pub struct Limiter {
     cells: Vec<Cell>,
     now: f64,
-    /// When the present part of the memory of dark moments began.
-    memory_since: f64,
+    steps: Steps,
     corrections: Vec<Correction>,
 }
 
@@ -119,7 +159,7 @@ impl Default for Limiter {
         Self {
             cells: vec![Cell::new(); CELLS],
             now: 0.0,
-            memory_since: 0.0,
+            steps: Steps::default(),
             corrections: vec![Correction::NONE; CELLS],
         }
     }
@@ -129,11 +169,9 @@ impl Limiter {
     /// Takes the frame that is shown next, `seconds` after the last one, and returns what to do to its cells:
     /// nothing, or a correction for each of them.
     pub fn limit(&mut self, seconds: f64, frame: &Grid) -> Option<&[Correction]> {
-        let seconds = if seconds.is_finite() { seconds.clamp(0.0, 60.0) } else { 0.0 };
+        let Step { seconds, early, forgets } = self.steps.next(seconds);
         self.now += seconds;
-        // A rise may come a little early, because frames do not come at regular times.
-        let early = (EARLY.0 * seconds).min(EARLY.1);
-        self.follow(frame, early);
+        self.follow(frame, early, forgets);
         let now = self.now;
         let wants = |until: fn(&Cell) -> f64| {
             fields::crowded(|cell| self.cells.get(cell).is_some_and(|cell| until(cell) > now), AREA)
@@ -159,6 +197,7 @@ impl Limiter {
                 gain: if shown < came { shown / came } else { 1.0 },
                 grey: cell.grey,
                 limited: shown < came || cell.grey > 0.0,
+                level: false,
             };
             any |= correction.limited;
         }
@@ -191,12 +230,8 @@ impl Limiter {
         limited
     }
 
-    /// Finds the changes, and those that would be too many. `early` is how many seconds early a rise may come.
-    fn follow(&mut self, frame: &Grid, early: f64) {
-        let forgets = self.now - self.memory_since >= MEMORY;
-        if forgets {
-            self.memory_since = self.now;
-        }
+    /// Finds the changes, and those that would be too many, `early` and `forgets` as in [`Step`].
+    fn follow(&mut self, frame: &Grid, early: f64, forgets: bool) {
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             if forgets {
                 cell.lows = [f32::INFINITY, cell.lows[0]];
@@ -221,30 +256,39 @@ impl Limiter {
 
     /// Turns the gains that cells shall have on average into those at their centres, between which the picture's gain
     /// is linear: a cell's own gain counts for 9/16 of its mean, one beside it for 3/32, one at its corner for 1/64.
+    /// Where the gains beside a cell are so large that its mean would be too large whatever its own is, it has one gain
+    /// all over.
     fn make_centres(&mut self) {
-        const ROUNDS: usize = 6;
         let wanted: Vec<f32> = self.corrections.iter().map(|correction| correction.gain).collect();
-        for _ in 0..ROUNDS {
-            for place in 0..CELLS {
-                if self.corrections.get(place).is_none_or(|own| !own.limited) {
-                    continue;
-                }
-                let (mut others, mut own_share) = (0.0, 0.0);
-                for (step, share) in NEIGHBOURS {
-                    let beside = neighbour(place, step);
-                    match self.corrections.get(beside) {
-                        Some(other) if other.limited && beside != place => others += share * other.gain,
-                        // A neighbour that is not limited does not count: the cell's own gain reaches to its edge.
-                        _ => own_share += share,
-                    }
-                }
-                let mean = wanted.get(place).copied().unwrap_or(1.0);
-                if let Some(correction) = self.corrections.get_mut(place) {
-                    correction.gain = ((mean - others) / own_share).clamp(0.0, 1.0);
+        for rate in CENTRE_RATES {
+            let before = self.corrections.clone();
+            for (place, (own, wanted)) in self.corrections.iter_mut().zip(&wanted).enumerate() {
+                if own.limited {
+                    own.gain += rate * (wanted - mean_gain(&before, place, own.gain));
                 }
             }
         }
+        for correction in &mut self.corrections {
+            correction.gain = correction.gain.clamp(0.0, 1.0);
+        }
+        let before = self.corrections.clone();
+        for (place, (own, wanted)) in self.corrections.iter_mut().zip(wanted).enumerate() {
+            own.level = own.limited && mean_gain(&before, place, own.gain) > wanted + LEVEL_ERROR;
+            if own.level {
+                own.gain = wanted;
+            }
+        }
     }
+}
+
+/// The mean gain of a cell whose centre has this one. A neighbour that is not limited does not count: the cell's own
+/// gain reaches to its edge.
+fn mean_gain(corrections: &[Correction], place: usize, own: f32) -> f32 {
+    let gain = |step| {
+        let beside = corrections.get(neighbour(place, step)).filter(|other| other.limited);
+        beside.map_or(own, |other| other.gain)
+    };
+    NEIGHBOURS.iter().map(|(step, share)| share * gain(*step)).sum()
 }
 
 fn marked(marks: &[bool], cell: usize) -> bool {

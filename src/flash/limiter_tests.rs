@@ -221,7 +221,7 @@ fn centres_keep_the_means_of_cells_as_far_as_gains_go() {
         0.5 + 0.2 * ((cell % COLUMNS) as f32 * 0.9).sin() * ((cell / COLUMNS) as f32 * 0.7).cos()
     };
     for (cell, correction) in limiter.corrections.iter_mut().enumerate() {
-        *correction = Correction { gain: gain(cell), grey: 0.0, limited: cell % 7 != 0 };
+        *correction = Correction { gain: gain(cell), grey: 0.0, limited: cell % 7 != 0, level: false };
     }
     limiter.make_centres();
     for cell in (0..CELLS).filter(|cell| cell % 7 != 0) {

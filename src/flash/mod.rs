@@ -9,20 +9,23 @@
 //! cell counts its own changes; the area is that of the cells of a field that have too many flashes within the same
 //! second.
 //!
-//! **Flashes are limited in the finished picture**, whatever the scene does. `flash::Limiter` gets the mean colours
+//! **Flashes are limited in the finished picture**, whatever the scene does. The limiter gets the mean colours
 //! of 48 by 36 cells of the picture that is about to be shown, counts changes as WCAG 2.3.1 does, and says which
-//! cells to dim so that there is no fourth flash within a second. The colours are read back before the picture is
-//! shown, so that the limiter is never a frame late. Gains are at most 1 and nothing of an older picture is used, so
-//! a limited picture is darker, not smeared. Limiting works by cells, not on the picture as a whole: what does not
-//! flash beside them stays as it is.
+//! cells to dim so that there is no fourth flash within a second. It runs on the GPU (`gpu::flash_pass`), where its
+//! state stays: nothing is read back, and yet it is never a frame late. [`Limiter`] is the same on the processor, and
+//! tests compare the two. Gains are at most 1 and nothing of an older picture is used, so a limited picture is darker,
+//! not smeared. Limiting works by cells, not on the picture as a whole: what does not flash beside them stays as it
+//! is.
 
 mod analyser;
 mod fields;
 mod limiter;
+mod rules;
 mod swing;
 
 pub use analyser::{Analyser, Flashes};
-pub use limiter::{Correction, Limiter};
+pub use limiter::{CENTRE_RATES, Correction, Limiter, Step, Steps};
+pub use rules::rules_glsl;
 
 /// Cells of a picture from left to right; a field of view has a third of them.
 pub const COLUMNS: usize = 48;

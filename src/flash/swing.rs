@@ -3,17 +3,17 @@
 use std::collections::VecDeque;
 
 /// Smallest change of luminance that counts, as a share of the maximum.
-const LIGHT_CHANGE: f32 = 0.1;
+pub(super) const LIGHT_CHANGE: f32 = 0.1;
 /// If the darker state has this luminance or more, no change counts.
-const LIGHT_DARKER: f32 = 0.8;
+pub(super) const LIGHT_DARKER: f32 = 0.8;
 /// A colour is a saturated red if red has at least this share, in linear light.
-const RED_SHARE: f32 = 0.8;
+pub(super) const RED_SHARE: f32 = 0.8;
 /// Smallest change of a red's chromaticity that counts, in the CIE 1976 UCS diagram.
-const RED_CHANGE: f32 = 0.2;
+pub(super) const RED_CHANGE: f32 = 0.2;
 /// Light that a screen reflects in any case: because of it, what is nearly black has no colour.
-const FLARE: f32 = 0.01;
+pub(super) const FLARE: f32 = 0.01;
 /// Chromaticity of sRGB's red.
-const RED: [f32; 2] = [0.4507, 0.5229];
+pub(super) const RED: [f32; 2] = [0.4507, 0.5229];
 
 /// A change that counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,7 +105,7 @@ fn distance(a: [f32; 2], b: [f32; 2]) -> f32 {
 }
 
 /// Tolerance for comparing times, in seconds: frames come at rounded times.
-const ROUNDING: f64 = 1e-6;
+pub(super) const ROUNDING: f64 = 1e-6;
 
 /// The times of the changes of the last second.
 #[derive(Debug, Clone)]

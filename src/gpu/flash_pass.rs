@@ -1,7 +1,16 @@
-//! Limits the flashes of finished pictures: measures their cells, and dims those that [`Limiter`] names.
+//! Limits the flashes of finished pictures: measures their cells, decides which to dim, and dims them.
 //!
-//! The cells are read back, some 27 kB. The picture waits for that, because the picture that shows the fourth flash
-//! must itself be dimmed. A picture in which nothing is limited stays as it is.
+//! Everything stays on the GPU, so that no picture waits for what the GPU says about it, and yet the picture that
+//! shows the fourth flash is itself dimmed. What is known of each cell lies in textures of a texel for each, which two
+//! passes write anew for each picture; what depends on many cells, the crowded fields and the areas around flashes,
+//! is computed in rows of bits:
+//!
+//! 1. `cells.frag` takes the mean colours of the cells.
+//! 2. `flash_follow.frag` finds changes, and marks the cells that change too often.
+//! 3. `flash_rows.frag`, `flash_fields.frag` and `flash_areas.frag` find those that are limited.
+//! 4. `flash_decide.frag` decides how bright cells are shown; `flash_centres.frag` makes gains at their centres of it.
+//! 5. `limit_flashes.frag` is drawn over the picture where it is shown, in those cells alone. All other pixels stay
+//!    as they are, and a picture in which nothing is limited costs no pass over it.
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
@@ -9,26 +18,67 @@ use glow::HasContext;
 
 use super::error::GpuError;
 use super::gl::Gl;
-use super::object::Texture;
-use super::program::{Program, unit_of};
+use super::object::VertexArray;
+use super::post::Block;
+use super::program::{Program, ProgramTexts, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
-use crate::flash::{CELLS, COLUMNS, Correction, Grid, Limiter, ROWS};
+use crate::flash::{CELLS, CENTRE_RATES, COLUMNS, Correction, Grid, ROWS, Steps};
 
-/// The shaders of this pass.
-pub const FLASH_SHADERS: [&str; 2] = ["cells.frag", "limit_flashes.frag"];
+/// The shader that places the cells to be dimmed.
+pub const FLASH_VERTEX_SHADER: &str = "flash_cells.vert";
+/// The fragment shaders of the limiter and their defines.
+pub const FLASH_SHADERS: [(&str, &[&str]); 9] = [
+    ("cells.frag", &[]),
+    ("flash_follow.frag", &[]),
+    ("flash_rows.frag", &[]),
+    ("flash_fields.frag", &[]),
+    ("flash_areas.frag", &[]),
+    ("flash_decide.frag", &[]),
+    ("flash_centres.frag", &[]),
+    ("limit_flashes.frag", &[]),
+    ("limit_flashes.frag", &["ENLARGED"]),
+];
+
+/// What `flash_follow.frag` writes, in the order of its outputs.
+const FOLLOWED: [&str; 6] =
+    ["light_swings", "red_swings", "light_ages", "light_rest", "red_ages", "red_rest"];
+/// What `flash_decide.frag` writes.
+const DECIDED: [&str; 4] = ["shown_swings", "shown_ages", "shown_rest", "corrections"];
+/// What `flash_rows.frag` writes.
+const ROW_MARKS: [&str; 2] = ["marked_rows", "bright_rows"];
+/// Cells of a rectangle of `flash_cells.vert`.
+const GROUP: usize = 16;
 
 /// The limiter, and what it needs on the GPU.
-pub(super) struct FlashPass {
+pub struct FlashPass {
     gl: Gl,
     measure: Program,
+    follow: Program,
+    gather: Program,
+    find_fields: Program,
+    find_areas: Program,
+    decide: Program,
+    centre: Program,
     limit: Program,
+    limit_enlarged: Program,
+    /// What the passes over cells read.
+    step_block: Block,
+    /// What is told to a single pass.
+    place_block: Block,
+    vertices: VertexArray,
     cells: Target,
-    corrections: Texture,
-    limiter: Limiter,
-    /// The last picture, limited, if there was anything to limit.
-    limited: Option<Target>,
-    is_limited: bool,
+    /// What is remembered: of this picture, and of the one before.
+    followed: [Target; 2],
+    decided: [Target; 2],
+    marks: Target,
+    covered: Target,
+    areas: Target,
+    /// Rounds take turns with these.
+    gains: [Target; 2],
+    steps: Steps,
+    /// Whether nothing is known of any picture before the next.
+    is_fresh: bool,
 }
 
 impl FlashPass {
@@ -36,100 +86,182 @@ impl FlashPass {
     ///
     /// # Errors
     /// What the driver refuses, with its log.
-    pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
-        let [measure, limit] =
-            FLASH_SHADERS.map(|shader| Program::link(gl, library, shader, &Variant::default()));
+    pub fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
+        let [measure, follow, gather, find_fields, find_areas, decide, centre, limit, limit_enlarged] =
+            FLASH_SHADERS.map(|(shader, defines)| move || linked(gl, library, shader, defines));
+        let of_cells =
+            |count: usize| Target::new(gl, (COLUMNS as u32, ROWS as u32), &vec![Texel::Rgba32F; count], None);
+        let of_rows = |count: usize| Target::new(gl, (1, ROWS as u32), &vec![Texel::Rgba32F; count], None);
         let pass = Self {
             gl: gl.clone(),
-            measure: measure?,
-            limit: limit?,
-            cells: Target::new(gl, (COLUMNS as u32, ROWS as u32), &[Texel::Rgba32F], None)?,
-            corrections: Texture::new(gl)?,
-            limiter: Limiter::default(),
-            limited: None,
-            is_limited: false,
+            measure: measure()?,
+            follow: follow()?,
+            gather: gather()?,
+            find_fields: find_fields()?,
+            find_areas: find_areas()?,
+            decide: decide()?,
+            centre: centre()?,
+            limit: limit()?,
+            limit_enlarged: limit_enlarged()?,
+            step_block: Block::new(gl, "FlashBlock")?,
+            place_block: Block::new(gl, "PostBlock")?,
+            vertices: VertexArray::new(gl)?,
+            cells: of_cells(1)?,
+            followed: [of_cells(FOLLOWED.len())?, of_cells(FOLLOWED.len())?],
+            decided: [of_cells(DECIDED.len())?, of_cells(DECIDED.len())?],
+            marks: of_rows(ROW_MARKS.len())?,
+            covered: of_rows(1)?,
+            areas: of_rows(1)?,
+            gains: [of_cells(1)?, of_cells(1)?],
+            steps: Steps::default(),
+            is_fresh: true,
         };
-        pass.upload(&vec![[0.0; 4]; CELLS]);
         gl.check("setting up the flash limiter")?;
         Ok(pass)
     }
 
-    /// Forgets the last picture, because another one is drawn.
-    pub(super) fn begin(&mut self) {
-        self.is_limited = false;
-    }
-
     /// Starts afresh: what comes next is another kind of picture, which the user asked for.
-    pub(super) fn forget(&mut self) {
-        self.limiter = Limiter::default();
+    pub fn forget(&mut self) {
+        self.is_fresh = true;
+        self.steps = Steps::default();
     }
 
-    /// Takes a finished picture that is shown `seconds` after the last one.
-    ///
-    /// # Errors
-    /// No room for another picture.
-    pub(super) fn take(&mut self, finished: &Target, seconds: f64) -> Result<(), GpuError> {
+    /// Takes a finished picture that is shown `seconds` after the last one, and decides what to dim in it.
+    pub fn take(&mut self, finished: &Target, seconds: f64) {
+        let step = self.steps.next(seconds);
+        let flag = |is: bool| f32::from(u8::from(is));
+        let is_fresh = std::mem::take(&mut self.is_fresh);
+        self.step_block.set(&[step.seconds as f32, step.early as f32, flag(step.forgets), flag(is_fresh)]);
+        self.followed.swap(0, 1);
+        self.decided.swap(0, 1);
+        self.reset_state();
         finished.bind_color(0, unit_of("picture"));
         self.draw(&self.measure, &self.cells);
-        let texels = self.cells.read_rgba32f(0);
-        let grid = Grid::new(texels.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b]));
-        let Some(corrections) = self.limiter.limit(seconds, &grid) else { return Ok(()) };
-        // OpenGL's first row is the lowest one.
-        let texel = |c: &Correction| [c.gain, c.grey, f32::from(u8::from(c.limited)), 0.0];
-        let texels: Vec<[f32; 4]> = corrections.chunks(COLUMNS).rev().flatten().map(texel).collect();
-        let limited = match self.limited.take().filter(|limited| limited.size() == finished.size()) {
-            Some(limited) => limited,
-            None => Target::new(&self.gl, finished.size(), &[Texel::Rgba8], None)?,
+        self.cells.bind_color(0, unit_of("cells"));
+        let [followed, followed_before] = &self.followed;
+        let [decided, decided_before] = &self.decided;
+        bind(followed_before, &FOLLOWED);
+        bind(decided_before, &DECIDED);
+        self.draw(&self.follow, followed);
+        bind(followed, &FOLLOWED);
+        self.draw(&self.gather, &self.marks);
+        bind(&self.marks, &ROW_MARKS);
+        self.draw(&self.find_fields, &self.covered);
+        bind(&self.covered, &["covered_rows"]);
+        self.draw(&self.find_areas, &self.areas);
+        bind(&self.areas, &["limited_rows"]);
+        self.draw(&self.decide, decided);
+        bind(decided, &DECIDED);
+        for (round, rate) in CENTRE_RATES.into_iter().enumerate() {
+            self.centre_with(round, [rate, 0.0]);
+        }
+        self.centre_with(CENTRE_RATES.len(), [0.0, 1.0]);
+    }
+
+    /// A round of `flash_centres.frag`, and what it is told.
+    fn centre_with(&self, round: usize, told: [f32; 2]) {
+        self.place_block.set(&[0.0, 0.0, told[0], told[1]]);
+        let [even, odd] = &self.gains;
+        let gains = if round.is_multiple_of(2) { even } else { odd };
+        self.draw(&self.centre, gains);
+        bind(gains, &["corrections"]);
+    }
+
+    /// Draws over `target`, which shows the `finished` picture that was taken last, whatever is dimmed in it.
+    pub fn limit(&self, finished: &Target, target: &Target) {
+        target.bind();
+        self.draw_cells(finished, target.size());
+    }
+
+    /// The same over the window's framebuffer of `window` pixels.
+    pub fn limit_in_window(&self, finished: &Target, window: (u32, u32)) {
+        // SAFETY: plain state.
+        unsafe {
+            self.gl.bind_framebuffer(glow::FRAMEBUFFER, None);
+            self.gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+        }
+        self.draw_cells(finished, window);
+    }
+
+    /// The cells of the picture that was taken last, and what is done to them, the top row first. Waits for the GPU:
+    /// this is for comparing it with [`crate::flash::Limiter`].
+    pub fn read(&self) -> (Grid, Vec<Correction>) {
+        let colors = self.cells.read_rgba32f(0);
+        let corrections = self.corrections().read_rgba32f(0);
+        let correction = |[gain, grey, limited, mean]: &[f32; 4]| {
+            let level = *limited > 1.5;
+            Correction {
+                gain: if level { *mean } else { *gain },
+                grey: *grey,
+                limited: *limited > 0.5,
+                level,
+            }
         };
-        self.upload(&texels);
+        (
+            Grid::new(colors.as_chunks::<4>().0.iter().map(|[r, g, b, _]| [*r, *g, *b])),
+            corrections.as_chunks::<4>().0.iter().map(correction).collect(),
+        )
+    }
+
+    /// What the last round made.
+    fn corrections(&self) -> &Target {
+        let [even, odd] = &self.gains;
+        if CENTRE_RATES.len().is_multiple_of(2) { even } else { odd }
+    }
+
+    /// Draws the limited cells into the framebuffer of `size` pixels that is bound.
+    fn draw_cells(&self, finished: &Target, size: (u32, u32)) {
+        self.reset_state();
+        self.place_block.set(&[1.0 / size.0.max(1) as f32, 1.0 / size.1.max(1) as f32, 0.0, 0.0]);
         finished.bind_color(0, unit_of("picture"));
-        self.draw(&self.limit, &limited);
-        self.limited = Some(limited);
-        self.is_limited = true;
-        Ok(())
+        bind(self.corrections(), &["corrections"]);
+        if finished.size() == size { &self.limit } else { &self.limit_enlarged }.bind();
+        // SAFETY: a plain draw on objects of ours, in the current context.
+        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, (6 * CELLS / GROUP) as i32) }
     }
 
-    /// The last picture, if there was anything to limit.
-    pub(super) fn limited(&self) -> Option<&Target> {
-        self.limited.as_ref().filter(|_| self.is_limited)
+    /// The state in which all its draws begin.
+    fn reset_state(&self) {
+        // SAFETY: plain state; the vertices are ours.
+        unsafe {
+            for state in [
+                glow::SCISSOR_TEST,
+                glow::STENCIL_TEST,
+                glow::DEPTH_TEST,
+                glow::CULL_FACE,
+                glow::BLEND,
+                glow::FRAMEBUFFER_SRGB,
+            ] {
+                self.gl.disable(state);
+            }
+            self.gl.bind_vertex_array(Some(self.vertices.native()));
+        }
     }
 
+    /// Draws all over a target with what is bound.
     fn draw(&self, program: &Program, target: &Target) {
         target.bind();
         program.bind();
         // SAFETY: a plain draw on objects of ours, in the current context.
-        unsafe {
-            self.gl.active_texture(glow::TEXTURE0 + unit_of("corrections"));
-            self.gl.bind_texture(glow::TEXTURE_2D, Some(self.corrections.native()));
-            self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
-        }
+        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
     }
+}
 
-    fn upload(&self, texels: &[[f32; 4]]) {
-        let bytes: Vec<u8> = texels.as_flattened().iter().flat_map(|value| value.to_ne_bytes()).collect();
-        let gl = &*self.gl;
-        // SAFETY: the texture is ours; the slice holds a texel of four floats for each cell.
-        unsafe {
-            gl.active_texture(glow::TEXTURE0 + unit_of("corrections"));
-            gl.bind_texture(glow::TEXTURE_2D, Some(self.corrections.native()));
-            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
-            gl.tex_image_2d(
-                glow::TEXTURE_2D,
-                0,
-                glow::RGBA32F.cast_signed(),
-                COLUMNS as i32,
-                ROWS as i32,
-                0,
-                glow::RGBA,
-                glow::FLOAT,
-                glow::PixelUnpackData::Slice(Some(&bytes)),
-            );
-            for name in [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER] {
-                gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::NEAREST.cast_signed());
-            }
-            for name in [glow::TEXTURE_WRAP_S, glow::TEXTURE_WRAP_T] {
-                gl.tex_parameter_i32(glow::TEXTURE_2D, name, glow::CLAMP_TO_EDGE.cast_signed());
-            }
+/// Links one of [`FLASH_SHADERS`].
+fn linked(gl: &Gl, library: &ShaderLibrary, shader: &str, defines: &[&str]) -> Result<Program, GpuError> {
+    let variant = Variant::of(defines);
+    match shader {
+        "limit_flashes.frag" => {
+            let both = (FLASH_VERTEX_SHADER, shader);
+            Program::of(gl, &ProgramTexts::assemble_both(library, both, &variant, gl.info())?)
         }
+        _ => Program::link(gl, library, shader, &variant),
+    }
+}
+
+/// Makes the textures of a target readable under their names.
+fn bind(target: &Target, names: &[&str]) {
+    for (index, name) in names.iter().enumerate() {
+        target.bind_color(index, unit_of(name));
     }
 }

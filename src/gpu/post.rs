@@ -48,6 +48,9 @@ pub const POST_SHADERS: [(&str, &[&str]); 13] = [
     ("present.frag", &["TONE_MAP 3"]),
 ];
 
+/// Most pixels of one draw: a pass over a picture of 8K is some of them, and no watchdog takes it for a hang.
+const BAND_PIXELS: u32 = 1 << 21;
+
 /// The programs of these passes.
 pub(super) struct Post {
     passes: Passes,
@@ -214,8 +217,22 @@ impl Passes {
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
         target.bind();
         program.bind();
-        // SAFETY: a plain draw on objects of ours, in the current context.
-        unsafe { self.gl.draw_arrays(glow::TRIANGLES, 0, 3) }
+        let rows = (BAND_PIXELS / width.max(1)).max(1);
+        // SAFETY: plain state and draws on objects of ours, in the current context.
+        unsafe {
+            if rows >= height {
+                self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+                return;
+            }
+            self.gl.enable(glow::SCISSOR_TEST);
+            for y in (0..height).step_by(rows as usize) {
+                self.gl.scissor(0, y.cast_signed(), width.cast_signed(), rows.cast_signed());
+                self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
+                // Each is handed over by itself, whatever a driver would gather.
+                self.gl.flush();
+            }
+            self.gl.disable(glow::SCISSOR_TEST);
+        }
     }
 }
 

@@ -11,12 +11,32 @@ use super::object::ProgramObject;
 use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble, name_places};
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
-pub const UNIFORM_BLOCKS: [(&str, u32); 5] =
-    [("FrameBlock", 0), ("PassBlock", 1), ("PictureBlock", 2), ("PostBlock", 3), ("ViewBlock", 4)];
+pub const UNIFORM_BLOCKS: [(&str, u32); 6] = [
+    ("FrameBlock", 0),
+    ("PassBlock", 1),
+    ("PictureBlock", 2),
+    ("PostBlock", 3),
+    ("ViewBlock", 4),
+    ("FlashBlock", 5),
+];
 
-/// The renderer's own textures, with their units (see `shaders/README.md`). The scene's come before them, by their
+/// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their
 /// number ([`scene_texture`]). Textures that share a unit are never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 11] = [
+pub const TEXTURE_UNITS: [(&str, u32); 25] = [
+    ("light_swings", 0),
+    ("red_swings", 1),
+    ("light_ages", 2),
+    ("light_rest", 3),
+    ("red_ages", 4),
+    ("red_rest", 5),
+    ("shown_swings", 6),
+    ("shown_ages", 7),
+    ("shown_rest", 8),
+    ("cells", 9),
+    ("marked_rows", 10),
+    ("bright_rows", 11),
+    ("covered_rows", 12),
+    ("limited_rows", 13),
     ("edge_pixels", 12),
     ("picture", 12),
     ("corrections", 13),
@@ -53,7 +73,8 @@ pub const VERTEX_SHADER: &str = "fullscreen.vert";
 /// The texts of a program's two shaders.
 #[derive(Debug, Clone)]
 pub struct ProgramTexts {
-    vertex: String,
+    /// The vertex shader's name, and its text.
+    vertex: (&'static str, String),
     /// The fragment shader's name, and its text.
     fragment: (String, String),
 }
@@ -69,8 +90,19 @@ impl ProgramTexts {
         variant: &Variant,
         info: &GlInfo,
     ) -> Result<Self, ShaderSourceError> {
+        Self::assemble_both(library, (VERTEX_SHADER, fragment), variant, info)
+    }
+
+    /// The same with another vertex shader.
+    pub(super) fn assemble_both(
+        library: &ShaderLibrary,
+        (vertex, fragment): (&'static str, &str),
+        variant: &Variant,
+        info: &GlInfo,
+    ) -> Result<Self, ShaderSourceError> {
         let assembled = |name| library.assemble(name, driver_preamble(info), variant);
-        Ok(Self { vertex: assembled(VERTEX_SHADER)?, fragment: (fragment.to_owned(), assembled(fragment)?) })
+        let fragment = (fragment.to_owned(), assembled(fragment)?);
+        Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
     }
 }
 
@@ -117,8 +149,8 @@ impl Program {
     /// # Errors
     /// What the driver says about malformed ones.
     pub fn of(gl: &Gl, texts: &ProgramTexts) -> Result<Self, GpuError> {
-        let (name, text) = &texts.fragment;
-        let object = link_texts(gl, (VERTEX_SHADER, &texts.vertex), (name, text))?;
+        let (vertex, fragment) = (&texts.vertex, &texts.fragment);
+        let object = link_texts(gl, (vertex.0, &vertex.1), (&fragment.0, &fragment.1))?;
         Ok(Self::with_places(gl, object))
     }
 

@@ -84,6 +84,10 @@ pub struct Renderer {
     /// Enlarges pictures for a window.
     upscale: Option<Program>,
     flashes: Option<FlashPass>,
+    /// Whether the limiter has taken the finished picture.
+    is_limited: bool,
+    /// A copy of the finished picture with its flashes limited, for reading.
+    limited: Option<Target>,
     timer: Option<FrameTimer>,
     /// The picture that is being drawn.
     making: Option<Making>,
@@ -138,6 +142,8 @@ impl Renderer {
             targets: None,
             upscale: None,
             flashes: None,
+            is_limited: false,
+            limited: None,
             timer: None,
             making: None,
             stands: None,
@@ -147,12 +153,26 @@ impl Renderer {
         Ok(renderer)
     }
 
+    /// The context that it draws in.
+    pub fn gl(&self) -> &Gl {
+        &self.gl
+    }
+
     /// Prepares what only a window needs: showing pictures that are smaller, and reporting how long they take.
     ///
     /// # Errors
     /// As [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(Program::link(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
+        self.time_pictures()
+    }
+
+    /// From now on a GPU's times of pictures are taken, so that their parts become smaller where pixels become dearer.
+    /// No other timer may run while one is drawn.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no query left.
+    pub fn time_pictures(&mut self) -> Result<(), GpuError> {
         if !self.gl.info().software {
             self.timer = Some(FrameTimer::new(&self.gl)?);
         }
@@ -184,10 +204,21 @@ impl Renderer {
     /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
     ///
     /// # Errors
-    /// What the driver refuses.
+    /// No room for a copy of the picture, which all but windows need.
     pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
         if let (Some(flashes), Some(targets)) = (&mut self.flashes, &self.targets) {
-            flashes.take(targets.post.finished(), seconds)?;
+            let finished = targets.post.finished();
+            flashes.take(finished, seconds);
+            if self.upscale.is_none() {
+                let copy = match self.limited.take().filter(|copy| copy.size() == finished.size()) {
+                    Some(copy) => copy,
+                    None => Target::new(&self.gl, finished.size(), &[Texel::Rgba8], None)?,
+                };
+                finished.blit_to(&copy);
+                flashes.limit(finished, &copy);
+                self.limited = Some(copy);
+            }
+            self.is_limited = true;
         }
         self.gl.check("limiting flashes")
     }
@@ -208,10 +239,9 @@ impl Renderer {
         time
     }
 
-    /// What is shown: the finished picture, its flashes limited.
-    fn shown(&self) -> Option<&Target> {
-        let limited = self.flashes.as_ref().and_then(FlashPass::limited);
-        limited.or(self.stands.as_ref()).or(self.targets.as_ref().map(|targets| targets.post.finished()))
+    /// The finished picture that is shown.
+    fn finished(&self) -> Option<&Target> {
+        self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()))
     }
 
     /// The state in which passes begin.
@@ -252,6 +282,7 @@ impl Renderer {
             let place = [number % REFERENCE_SIDE, number / REFERENCE_SIDE];
             let place = place.map(|at| (at as f32 + 0.5) / REFERENCE_SIDE as f32 - 0.5);
             self.draw_sample(place, number as f32, FURTHER_SAMPLE);
+            self.gl.finish();
         }
         // SAFETY: plain state.
         unsafe { self.gl.disable(glow::BLEND) }
@@ -266,22 +297,26 @@ impl Renderer {
     /// # Errors
     /// An error that the driver reports.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
-        match (self.shown(), &self.upscale) {
-            (Some(picture), Some(upscale)) if picture.size() != window => {
+        let Some(picture) = self.finished() else { return Ok(()) };
+        match &self.upscale {
+            Some(upscale) if picture.size() != window => {
                 picture.bind_color(0, unit_of("picture"));
                 // SAFETY: the vertex array is ours.
                 unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
                 self.post.passes().draw_in_window(upscale, window);
             }
-            (Some(picture), _) => picture.blit_to_window(window),
-            (None, _) => {}
+            _ => picture.blit_to_window(window),
+        }
+        if let Some(flashes) = self.flashes.as_ref().filter(|_| self.is_limited) {
+            flashes.limit_in_window(picture, window);
         }
         self.gl.check("showing a frame")
     }
 
-    /// The picture that is shown, four bytes per pixel, the top row first. Empty before the first draw.
+    /// The finished picture, its flashes limited, four bytes per pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        self.shown().map_or_else(Vec::new, |picture| picture.read_rgba8(0))
+        let limited = self.limited.as_ref().filter(|_| self.is_limited);
+        limited.or(self.finished()).map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
     /// Distance evaluations of the last picture; zero without [`Counting::On`].

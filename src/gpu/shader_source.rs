@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use include_dir::{Dir, include_dir};
 
 use super::gl::GlInfo;
+use crate::flash::rules_glsl;
 use crate::limits::LIMITS;
 use mariana_field::lang::material_glsl;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
@@ -18,6 +19,9 @@ static EMBEDDED: Dir<'static> = include_dir!("$CARGO_MANIFEST_DIR/shaders");
 
 /// A generated file: what the shaders know about materials is made from the table of their fields.
 const MATERIAL_FIELDS: &str = "material_fields.glsl";
+
+/// A generated file: the numbers of the flash limiter, which the processor's has, too.
+const FLASH_RULES: &str = "flash_rules.glsl";
 
 /// The first lines of every shader that a driver sees: the language of OpenGL 3.3 core, and whether the driver computes
 /// pictures on the processor (`SOFTWARE`).
@@ -180,6 +184,7 @@ impl Assembly<'_> {
         let source = match generated {
             Some((_, text)) => text.clone(),
             None if name == MATERIAL_FIELDS => material_glsl(),
+            None if name == FLASH_RULES => rules_glsl(),
             None => self.library.read(name, asked_by)?,
         };
         self.mark(name, 1);

@@ -193,13 +193,22 @@ impl Target {
 
     /// Copies colour attachment 0 to the window's framebuffer of `window` pixels, enlarged if that is larger.
     pub fn blit_to_window(&self, window: (u32, u32)) {
-        let filter = if window == self.size { glow::NEAREST } else { glow::LINEAR };
+        self.blit(None, window);
+    }
+
+    /// Copies colour attachment 0 to that of another target.
+    pub fn blit_to(&self, other: &Target) {
+        self.blit(Some(other.framebuffer.native()), other.size);
+    }
+
+    fn blit(&self, other: Option<glow::NativeFramebuffer>, size: (u32, u32)) {
+        let filter = if size == self.size { glow::NEAREST } else { glow::LINEAR };
         let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
         // SAFETY: both framebuffers are complete; conversion is off, so bytes are copied as they are.
         unsafe {
             self.gl.disable(glow::FRAMEBUFFER_SRGB);
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
-            self.gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, None);
+            self.gl.bind_framebuffer(glow::DRAW_FRAMEBUFFER, other);
             self.gl.blit_framebuffer(
                 0,
                 0,
@@ -207,8 +216,8 @@ impl Target {
                 height,
                 0,
                 0,
-                window.0.cast_signed(),
-                window.1.cast_signed(),
+                size.0.cast_signed(),
+                size.1.cast_signed(),
                 glow::COLOR_BUFFER_BIT,
                 filter,
             );

@@ -14,6 +14,7 @@ mod textures;
 mod watch;
 mod world;
 
+use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -133,28 +134,43 @@ impl SceneSource {
     /// # Errors
     /// As [`SceneSource::compile`].
     pub fn compile_following(&self, edits: &mut NumberEdits) -> Result<Compiled, SceneError> {
+        Ok(self.compile_as(&self.text()?, edits))
+    }
+
+    /// Its text.
+    ///
+    /// # Errors
+    /// As [`SceneSource::compile`].
+    pub fn text(&self) -> Result<Cow<'_, str>, SceneError> {
+        match self {
+            Self::Formula(text) => Ok(text.into()),
+            Self::Shipped(name) => shipped(name).map(Cow::from).ok_or_else(|| SceneError::Unknown {
+                name: name.clone(),
+                shipped: shipped_names().join(", "),
+            }),
+            Self::File(path) => read(path).map(Cow::from),
+        }
+    }
+
+    /// Compiles `text` as if it were its own, with what that includes.
+    fn compile_as(&self, text: &str, edits: &mut NumberEdits) -> Compiled {
         let name = self.name();
         match self {
-            Self::Formula(text) => Ok(lang::compile(&name, text, &mut lang::no_includes)),
-            Self::Shipped(shipped_name) => {
-                let text = shipped(shipped_name).ok_or_else(|| SceneError::Unknown {
-                    name: shipped_name.clone(),
-                    shipped: shipped_names().join(", "),
-                })?;
+            Self::Formula(_) => lang::compile(&name, text, &mut lang::no_includes),
+            Self::Shipped(_) => {
                 let mut include = |path: &str| {
                     let file = SHIPPED.get_file(path).and_then(|file| file.contents_utf8());
                     file.map(str::to_owned).ok_or_else(|| "no such file is shipped".to_owned())
                 };
-                Ok(lang::compile(&name, text, &mut include))
+                lang::compile(&name, text, &mut include)
             }
             Self::File(path) => {
-                let text = read(path)?;
                 let folder = Folder::of(path);
                 let mut include = |path: &str| {
                     folder.text(path, FIELD_LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
                 };
-                let changing = edits.follow(self, &text);
-                Ok(lang::compile_while_changing(&name, &text, &mut include, changing))
+                let changing = edits.follow(self, text);
+                lang::compile_while_changing(&name, text, &mut include, changing)
             }
         }
     }

@@ -32,6 +32,14 @@ impl SceneSource {
         self.ready_with(&mut TextureCache::default(), &mut NumberEdits::default()).0
     }
 
+    /// The same as if `text` were its own.
+    ///
+    /// # Errors
+    /// As [`SceneSource::ready`].
+    pub fn ready_as(&self, text: &str) -> Result<ReadyScene, SceneError> {
+        self.prepare(self.compile_as(text, &mut NumberEdits::default()), &mut TextureCache::default())
+    }
+
     /// The same with pictures from a cache, and the files that cause it to be repeated when they change, whether it
     /// worked or not. `edits` tells which numbers of its text are being changed.
     pub fn ready_with(

@@ -7,6 +7,7 @@ use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 
 use crate::support::program::{FORMATS, Workplace};
+use crate::support::shader_folder::changed_shaders;
 use image::GenericImageView;
 use mariana_music::{BAND_COUNT, band_edge};
 use mariana_testing::process::{Process, output_of, wait_until};
@@ -192,6 +193,65 @@ fn bench_tells_times_and_evaluations() {
     let text = place.run(&arguments).done();
     for part in kinds.iter().chain(&["p50", "p99", "CPU", "GPU", "64x36", "compiled", "speakers"]) {
         assert!(text.contains(part), "'{part}' in {text}");
+    }
+}
+
+/// Fails if a number in `value` is missing, below zero or no number at all.
+fn assert_measured(value: &Value, name: &str) {
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(name, value)| assert_measured(value, name)),
+        Value::Array(values) => values.iter().for_each(|value| assert_measured(value, name)),
+        Value::Number(number) => {
+            assert!(number.as_f64().is_some_and(|number| number >= 0.0), "{name}: {number}")
+        }
+        // Numbers that are not finite are written as null, too.
+        Value::Null => assert!(["error", "gpu_p50_ms", "edges"].contains(&name), "{name} is missing"),
+        Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+#[test]
+fn bench_measures_all_scenes_and_goes_on_where_one_fails() {
+    let place = Workplace::new();
+    let arguments =
+        ["bench", "--all", "--only", "first_st", "--only", "quadric", "--frames", "1", "--size", "32x18"];
+    let run = |more: &[&str]| {
+        let outcome = place.run(&[&arguments[..], more].concat());
+        assert_eq!(outcome.code, 0, "{outcome:?}");
+        assert_eq!(outcome.stderr, "mariana: first_steps, 1 of 2\nmariana: quadric, 2 of 2\n");
+        outcome.stdout
+    };
+    let report: Value = serde_json::from_str(&run(&["--json"])).unwrap();
+    let scenes = report["scenes"].as_array().unwrap();
+    let names: Vec<&Value> = scenes.iter().map(|scene| &scene["scene"]).collect();
+    assert_eq!(names, ["first_steps", "quadric"]);
+    assert_eq!(report["gl"], scenes[0]["report"]["gl"]);
+    for scene in scenes {
+        let rows: Vec<(&str, bool)> = scene["report"]["modes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|row| (row["mode"].as_str().unwrap(), row["regions"].as_bool().unwrap()))
+            .collect();
+        let [interpreted, compiled] = ["interpreted", "compiled"];
+        assert_eq!(rows, [(interpreted, true), (interpreted, false), (compiled, true), (compiled, false)]);
+        let edit = &scene["report"]["edit"];
+        assert!(
+            edit["interpreted_ms"].as_f64() > Some(0.0) && edit["compiled_ms"].as_f64() > Some(0.0),
+            "{edit}"
+        );
+    }
+    assert_measured(&report, "the report");
+
+    // Shaders that no driver takes.
+    let (folder, _) = changed_shaders(&[]);
+    let scene = folder.path().join("scene.frag");
+    let text = std::fs::read_to_string(&scene).unwrap();
+    std::fs::write(&scene, format!("{text}\nfloat oops = ;\n")).unwrap();
+    let shaders = ["--shaders", folder.path().to_str().unwrap()];
+    let text = run(&shaders);
+    for name in ["first_steps", "quadric"] {
+        assert!(text.lines().any(|line| line.starts_with(name) && line.contains("scene.frag")), "{text}");
     }
 }
 

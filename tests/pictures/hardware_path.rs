@@ -50,3 +50,63 @@ fn a_gpu_would_show_the_same_pictures() {
         }
     }
 }
+
+/// A lens, and edges that get further samples.
+const LENS: &str = "object ball { shape = sphere(p - vec3(0, 1, 0), 1) }\n\
+                    object floor { shape = p.y }\n\
+                    camera { position = vec3(0, 1, -4)  target = vec3(0, 1, 0)  aperture = 0.05 }";
+
+/// Pixels that a part may have at 0.1 ms each: 0.12 s, of which one is the overhead.
+const PART_PIXELS: u64 = 1_300;
+
+#[test]
+fn no_draw_of_dear_pixels_is_large_on_a_gpu_either() {
+    let place = Workplace::new();
+    place.write("lens.scene", LENS);
+    let jobs: [&[&str]; 3] = [
+        &["still", "--size", "96x54", "-o", "pictures/0.png"],
+        &["still", "--size", "96x54", "--view", "steps", "-o", "pictures/0.png"],
+        &["video", "--size", "96x54", "--duration", "0.1", "--fps", "30", "-o", "pictures/"],
+    ];
+    for (job, mode, hardware) in jobs
+        .iter()
+        .flat_map(|job| [(job, "compiled", true), (job, "interpreted", true), (job, "compiled", false)])
+    {
+        let pictures = |fault: Option<&str>| {
+            let folder = place.path("pictures");
+            let _ = std::fs::remove_dir_all(&folder);
+            std::fs::create_dir(&folder).unwrap();
+            let arguments = [job, &["--scene", "lens.scene", "--sdf", mode, "-vv"][..]].concat();
+            let mut command = place.command(&arguments);
+            if hardware {
+                command.env("force_gl_renderer", "GPU").env("MESA_DEBUG", "silent");
+            }
+            command.envs(fault.map(|fault| ("MARIANA_FAULT", fault)));
+            let outcome = Outcome::of(&mut command, RUN_LIMIT);
+            assert_eq!(outcome.code, 0, "{outcome:?}");
+            let mut names: Vec<_> =
+                std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+            names.sort();
+            let read = |name| image::open(name).unwrap().to_rgba8();
+            (names.into_iter().map(read).collect::<Vec<_>>(), draws(&outcome.stderr))
+        };
+        let (expected, _) = pictures(None);
+        let (actual, draws) = pictures(Some("dear-pixels@0"));
+        let name = format!("{job:?}, {mode}, as on a GPU: {hardware}");
+        assert!(actual == expected, "{name}: pictures in parts are others");
+        assert_eq!(draws.len(), expected.len(), "{name}");
+        for (number, largest) in draws {
+            assert!(number > 96 * 54 / PART_PIXELS && largest <= PART_PIXELS, "{name}: {number}, {largest}");
+        }
+    }
+}
+
+/// What the log says of each picture: the number of its draws, and the pixels of the largest.
+fn draws(log: &str) -> Vec<(u64, u64)> {
+    let number = |text: &str| text.split_whitespace().next_back()?.parse().ok();
+    let of_line = |line: &str| {
+        let (draws, rest) = line.split_once(" draws, the largest of ")?;
+        Some((number(draws)?, rest.split_once(' ')?.0.parse().ok()?))
+    };
+    log.lines().filter_map(of_line).collect()
+}

@@ -9,7 +9,7 @@ use crate::support::glsl::{Stage, check_with_glslang, check_with_naga};
 use crate::support::shader_folder::{changed_shaders, shader_folder, shader_names, shader_text};
 use crate::support::studio::{driver, ready, speakers};
 use mariana::gpu::error::GpuError;
-use mariana::gpu::flash_pass::FLASH_SHADERS;
+use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
@@ -70,10 +70,10 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
     Case { name, file: SCENE_SHADER, variant, interpreted: mode == Mode::Interpreted, software }
 }
 
-/// All shaders of the program, the vertex shader first.
+/// All shaders of the program, the vertex shaders first.
 fn cases() -> Vec<Case> {
-    let plain = [VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER].into_iter().chain(FLASH_SHADERS);
-    let own = plain.map(|file| (file, &[][..])).chain(POST_SHADERS);
+    let plain = [VERTEX_SHADER, FLASH_VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER].map(|file| (file, &[][..]));
+    let own = plain.into_iter().chain(FLASH_SHADERS).chain(POST_SHADERS);
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");
@@ -141,7 +141,7 @@ fn glslang_takes_every_variant() {
 #[test]
 fn the_driver_links_every_variant() {
     let context = Headless::new(false).unwrap();
-    for Case { name, file, variant, .. } in cases().iter().filter(|case| case.file != VERTEX_SHADER) {
+    for Case { name, file, variant, .. } in cases().iter().filter(|case| case.file.ends_with(".frag")) {
         if let Err(error) = Program::link(context.gl(), &ShaderLibrary::embedded(), file, variant) {
             panic!("{name}: {error}");
         }

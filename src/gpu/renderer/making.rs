@@ -19,7 +19,7 @@ use crate::gpu::error::GpuError;
 use crate::gpu::program::{Program, unit_of};
 use crate::gpu::scene_resources::{SceneNames, SceneResources};
 use crate::gpu::target::Target;
-use crate::gpu::tiles::{Costs, Part, Parts, PixelCost};
+use crate::gpu::tiles::{Costs, PART_SECONDS, Part, Parts, PixelCost};
 use crate::view::legend::LegendPicture;
 use crate::view::setup::ViewBlock;
 
@@ -45,6 +45,10 @@ pub(super) struct Making {
     pass: Pass,
     parts: Parts,
     spent: Duration,
+    /// Seconds that the draws will take which the driver was given since it was last told to begin.
+    held_back: f64,
+    /// Draws of samples so far, and the pixels of the largest.
+    draws: (u32, u64),
 }
 
 /// What is drawn next.
@@ -196,6 +200,8 @@ impl Renderer {
             pass: Pass::First,
             parts: Parts::default(),
             spent: Duration::ZERO,
+            held_back: 0.0,
+            draws: (0, 0),
         });
         Ok(())
     }
@@ -212,18 +218,22 @@ impl Renderer {
             return Ok(Progress::Finished { spent: Duration::ZERO });
         };
         self.prepare_go(scene);
-        let mut timer = self.timer.take();
         let mut cost = costs.of(program);
         if making.spent == Duration::ZERO {
+            if self.upscale.is_none() {
+                // Nobody else asks for the time of the last picture.
+                self.gpu_time();
+            }
             if let Some(time) = self.gpu_cost.take() {
                 cost.note(Part::whole(targets.first.size()).pixels(), time);
                 cost.finish_picture();
             }
             making.parts = Parts::of(vec![Part::whole(targets.first.size())], targets.first.size(), cost);
             if making.parts.are_one(cost) {
-                timer.iter_mut().for_each(FrameTimer::begin);
+                self.timer.iter_mut().for_each(FrameTimer::begin);
             }
         }
+        let mut timer = self.timer.take();
         let mut finished = Ok(false);
         while matches!(finished, Ok(false)) && begun.elapsed() < patience {
             finished = self.step(&mut making, &mut targets, (program, &mut cost));
@@ -237,9 +247,9 @@ impl Renderer {
         (self.targets, self.timer) = (Some(targets), timer);
         let progress = if finished? {
             self.stands = None;
-            if let Some(flashes) = &mut self.flashes {
-                flashes.begin();
-            }
+            self.is_limited = false;
+            let (draws, largest) = making.draws;
+            tracing::debug!("a picture in {draws} draws, the largest of {largest} pixels");
             Progress::Finished { spent: making.spent }
         } else {
             let share = if making.pass == Pass::First && !making.is_view { 1.0 - FURTHER_SHARE } else { 1.0 };
@@ -271,9 +281,19 @@ impl Renderer {
             let is_measured = self.gl.info().software || !making.parts.were_one();
             let begun = Instant::now();
             self.draw_part(making, targets, program, part);
+            making.draws = (making.draws.0 + 1, making.draws.1.max(part.pixels()));
             if is_measured {
                 self.gl.finish();
+                making.held_back = 0.0;
                 making.parts.note(part, begun.elapsed(), cost);
+            } else {
+                // A watchdog looks at what was handed over together, which may be several passes.
+                making.held_back += cost.seconds(part.pixels());
+                if making.held_back > PART_SECONDS / 2.0 {
+                    // SAFETY: plain state.
+                    unsafe { self.gl.flush() }
+                    making.held_back = 0.0;
+                }
             }
             return Ok(false);
         }

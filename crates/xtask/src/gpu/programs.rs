@@ -49,8 +49,8 @@ struct Wanted {
 fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wanted>> {
     let is_wanted = |name: &str| names.is_empty() || names.iter().any(|word| name.contains(word.as_str()));
     let mut found = Vec::new();
-    let plain = [EDGE_SHADER, UPSCALE_SHADER].into_iter().chain(FLASH_SHADERS);
-    for (file, defines) in plain.map(|file| (file, &[][..])).chain(POST_SHADERS) {
+    let plain = [EDGE_SHADER, UPSCALE_SHADER].map(|file| (file, &[][..]));
+    for (file, defines) in plain.into_iter().chain(FLASH_SHADERS).chain(POST_SHADERS) {
         let name = format!("{file} {}", defines.join(" ")).trim_end().to_owned();
         if is_wanted(&name) {
             found.push(Wanted { name, file, variant: Variant::of(defines) });

@@ -1,0 +1,25 @@
+// A rectangle for each group of cells any of which is limited, two triangles without a vertex buffer. The others shrink
+// to nothing. (A rectangle for each cell would be mostly edges.)
+
+#include "flash_rules.glsl"
+
+uniform sampler2D corrections;      // of each cell: gain, share of grey, whether it is limited at all
+
+// Cells to each side of a group.
+const int SIDE = 4;
+// How far rectangles reach over the edges of their cells, in cells: limit_flashes.frag decides where a cell ends.
+const float MARGIN = 0.01;
+
+void main() {
+    int vertex = int(gl_VertexID);
+    int corner = vertex % 6;
+    int across = COLUMNS / SIDE;
+    ivec2 first = SIDE * ivec2(vertex / 6 % across, vertex / 6 / across);
+    bool limited = false;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        limited = limited || texelFetch(corrections, first + ivec2(i % SIDE, i / SIDE), 0).z > 0.5;
+    }
+    bvec2 far = bvec2(corner == 1 || corner == 2 || corner == 4, corner == 2 || corner == 4 || corner == 5);
+    vec2 place = vec2(first) + mix(vec2(-MARGIN), vec2(float(SIDE) + MARGIN), far);
+    gl_Position = vec4(limited ? place / vec2(float(COLUMNS), float(ROWS)) * 2.0 - 1.0 : vec2(-2.0), 0.0, 1.0);
+}

@@ -1,0 +1,55 @@
+// Finds the changes of each cell as the picture comes in, and the rises that begin one flash too many
+// (src/flash/limiter.rs).
+
+#include "flash_swing.glsl"
+
+uniform sampler2D cells;            // mean colours of this picture
+uniform sampler2D light_swings;     // what this pass wrote for the last one: see below
+uniform sampler2D red_swings;
+uniform sampler2D light_ages;
+uniform sampler2D light_rest;
+uniform sampler2D red_ages;
+uniform sampler2D red_rest;
+uniform sampler2D shown_swings;     // what flash_decide.frag wrote
+uniform sampler2D shown_rest;
+
+layout(location = 0) out vec4 light_swing;  // xyz the swing, w for how many seconds the cell is marked
+layout(location = 1) out vec4 red_swing;    // likewise
+layout(location = 2) out vec4 light_newest; // ages of changes
+layout(location = 3) out vec4 light_others; // xy two more, zw darkest luminance of this part of the memory and the last
+layout(location = 4) out vec4 red_newest;
+layout(location = 5) out vec4 red_others;
+
+void main() {
+    ivec2 cell = ivec2(gl_FragCoord.xy);
+    vec3 color = texelFetch(cells, cell, 0).rgb;
+    float light = luminance(color);
+
+    vec4 rest = remembered(texelFetch(light_rest, cell, 0), vec4(NEVER));
+    vec2 lows = flash_step.z > 0.5 ? vec2(NEVER, rest.z) : rest.zw;
+    lows.x = min(lows.x, light);
+
+    vec4 state = remembered(texelFetch(light_swings, cell, 0), vec4(NO_SWING, 0.0));
+    Ages ages = aged(remembered(texelFetch(light_ages, cell, 0), vec4(NEVER)), rest.xy);
+    float change = light_change(state.xyz, light);
+    float hold = state.w - flash_step.x;
+    hold = change > 0.0 && are_enough(ages) ? HOLD : hold;
+    note_change(ages, change);
+    // What is shown would rise once too often.
+    vec4 shown = remembered(texelFetch(shown_swings, cell, 0), vec4(NO_SWING, NEVER));
+    vec4 shown_ages = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER));
+    bool rises = light_change(shown.xyz, min(light, shown.w)) > 0.0;
+    hold = rises && are_enough(aged(vec4(NEVER), shown_ages.xy)) ? HOLD : hold;
+    light_swing = vec4(state.xyz, max(hold, 0.0));
+    light_newest = ages.newest;
+    light_others = vec4(ages.oldest, lows);
+
+    state = remembered(texelFetch(red_swings, cell, 0), vec4(NO_RED_SWING, 0.0));
+    ages = aged(remembered(texelFetch(red_ages, cell, 0), vec4(NEVER)), remembered(texelFetch(red_rest, cell, 0), vec4(NEVER)).xy);
+    change = red_change(state.xyz, color);
+    hold = change > 0.0 && are_enough(ages) ? HOLD : state.w - flash_step.x;
+    note_change(ages, change);
+    red_swing = vec4(state.xyz, max(hold, 0.0));
+    red_newest = ages.newest;
+    red_others = vec4(ages.oldest, 0.0, 0.0);
+}

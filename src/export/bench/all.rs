@@ -1,0 +1,126 @@
+//! All shipped scenes in one measurement.
+
+use serde::Serialize;
+
+use super::{BenchReport, BenchRequest, ModeReport, measure};
+use crate::gpu::gl::GlInfo;
+use crate::scenes::{SceneSource, shipped_names};
+
+/// What to measure of all shipped scenes.
+#[derive(Debug, Clone)]
+pub struct AllRequest {
+    /// What to measure of each; its scene is replaced.
+    pub each: BenchRequest,
+    /// Only scenes whose names contain one of these; all if there is none.
+    pub only: Vec<String>,
+}
+
+/// What was measured of all shipped scenes.
+#[derive(Debug, Serialize)]
+pub struct AllReport {
+    /// The program's version.
+    pub version: &'static str,
+    /// The driver; none if no scene was measured.
+    pub gl: Option<GlInfo>,
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// The moment, in seconds.
+    pub at: f64,
+    /// Frames that were to be timed in each row.
+    pub frames: usize,
+    /// The scenes by their names.
+    pub scenes: Vec<SceneEntry>,
+}
+
+/// What was measured of a scene, or why nothing was.
+#[derive(Debug, Serialize)]
+pub struct SceneEntry {
+    /// Its name.
+    pub scene: String,
+    /// What was measured.
+    pub report: Option<BenchReport>,
+    /// Why nothing was.
+    pub error: Option<String>,
+}
+
+/// Measures all shipped scenes, one after the other. A scene that fails is an entry of the report. `progress` is told
+/// each scene's name, its number from 1, and the number of all, before it is measured.
+pub fn measure_all(request: &AllRequest, progress: &mut dyn FnMut(&str, usize, usize)) -> AllReport {
+    let is_wanted =
+        |name: &String| request.only.is_empty() || request.only.iter().any(|part| name.contains(part));
+    let names: Vec<String> = shipped_names().into_iter().filter(is_wanted).collect();
+    let count = names.len();
+    let entry = |(number, scene): (usize, String)| {
+        progress(&scene, number, count);
+        let mut each = request.each.clone();
+        each.scene.source = SceneSource::Shipped(scene.clone());
+        let (report, error) = match measure(&each) {
+            Ok(report) => (Some(report), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        SceneEntry { scene, report, error }
+    };
+    let scenes: Vec<SceneEntry> = (1..).zip(names).map(entry).collect();
+    AllReport {
+        version: env!("CARGO_PKG_VERSION"),
+        gl: scenes.iter().find_map(|entry| entry.report.as_ref()).map(|report| report.gl.clone()),
+        size: request.each.size,
+        at: request.each.at,
+        frames: request.each.frames,
+        scenes,
+    }
+}
+
+/// A column: its title, and the text of a row's cell.
+type Column = (&'static str, fn(&ModeReport) -> String);
+
+const COLUMNS: [Column; 9] = [
+    ("CPU ms", |row| format!("{:.2}", row.cpu_p50_ms)),
+    ("GPU ms", |row| row.gpu_p50_ms.map_or_else(|| "-".to_owned(), |ms| format!("{ms:.2}"))),
+    ("evaluations", |row| format!("{:.1}", row.evaluations_per_pixel_total)),
+    ("clauses", |row| format!("{:.1}", row.evaluations_per_pixel.clauses)),
+    ("tree ms", |row| format!("{:.2}", row.build_ms)),
+    ("cells", |row| row.tree.cells.to_string()),
+    ("KiB", |row| (row.tree.bytes / 1024).to_string()),
+    ("made ms", |row| format!("{:.0}", row.shader_ms + row.first_draw_ms)),
+    ("again ms", |row| format!("{:.0}", row.shader_again_ms + row.first_draw_again_ms)),
+];
+
+impl std::fmt::Display for AllReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(gl) = &self.gl {
+            writeln!(f, "{} ({})", gl.renderer, gl.version)?;
+        }
+        let (width, height) = self.size;
+        writeln!(
+            f,
+            "{width}x{height}, t = {} s, {} frames in each row; medians, counts per pixel",
+            self.at, self.frames
+        )?;
+        writeln!(f, "made: the program, with its first draw; again: the same once more")?;
+        write!(f, "\n{:<14}{:<13}{:<8}", "scene", "mode", "tree")?;
+        for (title, _) in COLUMNS {
+            write!(f, "{title:>12}")?;
+        }
+        for SceneEntry { scene, report, error } in &self.scenes {
+            if let Some(error) = error {
+                write!(f, "\n{scene:<14}{error}")?;
+            }
+            let Some(report) = report else { continue };
+            for row in &report.modes {
+                let tree = if row.regions { "on" } else { "off" };
+                write!(f, "\n{scene:<14}{:<13}{tree:<8}", row.mode.to_string())?;
+                for (_, value) in COLUMNS {
+                    write!(f, "{:>12}", value(row))?;
+                }
+            }
+            if let Some(edit) = &report.edit {
+                write!(f, "\n{scene:<14}an edit: {edit}")?;
+            }
+            for note in &report.notes {
+                write!(f, "\n{scene:<14}{note}")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,69 @@
+//! How long an edit takes to be seen: from a new text to the interpreted picture, and to the compiled one.
+
+use std::time::{Instant, SystemTime};
+
+use super::{BenchRequest, EditReport, Run, milliseconds};
+use crate::export::error::ExportError;
+use crate::frame::Frame;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::{Counting, Renderer};
+use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
+use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::scenes::ReadyScene;
+use mariana_music::Sound;
+
+/// Adds a small ball to the scene, at a place where there never was one, so that no driver knows the program.
+///
+/// # Errors
+/// A scene that is a single formula, or that cannot be read or drawn.
+pub(super) fn measure_edit(
+    renderer: &mut Renderer,
+    request: &BenchRequest,
+    before: &SceneResources,
+    sound: Sound,
+    runs: &[Run],
+) -> Result<EditReport, ExportError> {
+    let gl = renderer.gl().clone();
+    let source = &request.scene.source;
+    let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    let height = f64::from(since.subsec_nanos()) * 1e-9;
+    let edited = format!(
+        "{}\nobject benchmark_edit {{ shape = length(p - vec3(0, {height:.9}, 0)) - 0.01 }}\n",
+        source.text()?
+    );
+
+    let start = Instant::now();
+    let ReadyScene { world, buffers, plan } = source.ready_as(&edited)?;
+    let resources =
+        SceneResources::upload_after(Some(before), &gl, world.clone(), buffers.clone(), plan.clone())?;
+    let frame = Frame::new(&world, request.at, sound, request.size);
+    let built = BuiltRegions::new(resources.plan(), &frame.inputs, resources.region_request(&frame));
+    resources.take_regions(built.into());
+    let prepared = start.elapsed();
+    let mut draw = |program: &Program, start: Instant| {
+        renderer.draw(&frame, &resources, program)?;
+        gl.finish();
+        Ok::<_, ExportError>(milliseconds(prepared + start.elapsed()))
+    };
+    let (mut interpreted_ms, mut new_interpreter) = (None, false);
+    if Interpreter::fits(&buffers, &plan, gl.info()).is_ok() {
+        let start = Instant::now();
+        let wanted = Interpreter::for_scene(world.traits, &buffers, &plan, gl.info());
+        let known = runs.iter().find(|run| run.mode == Mode::Interpreted).filter(|_| {
+            let (buffers, plan) = (before.buffers(), before.plan());
+            Interpreter::for_scene(before.world().traits, buffers, plan, gl.info()).covers(&wanted)
+        });
+        interpreted_ms = Some(match known {
+            Some(run) => draw(&run.program, start)?,
+            None => {
+                new_interpreter = true;
+                let variant = wanted.variant(Counting::Off);
+                draw(&link_scene(&gl, &request.scene.shaders, &variant)?, start)?
+            }
+        });
+    }
+    let start = Instant::now();
+    let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off)?;
+    let compiled_ms = draw(&link_scene(&gl, &request.scene.shaders, &variant)?, start)?;
+    Ok(EditReport { interpreted_ms, new_interpreter, compiled_ms })
+}

@@ -1,0 +1,34 @@
+//! What the limiter's shaders share with [`super::Limiter`]: its numbers, as GLSL.
+
+use super::fields::{HEIGHT, WIDTH};
+use super::limiter::{AREA, FOLLOW, GREY, HOLD, LEVEL_ERROR, RED_RELEASE, RELEASE, SWING};
+use super::swing::{FLARE, LIGHT_CHANGE, LIGHT_DARKER, RED, RED_CHANGE, RED_SHARE, ROUNDING};
+use super::{COLUMNS, FLASHES_MAX, ROWS};
+
+const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest one");
+const _: () = assert!(COLUMNS.is_multiple_of(2) && COLUMNS <= 48, "half a row is the bits of a float");
+const _: () = assert!(WIDTH <= 16 && HEIGHT <= 16 && WIDTH < COLUMNS / 2, "bits are counted in 16");
+
+/// The text of `flash_rules.glsl`.
+pub fn rules_glsl() -> String {
+    let wholes = [("COLUMNS", COLUMNS), ("ROWS", ROWS), ("FIELD_COLUMNS", WIDTH), ("FIELD_ROWS", HEIGHT)];
+    let numbers = [
+        ("LIGHT_CHANGE", LIGHT_CHANGE),
+        ("LIGHT_DARKER", LIGHT_DARKER),
+        ("RED_SHARE", RED_SHARE),
+        ("RED_CHANGE", RED_CHANGE),
+        ("FLARE", FLARE),
+        ("ROUNDING", ROUNDING as f32),
+        ("AREA", AREA as f32),
+        ("HOLD", HOLD as f32),
+        ("SWING", SWING),
+        ("FOLLOW", FOLLOW),
+        ("RELEASE", RELEASE),
+        ("GREY", GREY),
+        ("RED_RELEASE", RED_RELEASE),
+        ("LEVEL_ERROR", LEVEL_ERROR),
+    ];
+    let wholes = wholes.map(|(name, value)| format!("const int {name} = {value};\n")).concat();
+    let numbers = numbers.map(|(name, value)| format!("const float {name} = {value:?};\n")).concat();
+    format!("{wholes}{numbers}const vec2 RED = vec2({:?}, {:?});\n", RED[0], RED[1])
+}

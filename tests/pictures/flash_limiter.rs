@@ -1,0 +1,258 @@
+//! The flash limiter on the GPU before sequences made to break it: judged by the analyser, which shares nothing with
+//! it but the definition of a flash, and compared with the limiter on the processor.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)]
+
+use mariana::flash::{Analyser, CELLS, COLUMNS, Correction, Flashes, Grid, Limiter, ROWS};
+use mariana::gpu::flash_pass::FlashPass;
+use mariana::gpu::headless::Headless;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::gpu::target::{Target, Texel};
+
+/// Two pixels to each side of a cell.
+const SIZE: (u32, u32) = (2 * COLUMNS as u32, 2 * ROWS as u32);
+
+type Color = [u8; 3];
+
+const BLACK: Color = [0; 3];
+const WHITE: Color = [255; 3];
+const RED: Color = [255, 0, 0];
+
+/// The pass, the processor's limiter beside it, and an analyser of what is shown.
+struct Bench {
+    pass: FlashPass,
+    finished: Target,
+    shown: Target,
+    limiter: Limiter,
+    analyser: Analyser,
+    time: f64,
+    /// Pictures that were changed.
+    changed: usize,
+    /// Cells of all pictures, and those in which the two limiters differ.
+    cells: usize,
+    differing: usize,
+    // Last: what it holds is dropped first.
+    _context: Headless,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let context = Headless::new(false).unwrap();
+        let gl = context.gl();
+        let picture = || Target::new(gl, SIZE, &[Texel::Rgba8], None).unwrap();
+        Self {
+            pass: FlashPass::new(gl, &ShaderLibrary::embedded()).unwrap(),
+            finished: picture(),
+            shown: picture(),
+            limiter: Limiter::default(),
+            analyser: Analyser::default(),
+            time: 0.0,
+            changed: 0,
+            cells: 0,
+            differing: 0,
+            _context: context,
+        }
+    }
+
+    /// Begins another sequence.
+    fn begin(&mut self) {
+        self.pass.forget();
+        (self.limiter, self.analyser, self.time) = Default::default();
+        (self.changed, self.cells, self.differing) = Default::default();
+    }
+
+    /// Shows a picture of these cells, the top row first, `seconds` after the last one.
+    fn show(&mut self, seconds: f64, color: impl Fn(usize) -> Color) {
+        let pixel = |at: usize| {
+            let (x, y) = (at % (2 * COLUMNS) / 2, at / (2 * COLUMNS) / 2);
+            let [r, g, b] = color(y * COLUMNS + x);
+            [r, g, b, 255]
+        };
+        let bytes: Vec<u8> = (0..4 * CELLS).flat_map(pixel).collect();
+        self.finished.put_rgba8((0, 0), SIZE, &bytes);
+        self.pass.take(&self.finished, seconds);
+        self.finished.blit_to(&self.shown);
+        self.pass.limit(&self.finished, &self.shown);
+        let shown = self.shown.read_rgba8(0);
+        self.time += seconds;
+        self.analyser.note(self.time, &Grid::of_picture(&shown, SIZE));
+        self.changed += usize::from(shown != bytes);
+
+        let (cells, corrections) = self.pass.read();
+        let none = vec![Correction { gain: 1.0, grey: 0.0, limited: false, level: false }; CELLS];
+        let expected = self.limiter.limit(seconds, &cells).unwrap_or(&none);
+        let differ = |(a, b): (&Correction, &Correction)| {
+            (a.limited, a.level) != (b.limited, b.level)
+                || (a.gain - b.gain).abs() > 0.01
+                || (a.grey - b.grey).abs() > 0.01
+        };
+        self.cells += CELLS;
+        self.differing += corrections.iter().zip(expected).filter(|pair| differ(*pair)).count();
+        if corrections.iter().all(|correction| !correction.limited) {
+            assert!(shown == bytes, "a picture is changed that is not limited, at {} s", self.time);
+        }
+    }
+
+    /// Fails if more than three flashes were shown in a second, or if the limiters are not the same.
+    fn judge(&self, what: &str) {
+        let Flashes { general, red } = self.analyser.worst();
+        assert!(general <= 3 && red <= 3, "{what}: {general} flashes, {red} red ones");
+        let share = self.differing as f64 / self.cells.max(1) as f64;
+        // A sum rounded otherwise may decide otherwise.
+        assert!(share < 0.01, "{what}: the limiters differ in {share:.4} of the cells");
+    }
+}
+
+/// Random numbers that are the same each time.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as u32
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        self.next() as usize % end.max(1)
+    }
+
+    /// 0..1
+    fn share(&mut self) -> f64 {
+        f64::from(self.next()) / f64::from(1_u32 << 31)
+    }
+
+    fn color(&mut self) -> Color {
+        match self.below(5) {
+            0 => BLACK,
+            1 => WHITE,
+            2 => RED,
+            3 => [self.next() as u8; 3],
+            _ => [self.next() as u8, self.next() as u8, self.next() as u8],
+        }
+    }
+}
+
+/// A rectangle that goes on and off.
+struct Lamp {
+    columns: std::ops::Range<usize>,
+    rows: std::ops::Range<usize>,
+    colors: [Color; 2],
+    hz: f64,
+    phase: f64,
+}
+
+impl Lamp {
+    fn random(random: &mut Random) -> Self {
+        let (left, top) = (random.below(COLUMNS), random.below(ROWS));
+        let (width, height) = (1 + random.below(COLUMNS), 1 + random.below(ROWS));
+        Self {
+            columns: left..left + width,
+            rows: top..top + height,
+            colors: [random.color(), random.color()],
+            hz: 1.0 + 25.0 * random.share().powi(2),
+            phase: random.share(),
+        }
+    }
+
+    fn color(&self, cell: usize, time: f64) -> Option<Color> {
+        let inside = self.columns.contains(&(cell % COLUMNS)) && self.rows.contains(&(cell / COLUMNS));
+        let on = (time * self.hz + self.phase).fract() < 0.5;
+        inside.then(|| self.colors[usize::from(on)])
+    }
+}
+
+#[test]
+fn strobes_of_any_rate_and_colour_keep_three_flashes_a_second() {
+    let mut bench = Bench::new();
+    let colors = [(WHITE, BLACK), (RED, BLACK), (RED, WHITE), ([120; 3], [190; 3])];
+    let rates = [(3.7, 24.0), (4.0, 30.0), (5.0, 60.0), (12.0, 60.0), (30.0, 60.0)];
+    for ((on, off), (hz, fps)) in colors.into_iter().flat_map(|colors| rates.map(|rate| (colors, rate))) {
+        bench.begin();
+        for frame in 0..(2.5 * fps) as usize {
+            let is_on = (frame as f64 / fps * hz + 1e-9).fract() < 0.5;
+            bench.show(1.0 / fps, |_| if is_on { on } else { off });
+        }
+        bench.judge(&format!("{on:?} and {off:?} at {hz} Hz and {fps} fps"));
+        assert!(bench.changed > 0, "{hz} Hz at {fps} fps goes untouched");
+    }
+}
+
+#[test]
+fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
+    let mut bench = Bench::new();
+    let mut changed = 0;
+    for seed in 0..24 {
+        let mut random = Random(seed);
+        bench.begin();
+        let ground = random.color();
+        let lamps: Vec<Lamp> = (0..1 + random.below(6)).map(|_| Lamp::random(&mut random)).collect();
+        let (slowest, jitter) = (1.0 / 100.0 + random.share() / 30.0, random.share());
+        while bench.time < 3.0 {
+            let seconds = slowest * (1.0 - 0.5 * jitter * random.share());
+            let time = bench.time + seconds;
+            bench.show(seconds, |cell| {
+                lamps.iter().rev().find_map(|lamp| lamp.color(cell, time)).unwrap_or(ground)
+            });
+        }
+        bench.judge(&format!("lamps {seed}"));
+        changed += usize::from(bench.changed > 0);
+    }
+    assert!(changed > 6, "only {changed} sequences are limited");
+}
+
+#[test]
+fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
+    let mut bench = Bench::new();
+    for seed in 100..112 {
+        let mut random = Random(seed);
+        bench.begin();
+        let mut levels = [BLACK; 12];
+        while bench.time < 4.0 {
+            for level in &mut levels {
+                // Bursts and pauses.
+                if random.share() < if bench.time % 2.0 < 1.2 { 0.6 } else { 0.02 } {
+                    *level = random.color();
+                }
+            }
+            let seconds = 0.004 + 0.036 * random.share();
+            bench.show(seconds, |cell| levels[cell % COLUMNS / 12 + 4 * (cell / COLUMNS / 12)]);
+        }
+        bench.judge(&format!("levels {seed}"));
+        assert!(bench.changed > 0, "{seed}");
+    }
+}
+
+#[test]
+fn calm_pictures_stay_bit_for_bit() {
+    let mut bench = Bench::new();
+    for frame in 0..180_usize {
+        let time = frame as f64 / 60.0;
+        // A strobe of three flashes a second, a lamp that is small, a faint flicker, a swell.
+        bench.show(1.0 / 60.0, |cell| {
+            let (x, y) = (cell % COLUMNS, cell / COLUMNS);
+            match (x < 24, y < 18) {
+                (true, true) => [if (time * 3.0 + 1e-9).fract() < 0.5 { 255 } else { 0 }; 3],
+                (false, true) if x < 30 && y < 6 => [if frame % 6 < 3 { 255 } else { 0 }; 3],
+                (false, true) => [if frame % 4 < 2 { 170 } else { 180 }; 3],
+                _ => [(120.0 + 100.0 * (time + x as f64 * 0.1).sin()) as u8; 3],
+            }
+        });
+    }
+    assert_eq!(bench.changed, 0);
+    bench.judge("what is calm");
+}
+
+#[test]
+fn no_frame_time_breaks_it() {
+    let mut bench = Bench::new();
+    for seconds in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-9, 1e9, 1.0 / 60.0] {
+        for frame in 0..16 {
+            let bytes = vec![if frame % 2 == 0 { 0 } else { 255 }; 4 * 4 * CELLS];
+            bench.finished.put_rgba8((0, 0), SIZE, &bytes);
+            bench.pass.take(&bench.finished, seconds);
+            let (_, corrections) = bench.pass.read();
+            assert!(corrections.iter().all(|correction| (0.0..=1.0).contains(&correction.gain)));
+        }
+    }
+}
