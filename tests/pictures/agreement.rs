@@ -9,7 +9,7 @@ use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texture_buffer::BufferTexel;
-use mariana_field::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
+use mariana_field::graph::{CELL_HASH_GLSL, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
 use mariana_field::tape::interpreter::Variant;
 use mariana_field::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
 
@@ -50,12 +50,12 @@ struct Programs {
 
 impl Programs {
     fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
-        let variant = Variant::of(tapes, every_case);
+        let variant = Variant { compounds: Compounds::ALL, ..Variant::of(tapes, every_case) };
         let (mut texels, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for tape in tapes {
             starts.push(texels.len() as f32);
             tape.table_values(frame, &mut values);
-            tape.append_texels(&values, &mut texels);
+            tape.append_texels(&values, Compounds::ALL, &mut texels);
         }
         let regional = tapes.iter().map(|tape| {
             // A region knows x, y, z and one number more, at the start alone.
@@ -72,7 +72,11 @@ impl Programs {
     fn text(&self, main: &str) -> String {
         let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
             "#include \"operators.glsl\"",
-            &self.variant.text(&self.variant.operators, self.variant.registers.min(REGION_REGISTERS)),
+            &self.variant.text(
+                &self.variant.operators,
+                self.variant.compounds,
+                self.variant.registers.min(REGION_REGISTERS),
+            ),
         );
         format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
     }
