@@ -9,7 +9,9 @@ use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texture_buffer::BufferTexel;
-use mariana_field::graph::{CELL_HASH_GLSL, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
+use mariana_field::graph::{
+    CELL_HASH_GLSL, Compound, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point,
+};
 use mariana_field::tape::interpreter::Variant;
 use mariana_field::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
 
@@ -308,6 +310,38 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
     }
     assert!(wrong.is_empty(), "{} values, such as\n{}", wrong.len(), wrong[..wrong.len().min(40)].join("\n"));
     assert!(trusted.iter().all(|count| *count > points.len() / 2), "{trusted:?}");
+}
+
+#[test]
+fn every_compound_agrees() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let numbers: Vec<f32> = operands().into_iter().filter(|number| number.abs() <= 100.0).collect();
+    let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
+    const C: f32 = 0.7;
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let roots: Vec<NodeId> =
+        Compound::ALL.iter().map(|compound| compound.nodes(&mut graph, x, y, C)).collect();
+    let normals = vec![[0.0; 3]; roots.len()];
+    for every_case in [true, false] {
+        let found = run(&studio, &graph, &roots, &TapeOptions::default(), every_case, &points, &normals);
+        for (row, compound) in Compound::ALL.iter().enumerate() {
+            for (column, &[a, b, _]) in points.iter().enumerate() {
+                let right = flushed(compound.value(a, b, C, &frame()));
+                // What is subtracted may be as large as the square of an operand.
+                let rounding = 4e-7 * (1.0 + a * a * (1.0 + a.abs()) + b * b);
+                let mut kinds = 0;
+                for (kind, got) in found.at(row, column) {
+                    kinds += 1;
+                    assert!(
+                        close(flushed(got), right, 1e-6, rounding),
+                        "{compound:?}({a:e}, {b:e}) is {right:e}; {kind}, every case {every_case}: {got:e}"
+                    );
+                }
+                assert!(kinds > 0);
+            }
+        }
+    }
 }
 
 /// How far the result of an operator is moved to see what becomes of rounding: what [`ROWS`] says, and two units in

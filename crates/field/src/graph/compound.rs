@@ -12,7 +12,9 @@
 
 use std::fmt::Write as _;
 
+use super::Graph;
 use super::frame_inputs::FrameInputs;
+use super::node::{Node, NodeId};
 use super::op::{Op, Properties};
 
 /// Most parts of a compound.
@@ -154,20 +156,39 @@ impl Compound {
         let mut values = [0.0; PARTS_MAX];
         let mut last = 0.0;
         for (place, part) in self.parts().iter().enumerate() {
-            let of = |from: Reads| match from {
+            let [first, second] = [part.a, part.b].map(|reads| match reads {
                 Reads::A => a,
                 Reads::B => b,
                 Reads::C => c,
                 Reads::QuarterOverC => 0.25 / c,
                 Reads::Always(number) => number,
                 Reads::Part(earlier) => values.get(earlier).copied().unwrap_or(0.0),
-            };
-            last = part.op.value(of(part.a), of(part.b), frame);
+            });
+            last = part.op.value(first, second, frame);
             if let Some(value) = values.get_mut(place) {
                 *value = last;
             }
         }
         last
+    }
+
+    /// Its operators as nodes of a graph; gives the last one.
+    pub fn nodes(self, graph: &mut Graph, a: NodeId, b: NodeId, c: f32) -> NodeId {
+        let mut nodes: Vec<NodeId> = Vec::with_capacity(PARTS_MAX);
+        for part in self.parts() {
+            let [a, b] = [part.a, part.b].map(|reads| match reads {
+                Reads::A => a,
+                Reads::B => b,
+                Reads::C => graph.constant(c),
+                Reads::QuarterOverC => graph.constant(0.25 / c),
+                Reads::Always(number) => graph.constant(number),
+                Reads::Part(earlier) => nodes.get(earlier).copied().unwrap_or_default(),
+            });
+            let node =
+                if part.op.arity() == 1 { Node::Unary(part.op, a) } else { Node::Binary(part.op, a, b) };
+            nodes.push(graph.raw(node));
+        }
+        nodes.last().copied().unwrap_or_default()
     }
 
     /// Writes GLSL: declarations of the values between, which are put before the statement that reads them, and the
@@ -179,7 +200,7 @@ impl Compound {
     ) -> (String, String) {
         let (mut before, mut expression) = (String::new(), String::new());
         let name = |part: usize| format!("{}_{part}", self.name().to_lowercase());
-        let of = |from: Reads| match from {
+        let of = |reads: Reads| match reads {
             Reads::A => "a".to_owned(),
             Reads::B => "b".to_owned(),
             Reads::C => "c".to_owned(),
@@ -231,7 +252,7 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// Those that save at least one clause in fifty. The others would cost more than they save: a renderer that never
+    /// Those that save at least one clause in a hundred. The others would cost more than they save: a renderer that never
     /// skips a branch computes every operator of a variant for every clause. `count` finds, with these compounds, how
     /// often each is used, by its place in [`Compound::ALL`], and of how many operators.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
@@ -253,7 +274,7 @@ impl Compounds {
 }
 
 /// Of this many clauses a compound must save one.
-const CLAUSES_PER_SAVED: usize = 50;
+const CLAUSES_PER_SAVED: usize = 100;
 
 /// How often compounds are used.
 #[derive(Debug, Clone, Copy, Default)]
@@ -371,7 +392,9 @@ fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Opt
             continue;
         }
         let parts = compound.parts();
-        let Some(bound) = fit(values, parts, parts.len() - 1, last, false, Bound::default()) else { continue };
+        let Some(bound) = fit(values, parts, parts.len() - 1, last, false, Bound::default()) else {
+            continue;
+        };
         let c = bound.c.unwrap_or(0.0);
         let (Some(a), quarter) = (bound.a, bound.quarter) else { continue };
         if quarter.is_some_and(|quarter| quarter != 0.25 / c) {
@@ -433,17 +456,13 @@ fn fit(
 fn fit_operand(
     values: &impl Values,
     parts: &[Part],
-    (from, arg): (Reads, Arg),
+    (reads, arg): (Reads, Arg),
     negated: bool,
     mut bound: Bound,
 ) -> Option<Bound> {
-    match (from, arg) {
-        (Reads::A, Arg::Value(value)) => {
-            (*bound.a.get_or_insert(value) == value).then_some(bound)
-        }
-        (Reads::B, Arg::Value(value)) => {
-            (*bound.b.get_or_insert(value) == value).then_some(bound)
-        }
+    match (reads, arg) {
+        (Reads::A, Arg::Value(value)) => (*bound.a.get_or_insert(value) == value).then_some(bound),
+        (Reads::B, Arg::Value(value)) => (*bound.b.get_or_insert(value) == value).then_some(bound),
         (Reads::C, Arg::Number(number)) => {
             let number = if negated { -number } else { number };
             (*bound.c.get_or_insert(number) == number).then_some(bound)
@@ -459,5 +478,93 @@ fn fit_operand(
             fit(values, parts, earlier, values.operation(value)?, negated, bound)
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Input, Point};
+    use super::*;
+    use crate::tape::{Tape, TapeOptions};
+
+    fn only(compound: Compound) -> Compounds {
+        let mut one = Compounds::NONE;
+        one.insert(compound);
+        one
+    }
+
+    /// The opcodes of a tape for an interpreter with these compounds.
+    fn opcodes(graph: &Graph, root: NodeId, compounds: Compounds) -> Vec<u8> {
+        let tape = Tape::build(graph, &[root], &TapeOptions::default()).unwrap();
+        let table: Vec<f32> = tape.table().iter().map(|entry| entry.constant().unwrap()).collect();
+        let mut texels = Vec::new();
+        tape.append_texels(&table, compounds, &mut texels);
+        let words = texels.iter().flat_map(|texel| [texel[0], texel[2]]);
+        words.map(|word| word as u8).filter(|opcode| *opcode != crate::tape::opcode::END).collect()
+    }
+
+    #[test]
+    fn every_compound_is_found_and_gives_the_bits_of_its_operators() {
+        for &compound in Compound::ALL {
+            for c in [0.7, -1.3, 3.0] {
+                let mut graph = Graph::new();
+                let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+                let root = compound.nodes(&mut graph, x, y, c);
+                assert!(Compounds::ALL.covers(only(compound)));
+                assert_eq!(opcodes(&graph, root, only(compound)), [compound.number()], "{compound:?}");
+                assert_eq!(opcodes(&graph, root, Compounds::ALL), [compound.number()], "{compound:?}");
+                assert!(opcodes(&graph, root, Compounds::NONE).len() == compound.operators());
+                let frame = FrameInputs::default();
+                for [a, b] in [[0.3, -0.8], [-2.5, 0.1], [0.0, 0.0], [1e20, -1e30], [f32::INFINITY, 1.0]] {
+                    let wanted = graph.evaluate(&[root], &Point::at(a, b, 0.0), &frame).unwrap()[0];
+                    let found = compound.value(a, b, c, &frame) + 0.0;
+                    let same = wanted.to_bits() == found.to_bits() || wanted.is_nan() && found.is_nan();
+                    assert!(same, "{compound:?}({a}, {b}, {c}): {found} {wanted}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_product_may_be_subtracted_and_a_number_added_either_way() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+        let number = graph.constant(0.75);
+        let product = graph.raw(Node::Binary(Op::Mul, x, number));
+        let difference = graph.raw(Node::Binary(Op::Sub, y, product));
+        assert_eq!(opcodes(&graph, difference, Compounds::ALL), [Compound::MulAdd.number()]);
+        let less = graph.raw(Node::Binary(Op::Sub, x, number));
+        let least = graph.raw(Node::Binary(Op::Min, y, less));
+        assert_eq!(opcodes(&graph, least, Compounds::ALL), [Compound::AddMin.number()]);
+    }
+
+    #[test]
+    fn what_is_read_twice_and_other_numbers_stay() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+        let number = graph.constant(0.75);
+        let product = graph.raw(Node::Binary(Op::Mul, x, number));
+        let sum = graph.raw(Node::Binary(Op::Add, product, y));
+        let both = graph.raw(Node::Binary(Op::Min, sum, product));
+        assert_eq!(opcodes(&graph, both, Compounds::ALL).len(), 3);
+        let low = graph.raw(Node::Binary(Op::Max, x, number));
+        let one = graph.constant(1.0);
+        let clamped = graph.raw(Node::Binary(Op::Min, low, one));
+        assert_eq!(opcodes(&graph, clamped, Compounds::ALL).len(), 2);
+    }
+
+    #[test]
+    fn a_compound_pays_from_one_clause_in_a_hundred_on() {
+        let count = |operators: usize| {
+            Compounds::that_pay(|compounds| {
+                let mut uses = Uses::default();
+                for _ in 0..operators - 2 {
+                    uses.add(None);
+                }
+                uses.add(compounds.iter().find(|compound| *compound == Compound::MulAdd));
+                uses
+            })
+        };
+        assert_eq!((count(100), count(101)), (only(Compound::MulAdd), Compounds::NONE));
     }
 }

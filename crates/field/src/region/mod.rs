@@ -237,7 +237,8 @@ impl RegionPlan {
     /// The program with the numbers of a frame folded in. Without a known frame its tables are unknown values.
     fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
         let unknown = Arg::Value(program::PENUMBRA);
-        let reads_frame = |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
+        let reads_frame =
+            |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
         let mut places = vec![Arg::Number(0.0); self.graph_nodes];
         for (index, node) in &self.nodes {

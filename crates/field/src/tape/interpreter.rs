@@ -58,7 +58,8 @@ impl Tape {
             let mut uses = Uses::default();
             for tape in tapes.clone() {
                 // Constants are known. The number of an input is not: no rule knows this one.
-                let table: Vec<f32> = tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
+                let table: Vec<f32> =
+                    tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
                 let mut clauses = RunClauses::of(tape, &table);
                 clauses.compound(compounds, tape.outputs());
                 for clause in clauses.kept() {
@@ -197,7 +198,12 @@ impl Variant {
         for (whose, (operators, compounds)) in [("region", region), ("tape", tape)] {
             let (rare, common): (Vec<Op>, Vec<Op>) =
                 operators.iter().partition(|op| self.every_case && is_rare(**op));
-            self.write_function(text, whose, "common", common.into_iter().map(Case::of).chain(compounds.iter().map(Case::of_compound)));
+            self.write_function(
+                text,
+                whose,
+                "common",
+                common.into_iter().map(Case::of).chain(compounds.iter().map(Case::of_compound)),
+            );
             if self.every_case {
                 self.write_function(text, whose, "rare", rare.iter().copied().map(Case::of));
                 let numbers: Vec<String> =

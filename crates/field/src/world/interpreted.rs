@@ -203,13 +203,7 @@ impl World {
                 Variant { textures: self.pictures.len(), compounds, ..variant }
             })
         };
-        Ok(TapeBuffers {
-            variant: on_gpu,
-            software_variant: on_processor,
-            programs,
-            of_objects,
-            cost,
-        })
+        Ok(TapeBuffers { variant: on_gpu, software_variant: on_processor, programs, of_objects, cost })
     }
 }
 
