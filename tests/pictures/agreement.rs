@@ -516,7 +516,9 @@ fn glslang_takes_every_kind_of_interpreter() {
         for (registers, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
             let operators = Op::ALL.iter().copied().collect();
             let inputs = memory > 0;
-            let variant = Variant { operators, registers, memory, samples, textures: 0, inputs, every_case };
+            let compounds = Compounds::ALL;
+            let variant =
+                Variant { operators, compounds, registers, memory, samples, textures: 0, inputs, every_case };
             let text = Programs { variant: variant.clone(), ..programs.clone() }.text(RUN);
             if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
                 panic!("{variant:?}: {complaint}");

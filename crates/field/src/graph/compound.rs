@@ -252,7 +252,7 @@ impl Compounds {
         self.0 |= compound.bit();
     }
 
-    /// Those that save at least one clause in a hundred. The others would cost more than they save: a renderer that never
+    /// Those that save at least one clause in forty. The others would cost more than they save: a renderer that never
     /// skips a branch computes every operator of a variant for every clause. `count` finds, with these compounds, how
     /// often each is used, by its place in [`Compound::ALL`], and of how many operators.
     pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
@@ -274,7 +274,7 @@ impl Compounds {
 }
 
 /// Of this many clauses a compound must save one.
-const CLAUSES_PER_SAVED: usize = 100;
+const CLAUSES_PER_SAVED: usize = 40;
 
 /// How often compounds are used.
 #[derive(Debug, Clone, Copy, Default)]
@@ -554,7 +554,7 @@ mod tests {
     }
 
     #[test]
-    fn a_compound_pays_from_one_clause_in_a_hundred_on() {
+    fn a_compound_pays_from_one_clause_in_forty_on() {
         let count = |operators: usize| {
             Compounds::that_pay(|compounds| {
                 let mut uses = Uses::default();
@@ -565,6 +565,6 @@ mod tests {
                 uses
             })
         };
-        assert_eq!((count(100), count(101)), (only(Compound::MulAdd), Compounds::NONE));
+        assert_eq!((count(40), count(41)), (only(Compound::MulAdd), Compounds::NONE));
     }
 }
