@@ -2,8 +2,8 @@
 // `crates/field/src/tape/`; texels, the variant's defines and its operators in
 // `crates/field/src/tape/interpreter.rs`, which writes operators.glsl.
 //
-// A texel holds two clauses, each followed by its immediate. The second clause of the last texel is END, with the
-// registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
+// A texel holds two clauses, each followed by its immediate, which a compound reads besides its two registers. The
+// second clause of the last texel is END, with the registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
 // region's tape, the place of the normal's x holds the distance beyond which a surface casts no shadow.
 //
 // There are two loops over clauses. EVERY_CASE is for renderers that never skip a branch: both clauses of a texel stand

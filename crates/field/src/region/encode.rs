@@ -3,10 +3,13 @@
 //! | word | holds |
 //! |---|---|
 //! | 0, 2 | a clause, as in [`crate::tape`] |
-//! | 1, 3 | its immediate, in place of the operand that is not a register |
+//! | 1, 3 | its immediate, in place of the operand that is not a register; for compounds besides two registers |
 //!
 //! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
 //! operators ([`is_rare`]) come second in a texel; if no other clause precedes one, the first clause does nothing.
+//!
+//! Several operators may stand as one compound ([`Compound`]): they are put together behind pruning, so that none of
+//! their choices is lost.
 
 use super::program::{Arg, Form, INPUTS, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};

@@ -8,6 +8,9 @@
 //! END, with the registers of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) come second in
 //! a texel, and the shader computes them between runs of texels.
 //!
+//! **Compounds** ([`Compound`]) stand for several clauses, where their registers still hold what these read. Which ones
+//! a scene's tapes have is decided once, by what they save whatever a frame's numbers are.
+//!
 //! **Variants.** The text holds only the operators of a [`Variant`]. `EVERY_CASE` is for renderers that never skip a
 //! branch (llvmpipe): all cases are computed and the result is selected. Without it the case is searched by halves.
 //!
