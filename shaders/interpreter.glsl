@@ -2,8 +2,8 @@
 // `crates/field/src/tape/`; texels, the variant's defines and its operators in
 // `crates/field/src/tape/interpreter.rs`, which writes operators.glsl.
 //
-// A texel holds two clauses, each followed by its immediate. The second clause of the last texel is END, with the
-// registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
+// A texel holds two clauses, each followed by its immediate, which a compound reads besides its two registers. The
+// second clause of the last texel is END, with the registers of two results in its bytes 2 and 3. At the start the registers hold x, y, z and the normal; for a
 // region's tape, the place of the normal's x holds the distance beyond which a surface casts no shadow.
 //
 // There are two loops over clauses. EVERY_CASE is for renderers that never skip a branch: both clauses of a texel stand
@@ -101,7 +101,7 @@ void region_clause(uint word, uint immediate, CLAUSE_PLACE last, out float a, ou
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
-    float r = region_common(number, a, b);
+    float r = region_common(number, a, b, uintBitsToFloat(immediate));
     uint at = written_register(word, last);
     REGION_WRITE(at, r);
 }
@@ -127,7 +127,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
             if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
         }
         if ((words.z & 255u) == 0u) break;
-        float r = region_rare(operator_number(words.z), a, b);
+        float r = region_rare(operator_number(words.z), a, b, 0.0);
         REGION_WRITE(BYTE(words.z, 1), r);
     }
 #else
@@ -158,7 +158,7 @@ void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, o
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 3);
-    float r = tape_common(number, a, b);
+    float r = tape_common(number, a, b, uintBitsToFloat(immediate));
 #ifdef INPUT_CLAUSES
     r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
     r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
@@ -203,7 +203,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
             if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
         }
         if ((words.z & 255u) == 0u) break;
-        float r = tape_rare(operator_number(words.z), a, b);
+        float r = tape_rare(operator_number(words.z), a, b, 0.0);
         WRITE(BYTE(words.z, 1), r);
     }
 #else

@@ -7,7 +7,7 @@ use mariana_field::graph::SoundInput;
 use std::sync::Arc;
 
 use mariana_field::graph::{
-    FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader,
+    Compounds, FrameInputs, Graph, Input, Interval, Node, NodeId, Op, Point, TableData, TextureReader,
 };
 use mariana_field::lang;
 use mariana_field::tape::{
@@ -192,7 +192,7 @@ fn check_tape(graph: &Graph, roots: &[NodeId], tape: &Tape, head: &Head) {
     let frame = &head.frame;
     let (mut numbers, mut texels) = (Vec::new(), vec![[7; 4]; 3]);
     tape.table_values(frame, &mut numbers);
-    tape.append_texels(&numbers, &mut texels);
+    tape.append_texels(&numbers, Compounds::ALL, &mut texels);
     assert!(texels.len() <= 3 + tape.texels_max());
     let mut points = PointEvaluator::new(tape, frame);
     let mut rows: Vec<Vec<f32>> = Vec::new();

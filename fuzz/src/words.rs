@@ -1,6 +1,6 @@
 //! What the interpreter shader does with its texels, on the processor; `mariana_field::tape::interpreter` tells the form.
 
-use mariana_field::graph::{FrameInputs, Point};
+use mariana_field::graph::{Compound, FrameInputs, Point};
 use mariana_field::tape::{Clause, Instruction, Operand, opcode};
 
 /// Runs the tape that begins at a texel; all its registers at the end, and the two that END names.
@@ -24,6 +24,12 @@ pub(crate) fn run(
                 Operand::Register(register) => registers[usize::from(register)],
                 Operand::Immediate(_) => number,
             };
+            let [opcode, output, a, b] = word.to_le_bytes();
+            if let Some(compound) = Compound::from_number(opcode) {
+                let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
+                registers[usize::from(output)] = compound.value(a, b, number, frame);
+                continue;
+            }
             let instruction = Clause::from_word(*word).decode().expect("a word without a meaning");
             let (output, value) = match instruction {
                 Instruction::End if place == 1 => {

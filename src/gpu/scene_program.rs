@@ -97,6 +97,7 @@ impl Interpreter {
             && regions.steep == others.steep
             && regions.registers >= others.registers
             && regions.operators.is_superset(&others.operators)
+            && regions.compounds.covers(others.compounds)
     }
 
     /// Whether a scene's buffers fit what the driver reports.
@@ -122,7 +123,7 @@ impl Interpreter {
         variant.generated.push(("scene_functions.glsl".into(), functions));
         variant.generated.push((
             "operators.glsl".into(),
-            self.tapes.text(&self.regions.operators, self.regions.registers),
+            self.tapes.text(&self.regions.operators, self.regions.compounds, self.regions.registers),
         ));
         variant
     }

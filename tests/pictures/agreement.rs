@@ -9,7 +9,9 @@ use crate::support::glsl::{Stage, check_with_glslang};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::probe::Probe;
 use mariana::gpu::texture_buffer::BufferTexel;
-use mariana_field::graph::{CELL_HASH_GLSL, FrameInputs, Graph, Input, Node, NodeId, Op, Point};
+use mariana_field::graph::{
+    CELL_HASH_GLSL, Compound, Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Point,
+};
 use mariana_field::tape::interpreter::Variant;
 use mariana_field::tape::{Instruction, PointEvaluator, Tape, TapeOptions, glsl};
 
@@ -50,12 +52,12 @@ struct Programs {
 
 impl Programs {
     fn new(tapes: &[Tape], frame: &FrameInputs, every_case: bool) -> Self {
-        let variant = Variant::of(tapes, every_case);
+        let variant = Variant { compounds: Compounds::ALL, ..Variant::of(tapes, every_case) };
         let (mut texels, mut starts, mut values) = (Vec::new(), Vec::new(), Vec::new());
         for tape in tapes {
             starts.push(texels.len() as f32);
             tape.table_values(frame, &mut values);
-            tape.append_texels(&values, &mut texels);
+            tape.append_texels(&values, Compounds::ALL, &mut texels);
         }
         let regional = tapes.iter().map(|tape| {
             // A region knows x, y, z and one number more, at the start alone.
@@ -72,7 +74,11 @@ impl Programs {
     fn text(&self, main: &str) -> String {
         let interpreter = include_str!("../../shaders/interpreter.glsl").replace(
             "#include \"operators.glsl\"",
-            &self.variant.text(&self.variant.operators, self.variant.registers.min(REGION_REGISTERS)),
+            &self.variant.text(
+                &self.variant.operators,
+                self.variant.compounds,
+                self.variant.registers.min(REGION_REGISTERS),
+            ),
         );
         format!("{HEAD}{CELL_HASH_GLSL}{TABLES_GLSL}{interpreter}{main}")
     }
@@ -306,6 +312,38 @@ fn every_operator_agrees_on_ordinary_and_extreme_operands() {
     assert!(trusted.iter().all(|count| *count > points.len() / 2), "{trusted:?}");
 }
 
+#[test]
+fn every_compound_agrees() {
+    let studio = Studio { context: Headless::new(false).unwrap() };
+    let numbers: Vec<f32> = operands().into_iter().filter(|number| number.abs() <= 100.0).collect();
+    let points: Vec<[f32; 3]> = numbers.iter().flat_map(|a| numbers.iter().map(|b| [*a, *b, 0.0])).collect();
+    const C: f32 = 0.7;
+    let mut graph = Graph::new();
+    let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+    let roots: Vec<NodeId> =
+        Compound::ALL.iter().map(|compound| compound.nodes(&mut graph, x, y, C)).collect();
+    let normals = vec![[0.0; 3]; roots.len()];
+    for every_case in [true, false] {
+        let found = run(&studio, &graph, &roots, &TapeOptions::default(), every_case, &points, &normals);
+        for (row, compound) in Compound::ALL.iter().enumerate() {
+            for (column, &[a, b, _]) in points.iter().enumerate() {
+                let right = flushed(compound.value(a, b, C, &frame()));
+                // What is subtracted may be as large as the square of an operand.
+                let rounding = 4e-7 * (1.0 + a * a * (1.0 + a.abs()) + b * b);
+                let mut kinds = 0;
+                for (kind, got) in found.at(row, column) {
+                    kinds += 1;
+                    assert!(
+                        close(flushed(got), right, 1e-6, rounding),
+                        "{compound:?}({a:e}, {b:e}) is {right:e}; {kind}, every case {every_case}: {got:e}"
+                    );
+                }
+                assert!(kinds > 0);
+            }
+        }
+    }
+}
+
 /// How far the result of an operator is moved to see what becomes of rounding: what [`ROWS`] says, and two units in
 /// the last place for arithmetic, which drivers may fuse and regroup.
 fn disturbance(op: Op, a: f32, result: f32) -> f32 {
@@ -478,7 +516,9 @@ fn glslang_takes_every_kind_of_interpreter() {
         for (registers, memory, samples) in [(8, 0, 0), (8, 8, 2), (16, 0, 12), (256, 64, 1)] {
             let operators = Op::ALL.iter().copied().collect();
             let inputs = memory > 0;
-            let variant = Variant { operators, registers, memory, samples, textures: 0, inputs, every_case };
+            let compounds = Compounds::ALL;
+            let variant =
+                Variant { operators, compounds, registers, memory, samples, textures: 0, inputs, every_case };
             let text = Programs { variant: variant.clone(), ..programs.clone() }.text(RUN);
             if let Err(complaint) = check_with_glslang(Stage::Fragment, &text) {
                 panic!("{variant:?}: {complaint}");

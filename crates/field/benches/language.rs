@@ -24,7 +24,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use fidget::context::Context;
 use fidget::eval::MathFunction;
 use fidget::vm::{VmFunction, VmShape};
-use mariana_field::graph::{FrameInputs, Point};
+use mariana_field::graph::{Compounds, FrameInputs, Point};
 use mariana_field::lang::{compile, no_includes};
 use mariana_field::tape::{PointEvaluator, Tape, TapeOptions};
 
@@ -39,7 +39,7 @@ fn words(text: &str) -> Vec<[u32; 4]> {
     let mut words = Vec::new();
     let (tape, mut numbers) = (tape(text), Vec::new());
     tape.table_values(&FrameInputs::default(), &mut numbers);
-    tape.append_texels(&numbers, &mut words);
+    tape.append_texels(&numbers, Compounds::NONE, &mut words);
     words
 }
 

@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use mariana_field::graph::{FrameInputs, Graph, Input, Interval, NodeId, Point};
+use mariana_field::graph::{Compounds, FrameInputs, Graph, Input, Interval, NodeId, Point};
 use mariana_field::tape::{
     Batch, GradientEvaluator, IntervalEvaluator, PointEvaluator, Points, Tape, TapeOptions,
 };
@@ -63,7 +63,7 @@ fn tape(c: &mut Criterion) {
                     let mut words = Vec::new();
                     let mut numbers = Vec::new();
                     tape.table_values(&FrameInputs::default(), &mut numbers);
-                    tape.append_texels(&numbers, &mut words);
+                    tape.append_texels(&numbers, Compounds::NONE, &mut words);
                     words
                 })
             })

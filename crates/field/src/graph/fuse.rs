@@ -2,7 +2,8 @@
 //!
 //! **Fused operators.** Most of a distance consists of lengths, boxes and balls, in which squares, sums, differences
 //! and roots follow each other. An interpreter pays for each clause, so a distance with a third fewer clauses takes a
-//! third less time; only the interpreter gets fused operators. Fusing is bit-exact: the result is rounded as the two
+//! third less time; only the interpreter gets fused operators. Compounds (`compound.rs`) put more of them together when
+//! a tape is written, behind pruning. Fusing is bit-exact: the result is rounded as the two
 //! operators rounded it. Cells use the whole tape far from surfaces, where no ray asks for a distance, and where no
 //! room is left.
 

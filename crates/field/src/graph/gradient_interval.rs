@@ -83,6 +83,25 @@ impl GradientInterval {
         Self { value, gradient: [0, 1, 2].map(each), squares }
     }
 
+    /// A two-operand operator, which is taken apart if it was fused: a sum of squares is known by its parts alone.
+    pub fn in_parts(op: Op, a: &Self, b: &Self, frame: &FrameInputs) -> Self {
+        let one = |op: Op, a: &Self| Self::unary(op, a, frame);
+        let two = |op: Op, a: &Self, b: &Self| Self::binary(op, a, b, frame);
+        match op {
+            Op::SquareAdd => two(Op::Add, &one(Op::Square, a), b),
+            Op::OutsideAdd => {
+                let outside = two(Op::Max, a, &Self::flat(ZERO));
+                two(Op::Add, &one(Op::Square, &outside), b)
+            }
+            Op::SquareDifference => one(Op::Square, &two(Op::Sub, a, b)),
+            Op::AbsDifference => one(Op::Abs, &two(Op::Sub, a, b)),
+            Op::AbsSub => two(Op::Sub, &one(Op::Abs, a), b),
+            Op::SqrtSub => two(Op::Sub, &one(Op::Sqrt, a), b),
+            Op::Length => one(Op::Sqrt, &two(Op::Add, &one(Op::Square, a), b)),
+            _ => two(op, a, b),
+        }
+    }
+
     /// A minimum, maximum or mask has the slopes of the operand it takes; where it may take either, the bounds hold
     /// those of both. (The chain rule alone would allow any weighted sum of both.)
     fn chosen(operands: [(&Self, Interval); 2], value: Interval) -> Self {

@@ -10,6 +10,7 @@
 //! iterative.
 
 mod build;
+mod compound;
 mod dot;
 mod evaluate;
 mod frame_inputs;
@@ -25,6 +26,8 @@ mod slope_rules;
 mod sound_input;
 
 pub use build::PRODUCT_EXPONENT_MAX;
+pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
+pub use compound::{Compound, Compounds, FIRST_COMPOUND};
 pub use evaluate::Point;
 pub use frame_inputs::{FrameInputs, TableData, TextureReader};
 pub use gradient_interval::{GradientInterval, Pieces};

@@ -3,12 +3,16 @@
 //! | word | holds |
 //! |---|---|
 //! | 0, 2 | a clause, as in [`crate::tape`] |
-//! | 1, 3 | its immediate, in place of the operand that is not a register |
+//! | 1, 3 | its immediate, in place of the operand that is not a register; for compounds besides two registers |
 //!
 //! The last texel has END as its second clause, with the registers of the two outputs in its last bytes. Rare
 //! operators ([`is_rare`]) come second in a texel; if no other clause precedes one, the first clause does nothing.
+//!
+//! Several operators may stand as one compound ([`Compound`]): they are put together behind pruning, so that none of
+//! their choices is lost.
 
-use super::program::{Arg, Form, INPUTS, Program, refill};
+use super::program::{Arg, Form, INPUTS, Program, Step, refill};
+use crate::graph::{Compound, Compounds, Operation, Uses, Values};
 use crate::tape::interpreter::is_rare;
 use crate::tape::{Instruction, opcode};
 
@@ -18,9 +22,32 @@ pub(super) const REGISTERS_MAX: usize = 256;
 /// Four words.
 pub(super) type Texel = [u32; 4];
 
+/// A clause before its registers are known.
+#[derive(Debug, Clone, Copy)]
+struct Clause {
+    /// The value that it gives.
+    at: u32,
+    opcode: u8,
+    rare: bool,
+    /// The values that it reads. One that is not read is repeated.
+    a: u32,
+    b: u32,
+    /// Which of the bytes for registers hold one.
+    reads: [bool; 2],
+    number: f32,
+}
+
 /// Writes programs.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Encoder {
+    /// The compounds that may be used ..
+    compounds: Compounds,
+    /// .. where they need no more registers than this.
+    registers_max: usize,
+    /// The clauses of the program, last first.
+    list: Vec<Clause>,
+    /// By value: how often it is read, at most 2.
+    uses: Vec<u8>,
     /// By value: the last step that reads it; `u32::MAX` for values that are read at the end, 0 for values never
     /// read.
     last_use: Vec<u32>,
@@ -33,11 +60,58 @@ pub(super) struct Encoder {
     pub(super) clauses: usize,
 }
 
+impl Clause {
+    fn of(at: u32, step: &Step) -> Self {
+        let (form, reads) = match step.form {
+            // A one-operand operator repeats its operand as the second one, which is not read.
+            Form::Values => (0, [true; 2]),
+            Form::NumberRight => (opcode::REGISTER_IMMEDIATE, [true, false]),
+            Form::NumberLeft => (opcode::IMMEDIATE_REGISTER, [false, true]),
+        };
+        let opcode = step.op.number() + form;
+        Self { at, opcode, rare: is_rare(step.op), a: step.a, b: step.b, reads, number: step.number }
+    }
+}
+
+/// A program of which no step is part of a compound yet.
+struct Uncompounded<'a> {
+    program: &'a Program,
+    uses: &'a [u8],
+}
+
+impl Values for Uncompounded<'_> {
+    #[inline]
+    fn operation(&self, value: u32) -> Option<Operation> {
+        self.program.step(value).map(|step| step.operation())
+    }
+
+    #[inline]
+    fn is_own(&self, value: u32) -> bool {
+        self.uses.get(value as usize) == Some(&1)
+    }
+}
+
 /// The program needs more registers than there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TooManyRegisters;
 
 impl Encoder {
+    /// An encoder that uses these compounds, and at most so many registers where a program can do with them: a
+    /// compound reads its operands later than its parts did, so it may need more.
+    pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
+        Self {
+            compounds,
+            registers_max,
+            list: Vec::new(),
+            uses: Vec::new(),
+            last_use: Vec::new(),
+            register: Vec::new(),
+            texels: Vec::new(),
+            registers: 0,
+            clauses: 0,
+        }
+    }
+
     /// The texels of the program that gives two of its roots.
     pub(super) fn encode(
         &mut self,
@@ -45,7 +119,24 @@ impl Encoder {
         outputs: [usize; 2],
     ) -> Result<&[Texel], TooManyRegisters> {
         let roots = outputs.map(|root| program.roots.get(root).copied().unwrap_or(Arg::Number(0.0)));
-        self.find_last_uses(program, roots);
+        let mut highest = self.encode_with(self.compounds, program, roots);
+        if self.compounds != Compounds::NONE && highest.is_none_or(|highest| highest > self.registers_max) {
+            highest = self.encode_with(Compounds::NONE, program, roots);
+        }
+        self.registers = self.registers.max(highest.ok_or(TooManyRegisters)?);
+        Ok(&self.texels)
+    }
+
+    /// How often each compound is used in the program that was encoded last.
+    pub(super) fn count(&self, uses: &mut Uses) {
+        for clause in &self.list {
+            uses.add(Compound::from_number(clause.opcode));
+        }
+    }
+
+    /// Encodes with some compounds; says how many registers that takes, if there are so many.
+    fn encode_with(&mut self, compounds: Compounds, program: &Program, roots: [Arg; 2]) -> Option<usize> {
+        self.list_clauses(compounds, program, roots);
         self.texels.clear();
         self.clauses = 0;
         self.register.clear();
@@ -57,27 +148,23 @@ impl Encoder {
         }
         let mut highest = INPUTS;
         let mut half = false;
-        for (index, step) in program.steps.iter().enumerate() {
-            let at = INPUTS + index;
-            if self.last_use[at] == 0 {
-                continue;
+        let list = std::mem::take(&mut self.list);
+        for clause in list.iter().rev() {
+            let [a, b] = [clause.a, clause.b].map(|value| self.register[value as usize]);
+            for (value, register) in [(clause.a, a), (clause.b, b)] {
+                free.give_if(self.last_use[value as usize] == clause.at, register);
             }
-            let (a, b) = (self.register[step.a as usize], self.register[step.b as usize]);
-            for (value, register) in [(step.a, a), (step.b, b)] {
-                free.give_if(self.last_use[value as usize] == at as u32, register);
-            }
-            let output = free.take()?;
-            highest = highest.max(usize::from(output) + 1);
-            self.register[at] = output;
-            let (form, a, b) = match step.form {
-                Form::Values => (0, a, b),
-                Form::NumberRight => (opcode::REGISTER_IMMEDIATE, a, 0),
-                Form::NumberLeft => (opcode::IMMEDIATE_REGISTER, 0, b),
+            let Some(output) = free.take() else {
+                self.list = list;
+                return None;
             };
-            // A one-operand operator repeats its operand as the second one, which is not read.
-            let clause = u32::from_le_bytes([step.op.number() + form, output, a, b]);
-            self.write(clause, step.number, is_rare(step.op), &mut half);
+            highest = highest.max(usize::from(output) + 1);
+            self.register[clause.at as usize] = output;
+            let (a, b) = (a * u8::from(clause.reads[0]), b * u8::from(clause.reads[1]));
+            let word = u32::from_le_bytes([clause.opcode, output, a, b]);
+            self.write(word, clause.number, clause.rare, &mut half);
         }
+        self.list = list;
         let mut registers = [0; 2];
         for (register, root) in registers.iter_mut().zip(roots) {
             *register = match root {
@@ -96,8 +183,7 @@ impl Encoder {
             };
         }
         self.end(registers, half);
-        self.registers = self.registers.max(highest);
-        Ok(&self.texels)
+        Some(highest)
     }
 
     /// The texels that were encoded last.
@@ -105,7 +191,12 @@ impl Encoder {
         &self.texels
     }
 
-    fn find_last_uses(&mut self, program: &Program, roots: [Arg; 2]) {
+    /// Lists the clauses that the roots need, last first, and finds the last use of each value.
+    fn list_clauses(&mut self, compounds: Compounds, program: &Program, roots: [Arg; 2]) {
+        if compounds != Compounds::NONE {
+            self.count_uses(program, roots);
+        }
+        self.list.clear();
         refill(&mut self.last_use, program.values(), 0);
         for root in roots {
             if let Arg::Value(value) = root {
@@ -113,15 +204,47 @@ impl Encoder {
             }
         }
         for (index, step) in program.steps.iter().enumerate().rev() {
-            let at = INPUTS + index;
-            if self.last_use[at] == 0 {
+            let at = (INPUTS + index) as u32;
+            if self.last_use[at as usize] == 0 {
                 continue;
             }
-            for value in [step.a, step.b] {
+            let found = compounds.find(&Uncompounded { program, uses: &self.uses }, step.operation());
+            let clause = match found {
+                Some(found) => Clause {
+                    at,
+                    opcode: found.compound.number(),
+                    rare: false,
+                    a: found.registers[0],
+                    b: found.registers[1],
+                    reads: [true; 2],
+                    number: found.number,
+                },
+                None => Clause::of(at, step),
+            };
+            for value in [clause.a, clause.b] {
                 let last = &mut self.last_use[value as usize];
                 if *last == 0 {
-                    *last = at as u32;
+                    *last = at;
                 }
+            }
+            self.list.push(clause);
+        }
+    }
+
+    fn count_uses(&mut self, program: &Program, roots: [Arg; 2]) {
+        refill(&mut self.uses, program.values(), 0);
+        for root in roots {
+            if let Arg::Value(value) = root {
+                self.uses[value as usize] = 2;
+            }
+        }
+        for (index, step) in program.steps.iter().enumerate().rev() {
+            if self.uses[INPUTS + index] == 0 {
+                continue;
+            }
+            self.uses[step.a as usize] = (self.uses[step.a as usize] + 1).min(2);
+            if step.form == Form::Values && step.op.arity() == 2 {
+                self.uses[step.b as usize] = (self.uses[step.b as usize] + 1).min(2);
             }
         }
     }
@@ -164,20 +287,20 @@ impl Default for FreeRegisters {
 impl FreeRegisters {
     /// The lowest free register.
     #[inline(always)]
-    fn take(&mut self) -> Result<u8, TooManyRegisters> {
+    fn take(&mut self) -> Option<u8> {
         if self.first != 0 {
             let register = self.first.trailing_zeros();
             self.first &= self.first - 1;
-            return Ok(register as u8);
+            return Some(register as u8);
         }
         for (part, bits) in self.others.iter_mut().enumerate() {
             if *bits != 0 {
                 let register = 64 * (part as u32 + 1) + bits.trailing_zeros();
                 *bits &= *bits - 1;
-                return Ok(register as u8);
+                return Some(register as u8);
             }
         }
-        Err(TooManyRegisters)
+        None
     }
 
     #[inline(always)]

@@ -120,7 +120,7 @@ fn run(
             });
         }
         values.push(if two {
-            GradientInterval::binary(step.op, &a, &b, frame)
+            GradientInterval::in_parts(step.op, &a, &b, frame)
         } else {
             GradientInterval::unary(step.op, &a, frame)
         });

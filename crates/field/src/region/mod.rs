@@ -55,7 +55,7 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
 
-use crate::graph::{FrameInputs, Graph, Input, Node, NodeId, Op, Properties, TableData};
+use crate::graph::{Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, TableData, Uses};
 use crate::world::World;
 use encode::{Encoder, REGISTERS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
@@ -76,6 +76,8 @@ pub const OBJECT_UNKNOWN: u32 = 255;
 pub struct RegionVariant {
     /// The operators that occur.
     pub operators: BTreeSet<Op>,
+    /// The compounds that may occur.
+    pub compounds: Compounds,
     /// Registers: a power of two, 4 to 256.
     pub registers: usize,
     /// Whether rays need the cells' bounds of the gradient.
@@ -88,6 +90,19 @@ pub struct RegionKey {
     numbers: Vec<u32>,
     tables: Vec<TableData>,
 }
+
+/// What the inputs of a frame are while its numbers are folded in.
+enum Numbers<'a> {
+    /// Unknown values, about which nothing is decided.
+    Unknown,
+    /// Numbers that simplify nothing: what most frames have.
+    Typical,
+    /// Those of a frame.
+    Of(&'a FrameInputs),
+}
+
+/// A number that no rule knows.
+const TYPICAL: f32 = 0.618_034;
 
 /// The part of a world's regions that stays the same from frame to frame.
 #[derive(Debug, Clone)]
@@ -125,8 +140,7 @@ impl RegionPlan {
         has_rest: bool,
         steep: bool,
     ) -> Self {
-        // The parts of a length in a steep distance must stay apart: their slopes have a rule of their own.
-        let fused = if steep { None } else { graph.fused(&mut roots).ok() };
+        let fused = graph.fused(&mut roots).ok();
         let graph = fused.as_ref().unwrap_or(graph);
         // A world's graph has been checked.
         let order = graph.order(&roots).unwrap_or_default();
@@ -146,17 +160,26 @@ impl RegionPlan {
         };
         // Without a known frame nothing is folded: that program has all operators and registers that any frame's may
         // have.
-        let program = plan.folded(None, &FrameInputs::default());
-        let mut encoder = Encoder::default();
+        let program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
+        let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
         let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
             .iter()
             .all(|roots| encoder.encode(&program, *roots).is_ok());
+        let typical = plan.folded(&Numbers::Typical, &FrameInputs::default());
+        let compounds = Compounds::that_pay(|compounds| {
+            let mut uses = Uses::default();
+            let mut encoder = Encoder::new(compounds, REGISTERS_MAX);
+            if encoder.encode(&typical, [BOUND, ESTIMATE]).is_ok() {
+                encoder.count(&mut uses);
+            }
+            uses
+        });
         plan.runs = fits;
         plan.whole_texels = program.steps.len() + WHOLE_BESIDE;
         let registers = if fits { encoder.registers } else { REGISTERS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
-        plan.variant =
-            RegionVariant { operators, registers: registers.next_power_of_two(), steep: plan.steep };
+        let registers = registers.next_power_of_two();
+        plan.variant = RegionVariant { operators, compounds, registers, steep: plan.steep };
         plan
     }
 
@@ -205,17 +228,17 @@ impl RegionPlan {
         parts: usize,
         run: impl FnOnce(&mut [Part]),
     ) -> Regions {
-        let program = self.folded(Some(inputs), inputs);
+        let program = self.folded(&Numbers::Of(inputs), inputs);
         let has_rest = self.has_rest && (self.runs || self.steep);
-        let traced = tree::Traced { has_rest, steep: self.steep };
+        let traced = tree::Traced { has_rest, variant: &self.variant };
         tree::build(program, self.bounds, traced, (inputs, options), parts, run)
     }
 
-    /// The program with the numbers of a frame folded in. Without a known frame its numbers and tables are unknown
-    /// values.
-    fn folded(&self, known: Option<&FrameInputs>, frame: &FrameInputs) -> Program {
+    /// The program with the numbers of a frame folded in. Without a known frame its tables are unknown values.
+    fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
         let unknown = Arg::Value(program::PENUMBRA);
-        let reads_frame = |op: Op| known.is_none() && op.properties().has(Properties::READS_FRAME);
+        let reads_frame =
+            |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
         let mut places = vec![Arg::Number(0.0); self.graph_nodes];
         for (index, node) in &self.nodes {
@@ -225,7 +248,11 @@ impl RegionPlan {
                     Some(place) if place < program::INPUTS => Arg::Value(place as u32),
                     // A distance does not depend on a normal.
                     Some(_) => Arg::Number(0.0),
-                    None => known.map_or(unknown, |frame| Arg::Number(frame.value(input))),
+                    None => match numbers {
+                        Numbers::Unknown => unknown,
+                        Numbers::Typical => Arg::Number(TYPICAL),
+                        Numbers::Of(frame) => Arg::Number(frame.value(input)),
+                    },
                 },
                 Node::Unary(op, _) if reads_frame(op) => program.push(op, unknown, Arg::Number(0.0), frame),
                 Node::Binary(op, ..) if reads_frame(op) => program.push(op, unknown, unknown, frame),

@@ -77,11 +77,11 @@ impl<'a> Part<'a> {
             bricks: Vec::new(),
             heads: Vec::new(),
             blocks: Vec::new(),
-            encoder: Encoder::default(),
+            encoder: trunk.encoder(),
             scratch: Scratch::default(),
             known: HashMap::default(),
             levels: Default::default(),
-            gradients: trunk.steep.then(Gradients::default),
+            gradients: trunk.variant.steep.then(Gradients::default),
             stats: RegionStats::default(),
         }
     }

@@ -1,20 +1,12 @@
 //! A list of steps: a tape before registers are allocated. Pruning turns it into shorter ones.
 
-use crate::graph::{FrameInputs, Op, Properties};
+pub(super) use crate::graph::Arg;
+use crate::graph::{FrameInputs, Op, Operation, Properties};
 
 /// Values that exist before the first step: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
 /// The index of the penumbra, the last of them.
 pub(super) const PENUMBRA: u32 = 3;
-
-/// An argument of a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Arg {
-    /// The value with this index: an input of the point below [`INPUTS`], else the result of a step.
-    Value(u32),
-    /// A number that is the same wherever the program runs.
-    Number(f32),
-}
 
 /// Which of a step's arguments is its number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +47,12 @@ impl Step {
     #[inline(always)]
     pub(super) fn first(&self) -> Arg {
         if self.form == Form::NumberLeft { Arg::Number(self.number) } else { Arg::Value(self.a) }
+    }
+
+    /// The operator with its arguments.
+    #[inline(always)]
+    pub(super) fn operation(&self) -> Operation {
+        Operation { op: self.op, a: self.first(), b: self.second() }
     }
 
     /// The second argument; for a one-operand operator it is the same as the first.
@@ -151,7 +149,8 @@ impl Program {
     }
 
     /// The step that gives a value; `None` for an input.
-    fn step(&self, value: u32) -> Option<Step> {
+    #[inline]
+    pub(super) fn step(&self, value: u32) -> Option<Step> {
         self.steps.get((value as usize).checked_sub(INPUTS)?).copied()
     }
 

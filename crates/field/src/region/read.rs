@@ -2,7 +2,7 @@
 
 use super::tree::Regions;
 use super::{BRICK_SIDE, DIVIDED, OBJECT_UNKNOWN, ROOT_SIDE, gradient};
-use crate::graph::{FrameInputs, Input, Interval};
+use crate::graph::{Compound, FrameInputs, Input, Interval};
 use crate::tape::{Clause, Instruction, Operand, opcode};
 
 /// A cell of the tree.
@@ -65,6 +65,12 @@ impl Regions {
         for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
             for [word, immediate] in texel.as_chunks::<2>().0 {
                 let immediate = f32::from_bits(*immediate);
+                let [number, output, a, b] = word.to_le_bytes();
+                if let Some(compound) = Compound::from_number(number) {
+                    let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
+                    registers[usize::from(output)] = compound.value(a, b, immediate, frame);
+                    continue;
+                }
                 let Some(instruction) = Clause::from_word(*word).decode() else { continue };
                 let of = |registers: &[f32; 256], operand: Operand| match operand {
                     Operand::Register(register) => registers[usize::from(register)],

@@ -9,7 +9,7 @@ use super::lanes::{CELLS, Lanes, bound};
 use super::part::Part;
 use super::program::{Arg, BOUND, ESTIMATE, INPUTS, OBJECT, Program, Structure};
 use super::prune::ChoiceTrace;
-use super::{BRICK_SIDE, ROOT_SIDE};
+use super::{BRICK_SIDE, ROOT_SIDE, RegionVariant};
 use crate::graph::{FrameInputs, Interval};
 
 /// How a tree is built.
@@ -101,7 +101,7 @@ pub(super) struct Trunk<'a> {
     pub(super) groups: Vec<u64>,
     /// The root, which is still empty, and the whole tapes.
     pub(super) texels: Vec<Texel>,
-    pub(super) steep: bool,
+    pub(super) variant: &'a RegionVariant,
     /// Whether the tree lies around the eye.
     pub(super) unbounded: bool,
     pub(super) margin: f32,
@@ -113,18 +113,18 @@ pub(super) struct Trunk<'a> {
 
 /// What rays can hit in a world.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Traced {
+pub(super) struct Traced<'a> {
     /// Whether there is anything but planes.
     pub(super) has_rest: bool,
-    /// Whether the value is not a distance: rays then need to know how steep it is where they are.
-    pub(super) steep: bool,
+    /// What the tapes may demand.
+    pub(super) variant: &'a RegionVariant,
 }
 
 /// Builds the tree of a program with the frame's numbers folded in. `run` has to build the given number of parts.
 pub(super) fn build(
     program: Program,
     bounds: Option<([f32; 3], [f32; 3])>,
-    Traced { has_rest, steep }: Traced,
+    Traced { has_rest, variant }: Traced,
     (frame, options): (&FrameInputs, &RegionOptions),
     parts: usize,
     run: impl FnOnce(&mut [Part]),
@@ -133,7 +133,7 @@ pub(super) fn build(
     let (low, size) = extent(bounds, options.center);
     let farthest = (0..3).map(|axis| low[axis].abs().max((low[axis] + size[axis]).abs())).fold(0.0, f32::max);
     // Where the value is not a distance, rays cannot do without cells.
-    let cells = (options.cells || steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
+    let cells = (options.cells || variant.steep) && has_rest && options.texels_max >= 4 * ROOT_SIDE.pow(3);
     let mut trunk = Trunk {
         frame,
         options,
@@ -143,7 +143,7 @@ pub(super) fn build(
         decisions: ChoiceTrace::default(),
         groups: Vec::new(),
         texels: vec![[0; 4]; if cells { ROOT_SIDE.pow(3) } else { 0 }],
-        steep,
+        variant,
         unbounded: bounds.is_none(),
         margin: farthest * ROUNDING,
         overlap: farthest * OVERLAP,
@@ -198,9 +198,14 @@ impl RegionStats {
 }
 
 impl Trunk<'_> {
+    /// What writes tapes that keep within the variant.
+    pub(super) fn encoder(&self) -> Encoder {
+        Encoder::new(self.variant.compounds, self.variant.registers)
+    }
+
     /// Writes the whole tape and that of the object.
     fn write_whole(&mut self) {
-        let mut encoder = Encoder::default();
+        let mut encoder = self.encoder();
         // A program that needs too many values at once has no tape here; the plan has reported it.
         if let Ok(texels) = encoder.encode(&self.program, [OBJECT, OBJECT]) {
             self.whole_object = self.texels.len() as u32;

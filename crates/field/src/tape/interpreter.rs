@@ -8,6 +8,9 @@
 //! END, with the registers of the first two outputs in its bytes 2 and 3. Rare operators ([`is_rare`]) come second in
 //! a texel, and the shader computes them between runs of texels.
 //!
+//! **Compounds** ([`Compound`]) stand for several clauses, where their registers still hold what these read. Which ones
+//! a scene's tapes have is decided once, by what they save whatever a frame's numbers are.
+//!
 //! **Variants.** The text holds only the operators of a [`Variant`]. `EVERY_CASE` is for renderers that never skip a
 //! branch (llvmpipe): all cases are computed and the result is selected. Without it the case is searched by halves.
 //!
@@ -19,13 +22,14 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::glsl::fill;
-use super::{Instruction, Operand, Tape, opcode};
-use crate::graph::{Op, Properties};
+use super::compounds::{Clause, RunClauses};
+use super::glsl::{fill, literal};
+use super::{Instruction, Tape, opcode};
+use crate::graph::{Compound, Compounds, Op, Properties, Uses};
 use crate::limits::LIMITS;
 
-/// Entries of a table's page.
-const PAGE: usize = 256;
+/// A number that no rule knows.
+const TYPICAL: f32 = 0.618_034;
 
 /// Whether an operator costs several times an addition: those stand second in a texel.
 pub const fn is_rare(op: Op) -> bool {
@@ -33,36 +37,40 @@ pub const fn is_rare(op: Op) -> bool {
 }
 
 impl Tape {
-    /// Appends the tape and the numbers of its table ([`Tape::table_values`]) as texels for the interpreter.
-    pub fn append_texels(&self, table: &[f32], texels: &mut Vec<[u32; 4]>) {
-        let (mut page, mut texture) = (0, 0);
+    /// Appends the tape and the numbers of its table ([`Tape::table_values`]) as texels for the interpreter, which has
+    /// these compounds.
+    pub fn append_texels(&self, table: &[f32], compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
         let mut first: Option<[u32; 2]> = None;
-        for (clause, instruction) in self.run_clauses() {
-            let number = |entry: u8| table.get(page + usize::from(entry)).copied().unwrap_or(0.0).to_bits();
-            let immediate = match instruction {
-                Instruction::Page(number) => {
-                    page = PAGE * usize::from(number);
-                    continue;
-                }
-                Instruction::SelectTexture { texture: number, channel } => {
-                    texture = 4 * u32::from(number) + u32::from(channel);
-                    continue;
-                }
-                Instruction::Texture { .. } => texture,
-                Instruction::Load { entry, .. } => number(entry),
-                Instruction::Binary { a: Operand::Immediate(entry), .. }
-                | Instruction::Binary { b: Operand::Immediate(entry), .. } => number(entry),
-                _ => 0,
-            };
+        let mut clauses = RunClauses::of(self, table);
+        clauses.compound(compounds, self.outputs());
+        for Clause { word, immediate, second, .. } in clauses.kept() {
             match first.take() {
-                Some([word, its]) => texels.push([word, its, clause, immediate]),
-                None if is_second(instruction) => texels.push([0, 0, clause, immediate]),
-                None => first = Some([clause, immediate]),
+                Some([before, its]) => texels.push([before, its, *word, *immediate]),
+                None if *second => texels.push([0, 0, *word, *immediate]),
+                None => first = Some([*word, *immediate]),
             }
         }
         let [word, its] = first.unwrap_or_default();
         let output = |place: usize| self.outputs().get(place).copied().unwrap_or(0);
         texels.push([word, its, u32::from_le_bytes([opcode::END, 0, output(0), output(1)]), 0]);
+    }
+
+    /// The compounds that pay in these tapes, whatever the numbers of their tables are.
+    pub fn compounds_that_pay<'a>(tapes: impl Iterator<Item = &'a Tape> + Clone) -> Compounds {
+        Compounds::that_pay(|compounds| {
+            let mut uses = Uses::default();
+            for tape in tapes.clone() {
+                // Constants are known. The number of an input is not: no rule knows this one.
+                let table: Vec<f32> =
+                    tape.table().iter().map(|entry| entry.constant().unwrap_or(TYPICAL)).collect();
+                let mut clauses = RunClauses::of(tape, &table);
+                clauses.compound(compounds, tape.outputs());
+                for clause in clauses.kept() {
+                    uses.add(Compound::from_number(clause.word as u8));
+                }
+            }
+            uses
+        })
     }
 
     /// The most texels that [`Tape::append_texels`] appends.
@@ -71,7 +79,7 @@ impl Tape {
     }
 
     /// The clauses, without inputs that are in their registers at the start.
-    fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
+    pub(super) fn run_clauses(&self) -> impl Iterator<Item = (u32, Instruction)> + '_ {
         self.clauses()
             .iter()
             .filter_map(|clause| clause.decode().map(|instruction| (clause.word(), instruction)))
@@ -82,7 +90,7 @@ impl Tape {
 }
 
 /// Whether an instruction must stand second in its texel.
-fn is_second(instruction: Instruction) -> bool {
+pub(super) fn is_second(instruction: Instruction) -> bool {
     match instruction {
         Instruction::Unary { op, .. } | Instruction::Binary { op, .. } => is_rare(op),
         Instruction::Store { .. } | Instruction::Reload { .. } | Instruction::Texture { .. } => true,
@@ -95,6 +103,8 @@ fn is_second(instruction: Instruction) -> bool {
 pub struct Variant {
     /// Operators that the text contains.
     pub operators: BTreeSet<Op>,
+    /// Compounds that the text contains.
+    pub compounds: Compounds,
     /// Registers: a power of two, 8 to 256.
     pub registers: usize,
     /// Memory in values: 0 or a power of two.
@@ -114,6 +124,7 @@ impl Variant {
     pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
         let mut variant = Self {
             operators: BTreeSet::new(),
+            compounds: Compounds::NONE,
             registers: 8,
             memory: 0,
             samples: 0,
@@ -143,6 +154,7 @@ impl Variant {
     /// Whether this variant runs everything that `other` runs.
     pub fn covers(&self, other: &Self) -> bool {
         self.operators.is_superset(&other.operators)
+            && self.compounds.covers(other.compounds)
             && self.registers >= other.registers
             && self.memory >= other.memory
             && self.samples >= other.samples
@@ -153,13 +165,18 @@ impl Variant {
 
     /// The text of `operators.glsl`: the defines, the operators of the variant, and those of the regions' tapes. It
     /// relies on the declarations that [`super::glsl`] lists, as far as its operators use them.
-    pub fn text(&self, region_operators: &BTreeSet<Op>, region_registers: usize) -> String {
+    pub fn text(
+        &self,
+        region_operators: &BTreeSet<Op>,
+        region_compounds: Compounds,
+        region_registers: usize,
+    ) -> String {
         let mut text = String::with_capacity(8192);
-        self.write(region_operators, region_registers, &mut text);
+        self.write((region_operators, region_compounds), region_registers, &mut text);
         text
     }
 
-    fn write(&self, region_operators: &BTreeSet<Op>, region_registers: usize, text: &mut String) {
+    fn write(&self, region: (&BTreeSet<Op>, Compounds), region_registers: usize, text: &mut String) {
         // Writing to a String cannot fail.
         let numbers = [
             ("REGISTERS", self.registers),
@@ -180,12 +197,18 @@ impl Variant {
         }
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
-        for (whose, operators) in [("region", region_operators), ("tape", &self.operators)] {
+        let tape = (&self.operators, self.compounds);
+        for (whose, (operators, compounds)) in [("region", region), ("tape", tape)] {
             let (rare, common): (Vec<Op>, Vec<Op>) =
                 operators.iter().partition(|op| self.every_case && is_rare(**op));
-            self.write_function(text, whose, "common", &common);
+            self.write_function(
+                text,
+                whose,
+                "common",
+                common.into_iter().map(Case::of).chain(compounds.iter().map(Case::of_compound)),
+            );
             if self.every_case {
-                self.write_function(text, whose, "rare", &rare);
+                self.write_function(text, whose, "rare", rare.iter().copied().map(Case::of));
                 let numbers: Vec<String> =
                     rare.iter().map(|op| format!("number == {}", op.number())).collect();
                 let test = if numbers.is_empty() { "false".to_owned() } else { numbers.join(" || ") };
@@ -194,35 +217,57 @@ impl Variant {
         }
     }
 
-    fn write_function(&self, text: &mut String, whose: &str, which: &str, operators: &[Op]) {
-        let _ = writeln!(text, "float {whose}_{which}(int number, float a, float b) {{\n    float r = a;");
-        self.write_cases(text, operators);
-        text.push_str("}\n");
-    }
-
-    fn write_cases(&self, text: &mut String, operators: &[Op]) {
+    fn write_function(&self, text: &mut String, whose: &str, which: &str, cases: impl Iterator<Item = Case>) {
+        let _ = writeln!(
+            text,
+            "float {whose}_{which}(int number, float a, float b, float c) {{\n    float r = a;"
+        );
+        let cases: Vec<Case> = cases.collect();
         if self.every_case {
-            for &op in operators {
-                let _ = writeln!(text, "    r = number == {} ? {} : r;", op.number(), expression(op));
+            for Case { number, before, expression } in &cases {
+                let _ = writeln!(text, "{before}    r = number == {number} ? {expression} : r;");
             }
         } else {
-            write_search(text, operators);
+            write_search(text, &cases);
         }
-        text.push_str("    return r;\n");
+        text.push_str("    return r;\n}\n");
+    }
+}
+
+/// What an interpreter does for one number.
+#[derive(Debug)]
+struct Case {
+    number: u8,
+    /// Declarations of values that the expression reads.
+    before: String,
+    expression: String,
+}
+
+impl Case {
+    fn of(op: Op) -> Self {
+        Self { number: op.number(), before: String::new(), expression: expression(op) }
+    }
+
+    fn of_compound(compound: Compound) -> Self {
+        let (before, expression) = compound.glsl(fill, literal);
+        Self { number: compound.number(), before, expression }
     }
 }
 
 /// A search for the operator by halves. Compilers make a chain of comparisons of a switch, which is passed to its
 /// middle on average.
-fn write_search(text: &mut String, operators: &[Op]) {
-    match operators {
+fn write_search(text: &mut String, cases: &[Case]) {
+    match cases {
         [] => {}
-        [op] => {
-            let _ = writeln!(text, "    if (number == {}) r = {};", op.number(), expression(*op));
+        [Case { number, before, expression }] if before.is_empty() => {
+            let _ = writeln!(text, "    if (number == {number}) r = {expression};");
+        }
+        [Case { number, before, expression }] => {
+            let _ = writeln!(text, "    if (number == {number}) {{\n{before}    r = {expression};\n    }}");
         }
         _ => {
-            let (low, high) = operators.split_at(operators.len() / 2);
-            let border = high.first().map_or(0, |op| op.number());
+            let (low, high) = cases.split_at(cases.len() / 2);
+            let border = high.first().map_or(0, |case| case.number);
             let _ = writeln!(text, "    if (number < {border}) {{");
             write_search(text, low);
             text.push_str("    } else {\n");

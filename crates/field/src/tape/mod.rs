@@ -17,9 +17,15 @@
 //! | 6 | TEXTURE: register := texture(u, v) | register | register of u | register of v |
 //! | 8..=13 | X, Y, Z, NX, NY, NZ: register := input of the point | register | 0 | 0 |
 //! | 16..64 | one-operand operator with this number | register | register a | 0 |
-//! | 64..128 | two-operand operator with this number: op(register, register) | register | register a | register b |
-//! | 128..192 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
-//! | 192..256 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
+//! | 64..96 | two-operand operator with this number: op(register, register) | register | register a | register b |
+//! | 128..160 | the operator with the number opcode - 64: op(register, table) | register | register a | table |
+//! | 192..224 | the operator with the number opcode - 128: op(table, register) | register | table | register b |
+//!
+//! Behind these opcodes stand those of compounds, 96..128, which the interpreter alone knows ([`Compound`]): several
+//! operators on two registers and the clause's immediate. They are put in the place of clauses when a tape is written
+//! for it.
+//!
+//! [`Compound`]: crate::graph::Compound
 //!
 //! An interpreter finds the form of the operands in the top two bits, fetches the operands, and switches over 16..64
 //! or `64 + (opcode & 63)`: one case per operator. A clause reads its operands before it writes its output.
@@ -32,6 +38,7 @@
 
 mod allocate;
 mod clause;
+mod compounds;
 mod evaluate;
 pub mod glsl;
 pub mod interpreter;
@@ -107,6 +114,16 @@ pub enum TableEntry {
     Constant(f32),
     /// An input that is the same all over a frame.
     Input(Input),
+}
+
+impl TableEntry {
+    /// The number of a constant.
+    pub fn constant(self) -> Option<f32> {
+        match self {
+            TableEntry::Constant(value) => Some(value),
+            TableEntry::Input(_) => None,
+        }
+    }
 }
 
 /// An expression, or several that share parts, as clauses.

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::graph::random::{build, frame, number, same, steps};
-use crate::graph::{Choice, Interval, Point};
+use crate::graph::{Choice, Compounds, Interval, Point};
 use mariana_testing::thesis::TABLE_1;
 
 fn config(cases: u32) -> ProptestConfig {
@@ -71,7 +71,7 @@ fn words_are_those_of_the_module_s_table() {
     // As texels: inputs that start in their registers are left out, immediates follow their clauses, END names the
     // output.
     let mut texels = Vec::new();
-    tape.append_texels(&[1.0, 0.5], &mut texels);
+    tape.append_texels(&[1.0, 0.5], Compounds::NONE, &mut texels);
     let [one, half] = [1.0_f32, 0.5].map(f32::to_bits);
     let pairs = [
         [expected[2], 0, expected[3], 0],
@@ -129,7 +129,7 @@ fn every_tape_ends_with_end_in_second_place_and_rare_operators_stand_there() {
     for length in 1..=9 {
         let mut texels = Vec::new();
         let tape = tape_of(&graph, &[node], 256);
-        tape.append_texels(&[], &mut texels);
+        tape.append_texels(&[], Compounds::NONE, &mut texels);
         let (last, others) = texels.split_last().unwrap();
         assert_eq!(*last, [0, 0, u32::from(tape.outputs()[0]) << 16, 0]);
         // X starts in its register; every other clause is there.
@@ -442,7 +442,7 @@ fn glsl_is_written_from_the_operators() {
         .map(|(number, value)| format!("    r = number == {number} ? ({value}) : r;\n"))
         .collect();
     for (every_case, expected) in [(false, search), (true, selection)] {
-        let text = interpreter::Variant::of([&tape], every_case).text(&tape.operators(), 8);
+        let text = interpreter::Variant::of([&tape], every_case).text(&tape.operators(), Compounds::NONE, 8);
         assert_eq!(text.matches(&expected).count(), 2, "for materials and for regions: {text}");
     }
     let texel = graph.input(Input::Param(6));

@@ -16,7 +16,7 @@
 //! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
 
 use super::{World, WorldError};
-use crate::graph::{FrameInputs, Graph, GraphError, Node, NodeId};
+use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
@@ -70,7 +70,7 @@ impl Program {
         Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(roots)? })
     }
 
-    fn tapes(&self) -> impl Iterator<Item = &Tape> {
+    fn tapes(&self) -> impl Iterator<Item = &Tape> + Clone {
         std::iter::once(&self.tape).chain(self.textures.iter().map(|(_, tape)| tape))
     }
 
@@ -79,7 +79,7 @@ impl Program {
     }
 
     /// Appends the program with a frame's numbers.
-    fn append(&self, inputs: &FrameInputs, texels: &mut Vec<[u32; 4]>) {
+    fn append(&self, inputs: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
         let mut outputs = [0; 12];
         for (byte, register) in outputs.iter_mut().zip(self.tape.outputs()) {
             *byte = *register;
@@ -91,14 +91,14 @@ impl Program {
         texels.resize(heads + self.textures.len(), [0; 4]);
         let mut numbers = Vec::new();
         self.tape.table_values(inputs, &mut numbers);
-        self.tape.append_texels(&numbers, texels);
+        self.tape.append_texels(&numbers, compounds, texels);
         for (index, (picture, tape)) in self.textures.iter().enumerate() {
             let start = texels.len() as u32;
             if let Some(head) = texels.get_mut(heads + index) {
                 *head = [u32::from(*picture), start, 0, 0];
             }
             tape.table_values(inputs, &mut numbers);
-            tape.append_texels(&numbers, texels);
+            tape.append_texels(&numbers, compounds, texels);
         }
     }
 }
@@ -149,7 +149,7 @@ impl TapeBuffers {
             .iter()
             .map(|program| {
                 let start = texels.len() as u32;
-                program.append(inputs, &mut texels);
+                program.append(inputs, self.variant.compounds, &mut texels);
                 start
             })
             .collect();
@@ -195,17 +195,15 @@ impl World {
         let object = tape(&[self.roots.object])?.clauses().len();
         let materials = clauses(of_materials);
         let cost = Cost { distance, materials, total: distance + object + materials + clauses(of_light) };
-        let variant = |every_case| {
+        let [on_gpu, on_processor] = {
             let tapes = programs.iter().flat_map(Program::tapes);
-            Variant { textures: self.pictures.len(), ..Variant::of(tapes, every_case) }
+            let compounds = Tape::compounds_that_pay(tapes.clone());
+            [false, true].map(|every_case| {
+                let variant = Variant::of(tapes.clone(), every_case);
+                Variant { textures: self.pictures.len(), compounds, ..variant }
+            })
         };
-        Ok(TapeBuffers {
-            variant: variant(false),
-            software_variant: variant(true),
-            programs,
-            of_objects,
-            cost,
-        })
+        Ok(TapeBuffers { variant: on_gpu, software_variant: on_processor, programs, of_objects, cost })
     }
 }
 
@@ -222,7 +220,9 @@ mod tests {
                     object third { shape = sphere(p, 2) material = a }";
         let world = world_of(text);
         let inputs = FrameInputs::default();
-        let texels = world.tape_buffers().unwrap().texels(&inputs);
+        let buffers = world.tape_buffers().unwrap();
+        let compounds = buffers.variant.compounds;
+        let texels = buffers.texels(&inputs);
         let directory = [texels[0], texels[1]];
         assert_eq!(directory[1][0], directory[1][2], "the first and the third object are of one material");
         for (program, roots) in [
@@ -233,7 +233,7 @@ mod tests {
             (directory[1][1], &world.roots.materials[1]),
         ] {
             let mut alone = Vec::new();
-            Program::build(&world.graph, roots).unwrap().append(&inputs, &mut alone);
+            Program::build(&world.graph, roots).unwrap().append(&inputs, compounds, &mut alone);
             assert_eq!(texels[program as usize..][..alone.len()], alone);
         }
         assert!(texels.len() <= world.tape_buffers().unwrap().texels_max());
@@ -250,7 +250,7 @@ mod tests {
         let pictures: Vec<u16> = program.textures.iter().map(|(picture, _)| *picture).collect();
         assert_eq!(pictures, [3, 1]);
         let mut texels = Vec::new();
-        program.append(&FrameInputs::default(), &mut texels);
+        program.append(&FrameInputs::default(), Compounds::ALL, &mut texels);
         assert_eq!(texels[0][3], 2);
         // The channels that the sum reads: green of the first texture, blue of the second.
         let read: Vec<u32> = texels[3..texels[1][1] as usize]

@@ -1,0 +1,570 @@
+//! Compounds: several operators as one clause of the interpreter.
+//!
+//! An interpreter pays for each clause. A clause has two registers and a number, but most operators use two of these
+//! three; a compound uses all of them for several operators where nothing else reads the values between.
+//!
+//! **Defined by their parts.** A compound has no meaning of its own: its value, and the GLSL of it, are those of its
+//! parts, each rounded as if it stood alone. Bounds and slopes are never asked of one, because compounds are made when
+//! a tape is written for the interpreter, behind everything that reasons about the distance: what pruning decided is
+//! gone by then, so a compound may hold minima and hides no choice.
+//!
+//! **Numbers.** 96..128, behind the two-operand operators: two registers and the clause's immediate.
+
+use std::fmt::Write as _;
+
+use super::Graph;
+use super::frame_inputs::FrameInputs;
+use super::node::{Node, NodeId};
+use super::op::{Op, Properties};
+
+/// Most parts of a compound.
+pub(crate) const PARTS_MAX: usize = 6;
+/// The first number of a compound.
+pub const FIRST_COMPOUND: u8 = 96;
+
+/// What a part reads.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Reads {
+    /// The first register.
+    A,
+    /// The second register.
+    B,
+    /// The clause's number.
+    C,
+    /// A quarter over the clause's number.
+    QuarterOverC,
+    /// A number that is always the same.
+    Always(f32),
+    /// The value of an earlier part.
+    Part(usize),
+}
+
+/// One of the operators that a compound consists of. One-operand operators read `a` alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Part {
+    op: Op,
+    a: Reads,
+    b: Reads,
+}
+
+const fn two(op: Op, a: Reads, b: Reads) -> Part {
+    Part { op, a, b }
+}
+
+const fn one(op: Op, a: Reads) -> Part {
+    Part { op, a, b: a }
+}
+
+macro_rules! compounds {
+    ($( $(#[doc = $doc:literal])+ $id:ident = $number:literal $name:literal [$($part:expr),+]; )+) => {
+        /// Several operators on two registers a and b and a number c; the module's documentation says what holds for
+        /// all of them.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Compound { $( $(#[doc = $doc])+ $id = $number, )+ }
+
+        impl Compound {
+            /// Every compound, in the order of their numbers.
+            pub const ALL: &'static [Compound] = &[$( Compound::$id, )+];
+
+            /// The name, such as `MUL_ADD`.
+            pub const fn name(self) -> &'static str {
+                match self { $( Compound::$id => $name, )+ }
+            }
+
+            /// The compound with this number.
+            pub const fn from_number(number: u8) -> Option<Compound> {
+                match number { $( $number => Some(Compound::$id), )+ _ => None }
+            }
+
+            const fn parts(self) -> &'static [Part] {
+                use Reads::{A, Always, B, C, Part as Earlier, QuarterOverC};
+                // Not every row reads all of these.
+                const _: [Reads; 6] = [A, B, C, QuarterOverC, Always(0.0), Earlier(0)];
+                match self { $( Compound::$id => const { &[$($part),+] }, )+ }
+            }
+        }
+    };
+}
+
+compounds! {
+    /// a * c + b; also b - a * c, with the opposite number.
+    MulAdd = 96 "MUL_ADD" [two(Op::Mul, A, C), two(Op::Add, Earlier(0), B)];
+    /// a * c - b.
+    MulSub = 97 "MUL_SUB" [two(Op::Mul, A, C), two(Op::Sub, Earlier(0), B)];
+    /// a * c * b.
+    MulMul = 98 "MUL_MUL" [two(Op::Mul, A, C), two(Op::Mul, Earlier(0), B)];
+    /// (a + c) * b.
+    AddMul = 99 "ADD_MUL" [two(Op::Add, A, C), two(Op::Mul, Earlier(0), B)];
+    /// a + b + c.
+    AddAdd = 100 "ADD_ADD" [two(Op::Add, A, B), two(Op::Add, Earlier(0), C)];
+    /// min(a + c, b).
+    AddMin = 101 "ADD_MIN" [two(Op::Add, A, C), two(Op::Min, Earlier(0), B)];
+    /// max(a + c, b).
+    AddMax = 102 "ADD_MAX" [two(Op::Add, A, C), two(Op::Max, Earlier(0), B)];
+    /// max(|a| - c, b): one side of a box.
+    AbsSubMax = 103 "ABS_SUB_MAX" [two(Op::AbsSub, A, C), two(Op::Max, Earlier(0), B)];
+    /// a^2 + b^2.
+    Squares = 104 "SQUARES" [one(Op::Square, B), two(Op::SquareAdd, A, Earlier(0))];
+    /// (a + c)^2 + b.
+    ShiftedSquareAdd = 105 "SHIFTED_SQUARE_ADD" [two(Op::Add, A, C), two(Op::SquareAdd, Earlier(0), B)];
+    /// The length of (a, b).
+    Hypotenuse = 106 "HYPOTENUSE" [one(Op::Square, B), two(Op::Length, A, Earlier(0))];
+    /// The square root of a^2 + b, minus c: the end of a ball.
+    LengthSub = 107 "LENGTH_SUB" [two(Op::SquareAdd, A, B), two(Op::SqrtSub, Earlier(0), C)];
+    /// The length of (a, b), minus c: a cylinder, and the end of a ring.
+    HypotenuseSub = 108 "HYPOTENUSE_SUB" [
+        one(Op::Square, B), two(Op::SquareAdd, A, Earlier(0)), two(Op::SqrtSub, Earlier(1), C)
+    ];
+    /// The smooth minimum of a and b over the radius c: `smooth_union`.
+    SmoothMin = 109 "SMOOTH_MIN" [
+        two(Op::AbsDifference, A, B), two(Op::Sub, C, Earlier(0)), two(Op::OutsideAdd, Earlier(1), Always(0.0)),
+        two(Op::Mul, Earlier(2), QuarterOverC), two(Op::Min, A, B), two(Op::Sub, Earlier(4), Earlier(3))
+    ];
+    /// min(max(a, 0), 1).
+    Saturate = 110 "SATURATE" [two(Op::Max, A, Always(0.0)), two(Op::Min, Earlier(0), Always(1.0))];
+    /// a^2 * (3 - 2 * a): a smooth step between 0 and 1.
+    Smooth = 111 "SMOOTH" [
+        one(Op::Square, A), two(Op::Mul, A, Always(2.0)), two(Op::Sub, Always(3.0), Earlier(1)),
+        two(Op::Mul, Earlier(0), Earlier(2))
+    ];
+    /// |a * c - b|.
+    MulAbsDifference = 112 "MUL_ABS_DIFFERENCE" [two(Op::Mul, A, C), two(Op::AbsDifference, Earlier(0), B)];
+    /// (a * c - b)^2.
+    MulSquareDifference = 113 "MUL_SQUARE_DIFFERENCE" [
+        two(Op::Mul, A, C), two(Op::SquareDifference, Earlier(0), B)
+    ];
+}
+
+impl Compound {
+    /// The compound's number.
+    pub const fn number(self) -> u8 {
+        self as u8
+    }
+
+    /// How many operators it stands for.
+    pub const fn operators(self) -> usize {
+        self.parts().len()
+    }
+
+    const fn bit(self) -> u32 {
+        1 << (self.number() - FIRST_COMPOUND)
+    }
+
+    /// The value for two registers and a number: bit for bit what its operators give one after another.
+    pub fn value(self, a: f32, b: f32, c: f32, frame: &FrameInputs) -> f32 {
+        let mut values = [0.0; PARTS_MAX];
+        let mut last = 0.0;
+        for (place, part) in self.parts().iter().enumerate() {
+            let [first, second] = [part.a, part.b].map(|reads| match reads {
+                Reads::A => a,
+                Reads::B => b,
+                Reads::C => c,
+                Reads::QuarterOverC => 0.25 / c,
+                Reads::Always(number) => number,
+                Reads::Part(earlier) => values.get(earlier).copied().unwrap_or(0.0),
+            });
+            last = part.op.value(first, second, frame);
+            if let Some(value) = values.get_mut(place) {
+                *value = last;
+            }
+        }
+        last
+    }
+
+    /// Its operators as nodes of a graph; gives the last one.
+    pub fn nodes(self, graph: &mut Graph, a: NodeId, b: NodeId, c: f32) -> NodeId {
+        let mut nodes: Vec<NodeId> = Vec::with_capacity(PARTS_MAX);
+        for part in self.parts() {
+            let [a, b] = [part.a, part.b].map(|reads| match reads {
+                Reads::A => a,
+                Reads::B => b,
+                Reads::C => graph.constant(c),
+                Reads::QuarterOverC => graph.constant(0.25 / c),
+                Reads::Always(number) => graph.constant(number),
+                Reads::Part(earlier) => nodes.get(earlier).copied().unwrap_or_default(),
+            });
+            let node =
+                if part.op.arity() == 1 { Node::Unary(part.op, a) } else { Node::Binary(part.op, a, b) };
+            nodes.push(graph.raw(node));
+        }
+        nodes.last().copied().unwrap_or_default()
+    }
+
+    /// Writes GLSL: declarations of the values between, which are put before the statement that reads them, and the
+    /// expression of the compound. The operands are called `a`, `b` and `c`.
+    pub(crate) fn glsl(
+        self,
+        fill: impl Fn(&mut String, &str, &str, &str),
+        literal: impl Fn(f32) -> String,
+    ) -> (String, String) {
+        let (mut before, mut expression) = (String::new(), String::new());
+        let name = |part: usize| format!("{}_{part}", self.name().to_lowercase());
+        let of = |reads: Reads| match reads {
+            Reads::A => "a".to_owned(),
+            Reads::B => "b".to_owned(),
+            Reads::C => "c".to_owned(),
+            Reads::QuarterOverC => "(0.25 / c)".to_owned(),
+            Reads::Always(number) => literal(number),
+            Reads::Part(earlier) => name(earlier),
+        };
+        for (place, part) in self.parts().iter().enumerate() {
+            if place > 0 {
+                // Writing to a String cannot fail.
+                let _ = writeln!(before, "    float {} = {expression};", name(place - 1));
+            }
+            expression.clear();
+            fill(&mut expression, part.op.glsl(), &of(part.a), &of(part.b));
+        }
+        (before, expression)
+    }
+}
+
+/// A set of compounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct Compounds(u32);
+
+impl Compounds {
+    /// No compound.
+    pub const NONE: Self = Self(0);
+    /// All of them.
+    pub const ALL: Self = {
+        let (mut all, mut place) = (0, 0);
+        while place < Compound::ALL.len() {
+            all |= Compound::ALL[place].bit();
+            place += 1;
+        }
+        Self(all)
+    };
+
+    /// Whether every one of the other set is in this one.
+    pub const fn covers(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The members, in the order of their numbers.
+    pub fn iter(self) -> impl Iterator<Item = Compound> {
+        Compound::ALL.iter().copied().filter(move |compound| self.0 & compound.bit() != 0)
+    }
+
+    /// Adds a compound.
+    pub fn insert(&mut self, compound: Compound) {
+        self.0 |= compound.bit();
+    }
+
+    /// Those that save at least one clause in forty. The others would cost more than they save: a renderer that never
+    /// skips a branch computes every operator of a variant for every clause. `count` finds, with these compounds, how
+    /// often each is used, by its place in [`Compound::ALL`], and of how many operators.
+    pub(crate) fn that_pay(count: impl Fn(Self) -> Uses) -> Self {
+        let mut kept = Self::ALL;
+        // What one compound loses another may gain.
+        for _ in 0..2 {
+            let uses = count(kept);
+            let mut paying = Self::NONE;
+            for compound in kept.iter() {
+                let saved = uses.of(compound) * (compound.operators() - 1);
+                if saved > 0 && saved * CLAUSES_PER_SAVED >= uses.operators {
+                    paying.insert(compound);
+                }
+            }
+            kept = paying;
+        }
+        kept
+    }
+}
+
+/// Of this many clauses a compound must save one.
+const CLAUSES_PER_SAVED: usize = 40;
+
+/// How often compounds are used.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Uses {
+    counts: [usize; 32],
+    /// Operators in all.
+    pub(crate) operators: usize,
+}
+
+impl Uses {
+    /// Counts a clause.
+    pub(crate) fn add(&mut self, compound: Option<Compound>) {
+        self.operators += compound.map_or(1, Compound::operators);
+        if let Some(compound) = compound {
+            self.counts[usize::from(compound.number() - FIRST_COMPOUND) & 31] += 1;
+        }
+    }
+
+    fn of(&self, compound: Compound) -> usize {
+        self.counts[usize::from(compound.number() - FIRST_COMPOUND) & 31]
+    }
+}
+
+/// An operand of an operation on a tape.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Arg {
+    /// The value with this number.
+    Value(u32),
+    /// A number that is the same wherever the tape runs.
+    Number(f32),
+}
+
+/// An operator on its operands; a one-operand operator repeats its operand.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Operation {
+    pub(crate) op: Op,
+    pub(crate) a: Arg,
+    pub(crate) b: Arg,
+}
+
+/// The values of a tape.
+pub(crate) trait Values {
+    /// The operation that gives a value; `None` for inputs and what else is no operator.
+    fn operation(&self, value: u32) -> Option<Operation>;
+    /// Whether a value is read exactly once.
+    fn is_own(&self, value: u32) -> bool;
+}
+
+/// A compound in a tape.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Found {
+    pub(crate) compound: Compound,
+    /// The values in its registers; both are the same if it reads one.
+    pub(crate) registers: [u32; 2],
+    pub(crate) number: f32,
+    absorbed: [u32; PARTS_MAX],
+    absorbed_count: usize,
+}
+
+impl Found {
+    /// The values between, which nothing else reads.
+    pub(crate) fn absorbed(&self) -> &[u32] {
+        self.absorbed.get(..self.absorbed_count).unwrap_or(&[])
+    }
+}
+
+/// What the operands of a compound are while it is compared with a tape.
+#[derive(Debug, Clone, Copy, Default)]
+struct Bound {
+    a: Option<u32>,
+    b: Option<u32>,
+    c: Option<f32>,
+    quarter: Option<f32>,
+    absorbed: [u32; PARTS_MAX],
+    absorbed_count: usize,
+}
+
+/// By operator number: the compounds whose last part it may be.
+const ROOTED: [u32; 128] = {
+    let mut rooted = [0; 128];
+    let mut place = 0;
+    while place < Compound::ALL.len() {
+        let compound = Compound::ALL[place];
+        let parts = compound.parts();
+        let op = parts[parts.len() - 1].op;
+        rooted[op.number() as usize] |= compound.bit();
+        // A sum of a negative number or product stands as a difference, and the other way round.
+        if matches!(op, Op::Add) {
+            rooted[Op::Sub.number() as usize] |= compound.bit();
+        }
+        if matches!(op, Op::Sub) {
+            rooted[Op::Add.number() as usize] |= compound.bit();
+        }
+        place += 1;
+    }
+    rooted
+};
+
+impl Compounds {
+    /// The compound of this set with the most parts that has this operation as its last part.
+    #[inline]
+    pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
+        let candidates = self.0 & ROOTED.get(usize::from(last.op.number())).copied().unwrap_or(0);
+        if candidates == 0 { None } else { find_among(candidates, values, last) }
+    }
+}
+
+fn find_among(mut candidates: u32, values: &impl Values, last: Operation) -> Option<Found> {
+    let mut best: Option<Found> = None;
+    while candidates != 0 {
+        let number = FIRST_COMPOUND + candidates.trailing_zeros() as u8;
+        candidates &= candidates - 1;
+        let Some(compound) = Compound::from_number(number) else { continue };
+        if best.is_some_and(|best| best.compound.operators() >= compound.operators()) {
+            continue;
+        }
+        let parts = compound.parts();
+        let Some(bound) = fit(values, parts, parts.len() - 1, last, false, Bound::default()) else {
+            continue;
+        };
+        let c = bound.c.unwrap_or(0.0);
+        let (Some(a), quarter) = (bound.a, bound.quarter) else { continue };
+        if quarter.is_some_and(|quarter| quarter != 0.25 / c) {
+            continue;
+        }
+        best = Some(Found {
+            compound,
+            registers: [a, bound.b.unwrap_or(a)],
+            number: c,
+            absorbed: bound.absorbed,
+            absorbed_count: bound.absorbed_count,
+        });
+    }
+    best
+}
+
+/// Compares a part with an operation: what its operands must be, added to what is known of them. A `negated` part
+/// stands for the operation with the opposite number.
+fn fit(
+    values: &impl Values,
+    parts: &[Part],
+    place: usize,
+    Operation { op, a, b }: Operation,
+    negated: bool,
+    bound: Bound,
+) -> Option<Bound> {
+    let part = *parts.get(place)?;
+    let one_way = |first: (Reads, Arg), second: (Reads, Arg), negated: bool| {
+        let bound = fit_operand(values, parts, first, negated, bound)?;
+        fit_operand(values, parts, second, negated, bound)
+    };
+    match (part.op, op) {
+        _ if part.op == op && op.arity() == 1 => fit_operand(values, parts, (part.a, a), negated, bound),
+        _ if part.op == op => one_way((part.a, a), (part.b, b), negated).or_else(|| {
+            if op.properties().has(Properties::COMMUTATIVE) {
+                one_way((part.a, b), (part.b, a), negated)
+            } else {
+                None
+            }
+        }),
+        (Op::Add, Op::Sub) | (Op::Sub, Op::Add) => match (a, b) {
+            (_, Arg::Number(number)) => one_way((part.a, a), (part.b, Arg::Number(-number)), negated),
+            // b - a * c is b + a * -c.
+            (Arg::Value(_), Arg::Value(product)) if part.op == Op::Add => {
+                let Reads::Part(earlier) = part.a else { return None };
+                let times_number = *parts.get(earlier)? == two(Op::Mul, Reads::A, Reads::C);
+                if !times_number {
+                    return None;
+                }
+                let bound = fit_operand(values, parts, (part.b, a), negated, bound)?;
+                fit_operand(values, parts, (part.a, Arg::Value(product)), true, bound)
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+fn fit_operand(
+    values: &impl Values,
+    parts: &[Part],
+    (reads, arg): (Reads, Arg),
+    negated: bool,
+    mut bound: Bound,
+) -> Option<Bound> {
+    match (reads, arg) {
+        (Reads::A, Arg::Value(value)) => (*bound.a.get_or_insert(value) == value).then_some(bound),
+        (Reads::B, Arg::Value(value)) => (*bound.b.get_or_insert(value) == value).then_some(bound),
+        (Reads::C, Arg::Number(number)) => {
+            let number = if negated { -number } else { number };
+            (*bound.c.get_or_insert(number) == number).then_some(bound)
+        }
+        (Reads::QuarterOverC, Arg::Number(number)) => {
+            bound.quarter = Some(number);
+            Some(bound)
+        }
+        (Reads::Always(always), Arg::Number(number)) => (always == number).then_some(bound),
+        (Reads::Part(earlier), Arg::Value(value)) if values.is_own(value) => {
+            *bound.absorbed.get_mut(bound.absorbed_count)? = value;
+            bound.absorbed_count += 1;
+            fit(values, parts, earlier, values.operation(value)?, negated, bound)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Input, Point};
+    use super::*;
+    use crate::tape::{Tape, TapeOptions};
+
+    fn only(compound: Compound) -> Compounds {
+        let mut one = Compounds::NONE;
+        one.insert(compound);
+        one
+    }
+
+    /// The opcodes of a tape for an interpreter with these compounds.
+    fn opcodes(graph: &Graph, root: NodeId, compounds: Compounds) -> Vec<u8> {
+        let tape = Tape::build(graph, &[root], &TapeOptions::default()).unwrap();
+        let table: Vec<f32> = tape.table().iter().map(|entry| entry.constant().unwrap()).collect();
+        let mut texels = Vec::new();
+        tape.append_texels(&table, compounds, &mut texels);
+        let words = texels.iter().flat_map(|texel| [texel[0], texel[2]]);
+        words.map(|word| word as u8).filter(|opcode| *opcode != crate::tape::opcode::END).collect()
+    }
+
+    #[test]
+    fn every_compound_is_found_and_gives_the_bits_of_its_operators() {
+        for &compound in Compound::ALL {
+            for c in [0.7, -1.3, 3.0] {
+                let mut graph = Graph::new();
+                let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+                let root = compound.nodes(&mut graph, x, y, c);
+                assert!(Compounds::ALL.covers(only(compound)));
+                assert_eq!(opcodes(&graph, root, only(compound)), [compound.number()], "{compound:?}");
+                assert_eq!(opcodes(&graph, root, Compounds::ALL), [compound.number()], "{compound:?}");
+                assert!(opcodes(&graph, root, Compounds::NONE).len() == compound.operators());
+                let frame = FrameInputs::default();
+                for [a, b] in [[0.3, -0.8], [-2.5, 0.1], [0.0, 0.0], [1e20, -1e30], [f32::INFINITY, 1.0]] {
+                    let wanted = graph.evaluate(&[root], &Point::at(a, b, 0.0), &frame).unwrap()[0];
+                    let found = compound.value(a, b, c, &frame) + 0.0;
+                    let same = wanted.to_bits() == found.to_bits() || wanted.is_nan() && found.is_nan();
+                    assert!(same, "{compound:?}({a}, {b}, {c}): {found} {wanted}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_product_may_be_subtracted_and_a_number_added_either_way() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+        let number = graph.constant(0.75);
+        let product = graph.raw(Node::Binary(Op::Mul, x, number));
+        let difference = graph.raw(Node::Binary(Op::Sub, y, product));
+        assert_eq!(opcodes(&graph, difference, Compounds::ALL), [Compound::MulAdd.number()]);
+        let less = graph.raw(Node::Binary(Op::Sub, x, number));
+        let least = graph.raw(Node::Binary(Op::Min, y, less));
+        assert_eq!(opcodes(&graph, least, Compounds::ALL), [Compound::AddMin.number()]);
+    }
+
+    #[test]
+    fn what_is_read_twice_and_other_numbers_stay() {
+        let mut graph = Graph::new();
+        let (x, y) = (graph.input(Input::X), graph.input(Input::Y));
+        let number = graph.constant(0.75);
+        let product = graph.raw(Node::Binary(Op::Mul, x, number));
+        let sum = graph.raw(Node::Binary(Op::Add, product, y));
+        let both = graph.raw(Node::Binary(Op::Min, sum, product));
+        assert_eq!(opcodes(&graph, both, Compounds::ALL).len(), 3);
+        let low = graph.raw(Node::Binary(Op::Max, x, number));
+        let one = graph.constant(1.0);
+        let clamped = graph.raw(Node::Binary(Op::Min, low, one));
+        assert_eq!(opcodes(&graph, clamped, Compounds::ALL).len(), 2);
+    }
+
+    #[test]
+    fn a_compound_pays_from_one_clause_in_forty_on() {
+        let count = |operators: usize| {
+            Compounds::that_pay(|compounds| {
+                let mut uses = Uses::default();
+                for _ in 0..operators - 2 {
+                    uses.add(None);
+                }
+                uses.add(compounds.iter().find(|compound| *compound == Compound::MulAdd));
+                uses
+            })
+        };
+        assert_eq!((count(40), count(41)), (only(Compound::MulAdd), Compounds::NONE));
+    }
+}

@@ -1,0 +1,174 @@
+//! Compounds in a tape whose registers are allocated already.
+
+use super::interpreter::is_second;
+use super::{Instruction, Operand, Tape};
+use crate::graph::{Arg, Compounds, Found, Operation, Values};
+
+/// Entries of a table's page.
+const PAGE: usize = 256;
+/// Registers at the start of a tape: the values 0..256.
+const INITIAL: usize = 256;
+/// The parts of a compound are looked for in as many clauses: else the search would take the square of a tape's length.
+const REACH: usize = 64;
+
+/// A clause as the interpreter reads it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Clause {
+    pub(super) word: u32,
+    pub(super) immediate: u32,
+    /// Whether it must stand second in its texel.
+    pub(super) second: bool,
+    /// The register that it writes.
+    output: Option<u8>,
+    operation: Option<Operation>,
+    /// Whether a later clause does its work.
+    absorbed: bool,
+}
+
+/// The clauses of a tape that the interpreter runs, with their numbers.
+#[derive(Debug)]
+pub(super) struct RunClauses {
+    clauses: Vec<Clause>,
+    /// By value (the registers at the start, then a value for each clause): how often it is read, at most 2.
+    uses: Vec<u8>,
+    /// The values in the registers at the end.
+    held: [u32; INITIAL],
+}
+
+impl RunClauses {
+    /// The clauses of a tape with the numbers of its table.
+    pub(super) fn of(tape: &Tape, table: &[f32]) -> Self {
+        let mut run = Self {
+            clauses: Vec::with_capacity(tape.clauses().len()),
+            uses: vec![0; INITIAL],
+            held: std::array::from_fn(|register| register as u32),
+        };
+        let (mut page, mut texture) = (0, 0);
+        for (word, instruction) in tape.run_clauses() {
+            let number = |entry: u8| table.get(page + usize::from(entry)).copied().unwrap_or(0.0);
+            let (mut immediate, mut operation) = (0, None);
+            let output = match instruction {
+                Instruction::End => continue,
+                Instruction::Page(number) => {
+                    page = PAGE * usize::from(number);
+                    continue;
+                }
+                Instruction::SelectTexture { texture: number, channel } => {
+                    texture = 4 * u32::from(number) + u32::from(channel);
+                    continue;
+                }
+                Instruction::Texture { output, u, v } => {
+                    immediate = texture;
+                    run.read(u);
+                    run.read(v);
+                    Some(output)
+                }
+                Instruction::Load { output, entry } => {
+                    immediate = number(entry).to_bits();
+                    Some(output)
+                }
+                Instruction::Store { register, .. } => {
+                    run.read(register);
+                    None
+                }
+                Instruction::Reload { output, .. } | Instruction::Input { output, .. } => Some(output),
+                Instruction::Unary { op, output, a } => {
+                    let a = Arg::Value(run.read(a));
+                    operation = Some(Operation { op, a, b: a });
+                    Some(output)
+                }
+                Instruction::Binary { op, output, a, b } => {
+                    let [a, b] = [a, b].map(|operand| match operand {
+                        Operand::Register(register) => Arg::Value(run.read(register)),
+                        Operand::Immediate(entry) => {
+                            immediate = number(entry).to_bits();
+                            Arg::Number(number(entry))
+                        }
+                    });
+                    operation = Some(Operation { op, a, b });
+                    Some(output)
+                }
+            };
+            if let Some(output) = output {
+                run.held[usize::from(output)] = run.uses.len() as u32;
+            }
+            run.uses.push(0);
+            let second = is_second(instruction);
+            run.clauses.push(Clause { word, immediate, second, output, operation, absorbed: false });
+        }
+        run
+    }
+
+    /// Counts that a clause reads a register; gives the value in it.
+    fn read(&mut self, register: u8) -> u32 {
+        let value = self.held[usize::from(register)];
+        if let Some(uses) = self.uses.get_mut(value as usize) {
+            *uses = (*uses + 1).min(2);
+        }
+        value
+    }
+
+    /// Puts compounds of this set in the place of clauses. `outputs` are the registers of the results.
+    pub(super) fn compound(&mut self, compounds: Compounds, outputs: &[u8]) {
+        for output in outputs {
+            self.read(*output);
+            self.read(*output);
+        }
+        for last in (0..self.clauses.len()).rev() {
+            let Some(clause) = self.clauses.get(last).filter(|clause| !clause.absorbed) else { continue };
+            let (Some(operation), Some(output)) = (clause.operation, clause.output) else { continue };
+            let Some(found) = compounds.find(self, operation) else { continue };
+            let Some([a, b]) = self.registers(&found, last) else { continue };
+            for absorbed in found.absorbed() {
+                if let Some(clause) = self.clauses.get_mut(*absorbed as usize - INITIAL) {
+                    clause.absorbed = true;
+                }
+            }
+            if let Some(clause) = self.clauses.get_mut(last) {
+                clause.word = u32::from_le_bytes([found.compound.number(), output, a, b]);
+                clause.immediate = found.number.to_bits();
+                clause.second = false;
+            }
+        }
+    }
+
+    /// The registers from which a compound in the place of the clause `last` reads, if they still hold there what its
+    /// parts read.
+    fn registers(&self, found: &Found, last: usize) -> Option<[u8; 2]> {
+        let first = found.absorbed().iter().map(|value| *value as usize - INITIAL).min()?;
+        if last - first > REACH {
+            return None;
+        }
+        let register = |value: u32| match (value as usize).checked_sub(INITIAL) {
+            None => Some(value as u8),
+            Some(clause) => self.clauses.get(clause)?.output,
+        };
+        let registers = [register(found.registers[0])?, register(found.registers[1])?];
+        for (register, value) in registers.iter().zip(found.registers) {
+            for (index, clause) in self.clauses.iter().enumerate().take(last).skip(first) {
+                let at = (INITIAL + index) as u32;
+                let vanishes = clause.absorbed || found.absorbed().contains(&at);
+                // A part may be computed before the other operand is.
+                if clause.output == Some(*register) && at > value && !vanishes {
+                    return None;
+                }
+            }
+        }
+        Some(registers)
+    }
+
+    /// The clauses that are left.
+    pub(super) fn kept(&self) -> impl Iterator<Item = &Clause> {
+        self.clauses.iter().filter(|clause| !clause.absorbed)
+    }
+}
+
+impl Values for RunClauses {
+    fn operation(&self, value: u32) -> Option<Operation> {
+        self.clauses.get((value as usize).checked_sub(INITIAL)?)?.operation
+    }
+
+    fn is_own(&self, value: u32) -> bool {
+        self.uses.get(value as usize) == Some(&1)
+    }
+}
