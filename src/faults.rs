@@ -14,6 +14,12 @@ pub enum Fault {
     ContextLost,
     /// The driver has no memory for a render target.
     NoTarget,
+    /// The driver refuses an interpreter.
+    NoInterpreter,
+    /// The driver takes the process along while it compiles an interpreter.
+    DeadlyInterpreter,
+    /// The driver compiles a program for seconds, and that is told after a fraction of one.
+    SlowCompiler,
 }
 
 impl Fault {
@@ -21,6 +27,9 @@ impl Fault {
         match name {
             "context-lost" => Some(Self::ContextLost),
             "no-target" => Some(Self::NoTarget),
+            "no-interpreter" => Some(Self::NoInterpreter),
+            "deadly-interpreter" => Some(Self::DeadlyInterpreter),
+            "slow-compiler" => Some(Self::SlowCompiler),
             _ => None,
         }
     }
@@ -32,12 +41,20 @@ static STRUCK: AtomicBool = AtomicBool::new(false);
 
 /// Whether a fault strikes here and now. The seconds count from the first call.
 pub fn strikes(fault: Fault) -> bool {
+    due_of(fault).is_some_and(|due| Instant::now() >= due) && !STRUCK.swap(true, Ordering::Relaxed)
+}
+
+/// Whether a fault strikes in this run, now or at another time.
+pub fn is_wanted(fault: Fault) -> bool {
+    due_of(fault).is_some()
+}
+
+fn due_of(fault: Fault) -> Option<Instant> {
     if !cfg!(debug_assertions) {
-        return false;
+        return None;
     }
     let wanted = WANTED.get_or_init(|| wanted(&std::env::var("MARIANA_FAULT").ok()?));
-    wanted.is_some_and(|(wanted, due)| wanted == fault && Instant::now() >= due)
-        && !STRUCK.swap(true, Ordering::Relaxed)
+    wanted.filter(|(wanted, _)| *wanted == fault).map(|(_, due)| due)
 }
 
 fn wanted(text: &str) -> Option<(Fault, Instant)> {

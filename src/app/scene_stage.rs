@@ -12,6 +12,7 @@ mod context_change;
 mod drawing;
 mod kept;
 mod told;
+mod universal;
 mod views;
 mod wishes;
 
@@ -23,6 +24,7 @@ pub(super) use context_change::{DrawingWays, LoadedScene};
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
 use kept::KeptPrograms;
+use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
 use super::overlay::Slider;
@@ -40,6 +42,7 @@ use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compi
 use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::SceneShape;
+use crate::program_cache::ProgramCache;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
@@ -84,6 +87,10 @@ enum FirstTree {
 enum Task {
     Compiled(u64),
     Interpreter(Interpreter),
+    Universal {
+        /// Whether it is for formulas that are no distances.
+        steep: bool,
+    },
     Views(ViewsOf),
 }
 
@@ -101,6 +108,8 @@ pub(super) struct SceneStage {
     before: Option<Cast>,
     /// The picture that is being drawn.
     making: Option<Making>,
+    universal: UniversalInterpreters,
+    /// Those that are scenes' own.
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_id: u64,
@@ -132,6 +141,7 @@ impl SceneStage {
         gl: &Gl,
         contexts: Vec<WorkerContext>,
         library: &ShaderLibrary,
+        cache: &ProgramCache,
         ways: DrawingWays,
         loader: SceneLoader,
         first: LoadedScene,
@@ -141,7 +151,7 @@ impl SceneStage {
         let LoadedScene { source, scene } = first;
         let mut regions = SceneRegions::start(ways.cells, wake.clone()).map_err(no_worker)?;
         regions.insist(ways.view.is_some());
-        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), wake);
+        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), cache, wake);
         let mut stage = Self {
             gl: gl.clone(),
             choice: ways.sdf,
@@ -152,6 +162,8 @@ impl SceneStage {
             coming: None,
             before: None,
             making: None,
+            // Without threads it would be compiled between frames, which then come late.
+            universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_id: 0,
@@ -184,6 +196,7 @@ impl SceneStage {
             let program = finished.program.and_then(|ready| Program::adopt(&self.gl, &ready));
             match (task, program) {
                 (Task::Views(of), program) => self.take_views(of, program),
+                (Task::Universal { steep }, program) => self.take_universal(steep, program),
                 (Task::Interpreter(interpreter), Ok(program)) => {
                     tracing::info!("an interpreter is ready");
                     self.interpreters.add(interpreter, program);
@@ -200,6 +213,8 @@ impl SceneStage {
             self.take_tree(id, tree);
         }
         self.recast();
+        self.prepare_for_edits();
+        self.tell_slow_compiling();
         Ok(())
     }
 
@@ -271,10 +286,15 @@ impl SceneStage {
             (true, false) => format!("{name} could not be interpreted; it is compiled instead"),
             _ => format!("{name} cannot be drawn by this driver; the last good scene stays"),
         };
-        if cast.compilable {
+        let compilable = cast.compilable;
+        if compilable {
             self.ask_for_compiled(id);
         } else {
             self.ask_for_interpreter(id);
+        }
+        // What was told in an earlier run needs a line only.
+        if compilable && matches!(error, GpuError::GivenUp { .. }) {
+            return self.tell(heading);
         }
         self.problem = Some((heading, error.to_string()));
     }
@@ -344,7 +364,7 @@ impl SceneStage {
         let kept = [&self.on_stage, &self.coming, &self.before].map(|cast| cast.as_ref().map(|cast| cast.id));
         self.tasks.retain(|_, task| match task {
             Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(&Some(*id)),
-            Task::Interpreter(_) | Task::Views(_) => true,
+            Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
         });
         self.views.keep(|id| kept.contains(&Some(id)));
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
@@ -364,6 +384,9 @@ impl SceneStage {
     fn ask_for_interpreter(&mut self, id: u64) {
         let Some(cast) = self.cast(id) else { return };
         let Some(needed) = cast.interpreter.clone() else { return };
+        if self.universal.serve(&needed) {
+            return self.ask_for_universal(needed.is_steep(), id);
+        }
         let mut asked = self.tasks.values().filter_map(|task| match task {
             Task::Interpreter(asked) => Some(asked),
             _ => None,
@@ -373,7 +396,8 @@ impl SceneStage {
             return;
         }
         let variant = needed.clone();
-        let job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
+        let mut job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
+        job.can_be_given_up = true;
         tracing::info!("{} is requested, interpreted", cast.source.title());
         self.submit(job, Task::Interpreter(needed));
     }
@@ -392,6 +416,7 @@ impl SceneStage {
             picture: frame.picture,
             scene: SceneShape::of(world),
             draws_views: false,
+            can_be_given_up: false,
         }
     }
 
@@ -421,7 +446,10 @@ impl SceneStage {
         let before = self.announced;
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
-                cast.interpreted = self.interpreters.find(|known| known.covers(needed));
+                cast.interpreted = self
+                    .universal
+                    .find(needed)
+                    .or_else(|| self.interpreters.find(|known| known.covers(needed)));
             }
         }
         let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
@@ -489,6 +517,9 @@ impl SceneStage {
             Task::Compiled(asked) => mode == Mode::Compiled && *asked == id,
             Task::Interpreter(asked) => {
                 mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
+            }
+            Task::Universal { .. } => {
+                mode == Mode::Interpreted && needed.is_some_and(|needed| self.universal.are_coming(needed))
             }
             Task::Views(_) => false,
         })
