@@ -348,14 +348,16 @@ impl Studio {
         if died.is_some() {
             cache.discard(key);
         }
-        if let Some(bytes) = cache.load(key) {
+        if self.gl.info().program_binaries
+            && let Some(bytes) = cache.load(key)
+        {
             let _attempt = cache.attempt(key, Work::Taking);
             let start = Instant::now();
             let binary = ProgramBinary::from_bytes(&bytes);
             let taken = binary.and_then(|binary| Program::take(&self.gl, &binary).transpose()).transpose()?;
             if let Some(program) = taken {
                 let ready = self.warm_up(&program, &asked, texts)?;
-                tracing::debug!(
+                tracing::info!(
                     "a kept program is there after {:.0} ms",
                     1000.0 * start.elapsed().as_secs_f64()
                 );
@@ -380,7 +382,7 @@ impl Studio {
             cache.give_up(key, GivenUp::Refused);
         }
         let ready = self.warm_up(&compiled?, &asked, texts)?;
-        tracing::debug!("a program is compiled after {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
+        tracing::info!("a program is compiled after {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
         if let Some(binary) = ready.binary() {
             cache.save(key, &binary.to_bytes());
         }
