@@ -384,7 +384,12 @@ impl SceneStage {
     fn ask_for_interpreter(&mut self, id: u64) {
         let Some(cast) = self.cast(id) else { return };
         let Some(needed) = cast.interpreter.clone() else { return };
-        if self.universal.serve(&needed) {
+        // The first picture does not wait for it, because a scene's own interpreter is compiled sooner.
+        let can_wait = self.pictured.is_some() || self.in_the_making(id, Mode::Compiled);
+        if self.universal.find(&needed).is_some() {
+            return;
+        }
+        if self.universal.serve(&needed) && can_wait {
             return self.ask_for_universal(needed.is_steep(), id);
         }
         let mut asked = self.tasks.values().filter_map(|task| match task {

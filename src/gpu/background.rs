@@ -6,11 +6,11 @@
 //! form of the program; what the driver compiled at the draw it finds in its cache. No object is ever shared between
 //! two contexts, because drivers mishandle shared objects ([`super::program::ReadyProgram`]).
 //!
-//! **What a driver made is kept** from run to run ([`crate::program_cache`]): from the second start on a worker only
-//! hands it to the driver again. A driver that dies of its own form of a program compiles it the next time; an
-//! interpreter that it refuses or dies of is not tried again, because the scene can be drawn in other ways.
+//! What a driver made is kept from run to run ([`studio`]).
 
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
+
+mod studio;
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -27,16 +27,16 @@ use glutin::display::{Display, GlDisplay};
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
-use super::program::{Program, ProgramBinary, ProgramTexts, ReadyProgram};
-use super::renderer::{Counting, Renderer};
+use super::program::{ProgramTexts, ReadyProgram};
 use super::scene_program::SCENE_SHADER;
 use super::shader_source::{ShaderLibrary, Variant};
-use super::stand_ins::{SceneShape, StandIns};
+use super::stand_ins::SceneShape;
 use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::limits::LIMITS;
-use crate::program_cache::{GivenUp, ProgramCache, Work};
+use crate::program_cache::ProgramCache;
+use studio::{Made, Studio};
 
 /// A context for a worker, not current anywhere yet.
 pub struct WorkerContext {
@@ -101,13 +101,6 @@ pub struct Finished {
     /// The program, as values.
     pub program: Result<ReadyProgram, GpuError>,
 }
-
-/// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
-/// [`super::stand_ins`]).
-const WARM_UP_SIZE: (u32, u32) = (18, 14);
-
-/// How long a driver takes that a test makes slow.
-const SLOW_COMPILER: Duration = Duration::from_secs(2);
 
 /// How long the end waits for drivers at work: a process that ends while one compiles may crash.
 const END_WAIT: Duration = Duration::from_secs(4);
@@ -282,136 +275,35 @@ fn work(
     // Kept current to the end of the thread, until everything that was made in it is gone.
     let context = worker.make_current();
     let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
-        let gl = Gl::load(|name| display.get_proc_address(name), false).map_err(|error| error.to_string())?;
-        let renderer =
-            Renderer::new(&gl, &sources.library, Counting::Off).map_err(|error| error.to_string())?;
-        let stand_ins = StandIns::new(&gl).map_err(|error| error.to_string())?;
-        Ok(Studio { gl, renderer, stand_ins })
+        let gl = Gl::load(|name| display.get_proc_address(name), false);
+        gl.and_then(|gl| Studio::new(gl, &sources.library)).map_err(|error| error.to_string())
     });
     while let Some(job) = queue.next() {
         let id = job.id;
-        let program = match &mut studio {
+        let made = match &mut studio {
             // After a panic the caller must not wait for ever.
             Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(sources, job))).unwrap_or_else(|_| {
                 Err(GpuError::NoWorker { reason: "making a program ended with a panic".into() })
             }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
+        let (program, to_keep) = match made {
+            Ok(Made { program, to_keep }) => (Ok(program), to_keep),
+            Err(error) => (Err(error), None),
+        };
         queue.end(id);
         if finished.send(Finished { id, program }).is_err() {
             break;
         }
         wake();
+        // Nobody waits for a disk.
+        if let Some((key, bytes)) = to_keep {
+            sources.cache.save(key, &bytes);
+        }
     }
 }
 
 /// The texts of a scene's program.
 fn texts_of(library: &ShaderLibrary, variant: VariantMaker, info: &GlInfo) -> Result<ProgramTexts, GpuError> {
     Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?, info)?)
-}
-
-/// The picture that warms a program up.
-struct Asked {
-    block: FrameBlock,
-    picture: Picture,
-    scene: SceneShape,
-    draws_views: bool,
-}
-
-/// Everything of a worker's context.
-struct Studio {
-    gl: Gl,
-    renderer: Renderer,
-    stand_ins: StandIns,
-}
-
-impl Studio {
-    /// Makes a program: from what was kept of it or else from its texts.
-    fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<ReadyProgram, GpuError> {
-        let Sources { library, cache } = sources;
-        if faults::strikes(Fault::SlowCompiler) {
-            std::thread::sleep(SLOW_COMPILER);
-        }
-        let texts = texts_of(library, job.variant, self.gl.info())?;
-        let key = texts.key(self.gl.info());
-        let asked =
-            Asked { block: job.block, picture: job.picture, scene: job.scene, draws_views: job.draws_views };
-        let died = cache.death(key);
-        if job.can_be_given_up {
-            if died == Some(Work::Compiling) {
-                cache.give_up(key, GivenUp::Died);
-            }
-            if let Some((why, mark)) = cache.given_up(key) {
-                return Err(GpuError::GivenUp { why, mark });
-            }
-        }
-        if died.is_some() {
-            cache.discard(key);
-        }
-        if self.gl.info().program_binaries
-            && let Some(bytes) = cache.load(key)
-        {
-            let _attempt = cache.attempt(key, Work::Taking);
-            let start = Instant::now();
-            let binary = ProgramBinary::from_bytes(&bytes);
-            let taken = binary.and_then(|binary| Program::take(&self.gl, &binary).transpose()).transpose()?;
-            if let Some(program) = taken {
-                let ready = self.warm_up(&program, &asked, texts)?;
-                tracing::info!(
-                    "a kept program is there after {:.0} ms",
-                    1000.0 * start.elapsed().as_secs_f64()
-                );
-                return Ok(ready);
-            }
-            tracing::info!("the driver does not take a program that was kept: it compiles it again");
-            cache.discard(key);
-        }
-        let _attempt = cache.attempt(key, Work::Compiling);
-        if job.can_be_given_up && faults::strikes(Fault::DeadlyInterpreter) {
-            std::process::abort();
-        }
-        let start = Instant::now();
-        let compiled = match Program::of(&self.gl, &texts) {
-            _ if job.can_be_given_up && faults::strikes(Fault::NoInterpreter) => Err(GpuError::Compile {
-                name: SCENE_SHADER.to_owned(),
-                log: "a fault that a test causes".to_owned(),
-            }),
-            compiled => compiled,
-        };
-        if job.can_be_given_up && matches!(compiled, Err(GpuError::Compile { .. })) {
-            cache.give_up(key, GivenUp::Refused);
-        }
-        let ready = self.warm_up(&compiled?, &asked, texts)?;
-        tracing::info!("a program is compiled after {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
-        if let Some(binary) = ready.binary() {
-            cache.save(key, &binary.to_bytes());
-        }
-        Ok(ready)
-    }
-
-    /// Draws with a program, so that the driver has nothing left to do. Afterwards it can be dropped, with everything
-    /// that the driver keeps for it in this context.
-    fn warm_up(
-        &mut self,
-        program: &Program,
-        asked: &Asked,
-        texts: ProgramTexts,
-    ) -> Result<ReadyProgram, GpuError> {
-        let scene = self.stand_ins.names(&asked.scene)?;
-        let blocks = (&asked.block, &asked.picture);
-        let drawn = if asked.draws_views {
-            let view = [[0.0, 1.0, 0.0, 0.0]; 2];
-            self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, program, &view)
-        } else {
-            self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, program)
-        };
-        // The program is usable all the same.
-        if let Err(error) = drawn {
-            tracing::debug!("warming up a program: {error}");
-        }
-        self.gl.finish();
-        let ready = program.ready(texts);
-        program.unbind();
-        Ok(ready)
-    }
 }

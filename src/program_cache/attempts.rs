@@ -2,7 +2,8 @@
 //! the driver took the process along.
 //!
 //! A mark is locked for as long as the process lives: one that can be locked was left behind. A process that is killed
-//! while a driver is at work leaves one, too. That costs speed only, and the sentence about it names the file.
+//! while a driver is at work leaves one, too, and one that dies leaves those of its other threads. That costs speed only,
+//! and the sentence about it names the file.
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
