@@ -33,16 +33,14 @@ use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::orbit_controls::OrbitControls;
-use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
+use crate::gpu::background::{BackgroundCompiler, ProgramJob, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
-use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::SceneShape;
-use crate::program_cache::ProgramCache;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
@@ -140,8 +138,7 @@ impl SceneStage {
     pub(super) fn new(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
-        library: &ShaderLibrary,
-        cache: &ProgramCache,
+        sources: Sources,
         ways: DrawingWays,
         loader: SceneLoader,
         first: LoadedScene,
@@ -151,7 +148,7 @@ impl SceneStage {
         let LoadedScene { source, scene } = first;
         let mut regions = SceneRegions::start(ways.cells, wake.clone()).map_err(no_worker)?;
         regions.insist(ways.view.is_some());
-        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), cache, wake);
+        let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
         let mut stage = Self {
             gl: gl.clone(),
             choice: ways.sdf,

@@ -163,22 +163,20 @@ impl Queue {
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context of the driver `info`, which keep what they make in `cache`. `wake` is called
-    /// after each job, on the worker's thread. If there is no context or no thread, [`BackgroundCompiler::poll`] gives
-    /// texts, which are linked between frames.
+    /// Starts a thread for each context of the driver `info`. `wake` is called after each job, on the worker's thread.
+    /// If there is no context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
-        library: &ShaderLibrary,
+        sources: Sources,
         info: &GlInfo,
-        cache: &ProgramCache,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Self {
         let queue = Arc::new(Queue::default());
         let (sender, finished) = channel();
         let mut threads = Vec::with_capacity(contexts.len());
         for context in contexts {
-            let (queue, sender, wake) = (queue.clone(), sender.clone(), wake.clone());
-            let sources = Sources { library: library.clone(), cache: cache.clone() };
+            let (queue, sender, sources, wake) =
+                (queue.clone(), sender.clone(), sources.clone(), wake.clone());
             let worker = std::thread::Builder::new().name("compiler".into());
             match worker.spawn(move || work(context, &queue, &sender, &sources, &wake)) {
                 Ok(thread) => threads.push(thread),
@@ -187,7 +185,7 @@ impl BackgroundCompiler {
                 }
             }
         }
-        Self { queue, finished, threads, library: library.clone(), info: info.clone() }
+        Self { queue, finished, threads, library: sources.library, info: info.clone() }
     }
 
     /// Whether programs are made beside the frame loop.
@@ -260,9 +258,12 @@ fn told_after() -> Duration {
 }
 
 /// What programs are made from.
-struct Sources {
-    library: ShaderLibrary,
-    cache: ProgramCache,
+#[derive(Clone)]
+pub struct Sources {
+    /// The shaders' files.
+    pub library: ShaderLibrary,
+    /// What was kept from earlier runs, and where it is kept for later ones.
+    pub cache: ProgramCache,
 }
 
 fn work(
