@@ -20,6 +20,8 @@ pub enum Fault {
     DeadlyInterpreter,
     /// The driver compiles a program for seconds, and that is told after a fraction of one.
     SlowCompiler,
+    /// The same, of an interpreter.
+    SlowInterpreter,
 }
 
 impl Fault {
@@ -30,6 +32,7 @@ impl Fault {
             "no-interpreter" => Some(Self::NoInterpreter),
             "deadly-interpreter" => Some(Self::DeadlyInterpreter),
             "slow-compiler" => Some(Self::SlowCompiler),
+            "slow-interpreter" => Some(Self::SlowInterpreter),
             _ => None,
         }
     }
@@ -71,6 +74,7 @@ mod tests {
     fn faults_are_named_with_their_moment() {
         assert_eq!(wanted("context-lost@2").map(|(fault, _)| fault), Some(Fault::ContextLost));
         assert_eq!(wanted("no-target@0.5").map(|(fault, _)| fault), Some(Fault::NoTarget));
+        assert_eq!(wanted("slow-compiler@0").map(|(fault, _)| fault), Some(Fault::SlowCompiler));
         for text in
             ["", "context-lost", "context-lost@", "@1", "nothing@1", "no-target@-1", "no-target@1e300"]
         {

@@ -253,7 +253,8 @@ impl Drop for BackgroundCompiler {
 
 /// When it is told that a job takes long.
 fn told_after() -> Duration {
-    let seconds = if faults::is_wanted(Fault::SlowCompiler) { 0.2 } else { LIMITS.compile_seconds_told };
+    let is_hurried = [Fault::SlowCompiler, Fault::SlowInterpreter].into_iter().any(faults::is_wanted);
+    let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_told };
     Duration::from_secs_f64(seconds)
 }
 

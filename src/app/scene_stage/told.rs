@@ -38,7 +38,11 @@ impl SceneStage {
                 Task::Interpreter(_) | Task::Universal { .. } => Some("an interpreter".to_owned()),
             };
             let Some(what) = what else { continue };
-            let sentence = format!("the driver is still compiling {what}: the show goes on without it");
+            let meanwhile = match self.on_stage {
+                Some(_) => "the show goes on without it",
+                None => "nothing can be shown before",
+            };
+            let sentence = format!("the driver is still compiling {what}: {meanwhile}");
             tracing::warn!("{sentence}");
             self.tell(sentence);
         }

@@ -77,12 +77,12 @@ impl SceneStage {
             return;
         }
         let variant = one.variant.clone();
-        one.state = State::Coming;
         let Some(cast) = self.cast(id) else { return };
         let mut job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
         job.can_be_given_up = true;
         tracing::info!("the universal interpreter is requested{}", of_kind(steep));
         self.submit(job, Task::Universal { steep });
+        self.universal.of(steep).state = State::Coming;
     }
 
     /// Requests what no scene has needed so far, once there is nothing else to do.

@@ -65,7 +65,8 @@ impl Studio {
     /// What the driver refuses, and [`GpuError::GivenUp`] for what it failed at before.
     pub(super) fn make(&mut self, sources: &Sources, job: ProgramJob) -> Result<Made, GpuError> {
         let Sources { library, cache } = sources;
-        if faults::strikes(Fault::SlowCompiler) {
+        let is_interpreter = job.can_be_given_up;
+        if faults::strikes(Fault::SlowCompiler) || is_interpreter && faults::strikes(Fault::SlowInterpreter) {
             std::thread::sleep(SLOW_COMPILER);
         }
         let texts = texts_of(library, job.variant, self.gl.info())?;
