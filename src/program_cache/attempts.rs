@@ -7,7 +7,7 @@
 
 use std::fs::{self, File};
 use std::io::{Read as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::ending::{self, Undo};
 
@@ -37,7 +37,7 @@ pub struct Attempt {
     // Open, and so locked, for as long as it lives.
     _mark: File,
     undo: Option<Undo>,
-    path: std::path::PathBuf,
+    path: PathBuf,
 }
 
 impl Drop for Attempt {
