@@ -28,6 +28,7 @@ use crate::export::still::{StillRequest, write_still};
 use crate::export::video::{VideoRequest, write_video};
 use crate::gpu::scene_resources::CellUse;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::program_cache::ProgramCache;
 use crate::scenes::{SceneError, SceneSource};
 use mariana_player::decode::quiet_contained_panics;
 use mariana_player::devices::list_devices;
@@ -105,6 +106,9 @@ struct PlayArguments {
     /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
+    /// Whether programs that the driver has compiled are kept, in the user's folder for caches
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    program_cache: Switch,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
@@ -366,6 +370,10 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         fps_cap: arguments.fps_cap,
         quality: arguments.quality.into(),
         limit_flashes: arguments.flash_limiter == Switch::On,
+        program_cache: match arguments.program_cache {
+            Switch::On => ProgramCache::of_user(),
+            Switch::Off => ProgramCache::off(),
+        },
         fullscreen: arguments.fullscreen,
         size: arguments.size,
         gl_info: arguments.gl_info,

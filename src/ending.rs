@@ -179,27 +179,33 @@ impl Drop for Undo {
 /// signal's code.
 pub fn end_now(signal: Signal, say: impl FnOnce()) -> ! {
     let mut list = undo_list();
-    while let Some((_, step)) = list.pop_last() {
-        step();
-    }
+    undo_all(&mut list);
     say();
     leave_at_once(signal.exit_code())
 }
 
+/// The latest first.
+fn undo_all(list: &mut BTreeMap<u64, Step>) {
+    while let Some((_, step)) = list.pop_last() {
+        step();
+    }
+}
+
 /// The end of `main`. From here on no signal interferes.
 pub struct Leaving {
-    _list: MutexGuard<'static, BTreeMap<u64, Step>>,
+    list: MutexGuard<'static, BTreeMap<u64, Step>>,
 }
 
 /// Begins to leave. Does not return if a signal is already ending the process.
 pub fn begin_to_leave() -> Leaving {
-    Leaving { _list: undo_list() }
+    Leaving { list: undo_list() }
 }
 
 impl Leaving {
-    /// Ends the process with `code`, without the exit handlers of drivers and libraries: they would take away what
+    /// Undoes what threads have not finished and ends the process with `code`, without the exit handlers of drivers and libraries: they would take away what
     /// their threads, which may still be at work, need. Mesa 22.3 compiles for AMD on such threads, and crashes.
-    pub fn leave(self, code: u8) -> ! {
+    pub fn leave(mut self, code: u8) -> ! {
+        undo_all(&mut self.list);
         // If nobody reads standard output, there is nobody to tell.
         let _ = io::stdout().flush();
         let _ = io::stderr().flush();

@@ -16,6 +16,14 @@ pub enum Fault {
     NoTarget,
     /// Every pixel seems to take 0.1 ms.
     DearPixels,
+    /// The driver refuses an interpreter.
+    NoInterpreter,
+    /// The driver takes the process along while it compiles an interpreter.
+    DeadlyInterpreter,
+    /// The driver compiles a program for seconds, and that is told after a fraction of one.
+    SlowCompiler,
+    /// The same, of an interpreter.
+    SlowInterpreter,
 }
 
 impl Fault {
@@ -24,6 +32,10 @@ impl Fault {
             "context-lost" => Some(Self::ContextLost),
             "no-target" => Some(Self::NoTarget),
             "dear-pixels" => Some(Self::DearPixels),
+            "no-interpreter" => Some(Self::NoInterpreter),
+            "deadly-interpreter" => Some(Self::DeadlyInterpreter),
+            "slow-compiler" => Some(Self::SlowCompiler),
+            "slow-interpreter" => Some(Self::SlowInterpreter),
             _ => None,
         }
     }
@@ -40,11 +52,20 @@ pub fn strikes(fault: Fault) -> bool {
 
 /// Whether a fault that strikes again and again does so now.
 pub fn lasts(fault: Fault) -> bool {
+    due_of(fault).is_some_and(|due| Instant::now() >= due)
+}
+
+/// Whether a fault strikes in this run, now or at another time.
+pub fn is_wanted(fault: Fault) -> bool {
+    due_of(fault).is_some()
+}
+
+fn due_of(fault: Fault) -> Option<Instant> {
     if !cfg!(debug_assertions) {
-        return false;
+        return None;
     }
     let wanted = WANTED.get_or_init(|| wanted(&std::env::var("MARIANA_FAULT").ok()?));
-    wanted.is_some_and(|(wanted, due)| wanted == fault && Instant::now() >= due)
+    wanted.filter(|(wanted, _)| *wanted == fault).map(|(_, due)| due)
 }
 
 fn wanted(text: &str) -> Option<(Fault, Instant)> {
@@ -61,6 +82,7 @@ mod tests {
     fn faults_are_named_with_their_moment() {
         assert_eq!(wanted("context-lost@2").map(|(fault, _)| fault), Some(Fault::ContextLost));
         assert_eq!(wanted("no-target@0.5").map(|(fault, _)| fault), Some(Fault::NoTarget));
+        assert_eq!(wanted("slow-compiler@0").map(|(fault, _)| fault), Some(Fault::SlowCompiler));
         for text in
             ["", "context-lost", "context-lost@", "@1", "nothing@1", "no-target@-1", "no-target@1e300"]
         {

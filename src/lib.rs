@@ -16,6 +16,7 @@ pub mod flash;
 pub mod frame;
 pub mod gpu;
 pub mod limits;
+pub mod program_cache;
 pub mod scenes;
 pub mod srgb;
 pub mod view;

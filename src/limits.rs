@@ -33,6 +33,12 @@ pub struct Limits {
     /// Most interpreters, and most programs of views, that are kept for scenes to come (some 20 MiB each on a
     /// software renderer).
     pub programs_kept_max: usize,
+    /// Most bytes of a program in a driver's own form that is kept from run to run (some 100 KiB to 2 MiB are usual).
+    pub kept_program_bytes_max: usize,
+    /// Most bytes that all kept programs take on the disk; those that were used longest ago go first.
+    pub program_cache_bytes_max: u64,
+    /// Time in seconds after which it is told that a driver is still compiling.
+    pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
     pub picture_seconds_max: f64,
 }
@@ -52,5 +58,8 @@ pub const LIMITS: Limits = Limits {
     texture_pixels_max: 1 << 24,
     region_texels_max: 1 << 22,
     programs_kept_max: 4,
+    kept_program_bytes_max: 1 << 24,
+    program_cache_bytes_max: 1 << 26,
+    compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,
 };

@@ -13,6 +13,7 @@ mod context_change;
 mod drawing;
 mod kept;
 mod told;
+mod universal;
 mod views;
 mod wishes;
 
@@ -24,6 +25,7 @@ pub(super) use context_change::{DrawingWays, LoadedScene};
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
 use kept::KeptPrograms;
+use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
 use super::overlay::Slider;
@@ -32,14 +34,13 @@ use crate::config::SdfChoice;
 use crate::frame::Frame;
 use crate::frame::block::RegionTree;
 use crate::frame::orbit_controls::OrbitControls;
-use crate::gpu::background::{BackgroundCompiler, ProgramJob, WorkerContext};
+use crate::gpu::background::{BackgroundCompiler, ProgramJob, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::Counting;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
 use crate::gpu::scene_resources::SceneResources;
-use crate::gpu::shader_source::ShaderLibrary;
 use crate::gpu::stand_ins::SceneShape;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
@@ -91,6 +92,10 @@ enum FirstTree {
 enum Task {
     Compiled(u64),
     Interpreter(Interpreter),
+    Universal {
+        /// Whether it is for formulas that are no distances.
+        steep: bool,
+    },
     Views(ViewsOf),
 }
 
@@ -108,6 +113,8 @@ pub(super) struct SceneStage {
     before: Option<Cast>,
     /// The picture that is being drawn.
     making: Option<Making>,
+    universal: UniversalInterpreters,
+    /// Those that are scenes' own.
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_id: u64,
@@ -138,7 +145,7 @@ impl SceneStage {
     pub(super) fn new(
         gl: &Gl,
         contexts: Vec<WorkerContext>,
-        library: &ShaderLibrary,
+        sources: Sources,
         ways: DrawingWays,
         loader: SceneLoader,
         first: LoadedScene,
@@ -148,7 +155,7 @@ impl SceneStage {
         let LoadedScene { source, scene } = first;
         let mut regions = SceneRegions::start(ways.cells, wake.clone()).map_err(no_worker)?;
         regions.insist(ways.view.is_some());
-        let compiler = BackgroundCompiler::start(contexts, library, gl.info(), wake);
+        let compiler = BackgroundCompiler::start(contexts, sources, gl.info(), wake);
         let mut stage = Self {
             gl: gl.clone(),
             choice: ways.sdf,
@@ -159,6 +166,8 @@ impl SceneStage {
             coming: None,
             before: None,
             making: None,
+            // Without threads it would be compiled between frames, which then come late.
+            universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_id: 0,
@@ -191,6 +200,7 @@ impl SceneStage {
             let program = finished.program.and_then(|ready| Program::adopt(&self.gl, &ready));
             match (task, program) {
                 (Task::Views(of), program) => self.take_views(of, program),
+                (Task::Universal { steep }, program) => self.take_universal(steep, program),
                 (Task::Interpreter(interpreter), Ok(program)) => {
                     tracing::info!("an interpreter is ready");
                     self.interpreters.add(interpreter, program);
@@ -208,6 +218,8 @@ impl SceneStage {
         }
         self.settle_numbers();
         self.recast();
+        self.prepare_for_edits();
+        self.tell_slow_compiling();
         Ok(())
     }
 
@@ -279,10 +291,15 @@ impl SceneStage {
             (true, false) => format!("{name} could not be interpreted; it is compiled instead"),
             _ => format!("{name} cannot be drawn by this driver; the last good scene stays"),
         };
-        if cast.compilable {
+        let compilable = cast.compilable;
+        if compilable {
             self.ask_for_compiled(id);
         } else {
             self.ask_for_interpreter(id);
+        }
+        // What was told in an earlier run needs a line only.
+        if compilable && matches!(error, GpuError::GivenUp { .. }) {
+            return self.tell(heading);
         }
         self.problem = Some((heading, error.to_string()));
     }
@@ -357,7 +374,7 @@ impl SceneStage {
         let kept = [&self.on_stage, &self.coming, &self.before].map(|cast| cast.as_ref().map(|cast| cast.id));
         self.tasks.retain(|_, task| match task {
             Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(&Some(*id)),
-            Task::Interpreter(_) | Task::Views(_) => true,
+            Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
         });
         self.views.keep(|id| kept.contains(&Some(id)));
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
@@ -377,6 +394,14 @@ impl SceneStage {
     fn ask_for_interpreter(&mut self, id: u64) {
         let Some(cast) = self.cast(id) else { return };
         let Some(needed) = cast.interpreter.clone() else { return };
+        // The first picture does not wait for it, because a scene's own interpreter is compiled sooner.
+        let can_wait = self.pictured.is_some() || self.in_the_making(id, Mode::Compiled);
+        if self.universal.find(&needed).is_some() {
+            return;
+        }
+        if self.universal.serve(&needed) && can_wait {
+            return self.ask_for_universal(needed.is_steep(), id);
+        }
         let mut asked = self.tasks.values().filter_map(|task| match task {
             Task::Interpreter(asked) => Some(asked),
             _ => None,
@@ -386,7 +411,8 @@ impl SceneStage {
             return;
         }
         let variant = needed.clone();
-        let job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
+        let mut job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
+        job.can_be_given_up = true;
         tracing::info!("{} is requested, interpreted", cast.source.title());
         self.submit(job, Task::Interpreter(needed));
     }
@@ -405,6 +431,7 @@ impl SceneStage {
             picture: frame.picture,
             scene: SceneShape::of(world),
             draws_views: false,
+            can_be_given_up: false,
         }
     }
 
@@ -434,7 +461,10 @@ impl SceneStage {
         let before = self.announced;
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
-                cast.interpreted = self.interpreters.find(|known| known.covers(needed));
+                cast.interpreted = self
+                    .universal
+                    .find(needed)
+                    .or_else(|| self.interpreters.find(|known| known.covers(needed)));
             }
         }
         let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
@@ -502,6 +532,9 @@ impl SceneStage {
             Task::Compiled(asked) => mode == Mode::Compiled && *asked == id,
             Task::Interpreter(asked) => {
                 mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
+            }
+            Task::Universal { .. } => {
+                mode == Mode::Interpreted && needed.is_some_and(|needed| self.universal.are_coming(needed))
             }
             Task::Views(_) => false,
         })

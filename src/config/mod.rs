@@ -4,6 +4,7 @@ mod settings;
 
 pub use settings::{Settings, SettingsError, SettingsFile};
 
+use crate::program_cache::ProgramCache;
 use mariana_music::Gain;
 
 /// How a scene's expressions are run.
@@ -44,7 +45,7 @@ pub enum ListenChoice {
 }
 
 /// How the window plays and shows a song, or what it listens to.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct PlaySettings {
     /// Output device, or input device to listen to, by id, name or part of a name; none is the default.
     pub device: Option<String>,
@@ -67,6 +68,8 @@ pub struct PlaySettings {
     pub quality: QualityChoice,
     /// Whether more than three flashes a second are dimmed.
     pub limit_flashes: bool,
+    /// Where programs are kept from run to run.
+    pub program_cache: ProgramCache,
     /// Start in full screen.
     pub fullscreen: bool,
     /// Size of the window in pixels at the start.

@@ -5,8 +5,12 @@
 //! of the same kinds that the renderer will use. The drawing thread gets values only, among them the driver's own
 //! form of the program; what the driver compiled at the draw it finds in its cache. No object is ever shared between
 //! two contexts, because drivers mishandle shared objects ([`super::program::ReadyProgram`]).
+//!
+//! What a driver made is kept from run to run ([`studio`]).
 
 #![expect(unsafe_code, reason = "creating contexts is unsafe in glutin")]
+
+mod studio;
 
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -23,13 +27,16 @@ use glutin::display::{Display, GlDisplay};
 
 use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
-use super::program::{Program, ProgramTexts, ReadyProgram};
-use super::renderer::{Counting, Renderer};
+use super::program::{ProgramTexts, ReadyProgram};
 use super::scene_program::SCENE_SHADER;
 use super::shader_source::{ShaderLibrary, Variant};
-use super::stand_ins::{SceneShape, StandIns};
+use super::stand_ins::SceneShape;
+use crate::faults::{self, Fault};
 use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
+use crate::limits::LIMITS;
+use crate::program_cache::ProgramCache;
+use studio::{Made, Studio};
 
 /// A context for a worker, not current anywhere yet.
 pub struct WorkerContext {
@@ -83,6 +90,8 @@ pub struct ProgramJob {
     pub scene: SceneShape,
     /// Whether it is a program of views.
     pub draws_views: bool,
+    /// Whether it is not tried again once the driver has failed at it.
+    pub can_be_given_up: bool,
 }
 
 /// A job that is done.
@@ -92,10 +101,6 @@ pub struct Finished {
     /// The program, as values.
     pub program: Result<ReadyProgram, GpuError>,
 }
-
-/// Size of the pictures that warm a program up: no power of two, because those of windows are none either (see
-/// [`super::stand_ins`]).
-const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
 /// How long the end waits for drivers at work: a process that ends while one compiles may crash.
 const END_WAIT: Duration = Duration::from_secs(4);
@@ -119,7 +124,17 @@ struct Queue {
 #[derive(Default)]
 struct State {
     jobs: VecDeque<ProgramJob>,
+    /// The jobs that threads are at.
+    begun: Vec<Begun>,
     over: bool,
+}
+
+/// A job that a thread is at.
+struct Begun {
+    id: u64,
+    since: Instant,
+    /// Whether it was told that it takes long.
+    told: bool,
 }
 
 impl Queue {
@@ -135,19 +150,24 @@ impl Queue {
                 return None;
             }
             if let Some(job) = state.jobs.pop_front() {
+                state.begun.push(Begun { id: job.id, since: Instant::now(), told: false });
                 return Some(job);
             }
             state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
+
+    fn end(&self, id: u64) {
+        self.lock().begun.retain(|begun| begun.id != id);
+    }
 }
 
 impl BackgroundCompiler {
-    /// Starts a thread for each context of the driver `info`. `wake` is called after each job, on the worker's thread. If there is no
-    /// context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
+    /// Starts a thread for each context of the driver `info`. `wake` is called after each job, on the worker's thread.
+    /// If there is no context or no thread, [`BackgroundCompiler::poll`] gives texts, which are linked between frames.
     pub fn start(
         contexts: Vec<WorkerContext>,
-        library: &ShaderLibrary,
+        sources: Sources,
         info: &GlInfo,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Self {
@@ -155,17 +175,33 @@ impl BackgroundCompiler {
         let (sender, finished) = channel();
         let mut threads = Vec::with_capacity(contexts.len());
         for context in contexts {
-            let (queue, sender, library, wake) =
-                (queue.clone(), sender.clone(), library.clone(), wake.clone());
+            let (queue, sender, sources, wake) =
+                (queue.clone(), sender.clone(), sources.clone(), wake.clone());
             let worker = std::thread::Builder::new().name("compiler".into());
-            match worker.spawn(move || work(context, &queue, &sender, &library, &wake)) {
+            match worker.spawn(move || work(context, &queue, &sender, &sources, &wake)) {
                 Ok(thread) => threads.push(thread),
                 Err(error) => {
                     tracing::warn!("no thread to compile on ({error}); the others go on without it")
                 }
             }
         }
-        Self { queue, finished, threads, library: library.clone(), info: info.clone() }
+        Self { queue, finished, threads, library: sources.library, info: info.clone() }
+    }
+
+    /// Whether programs are made beside the frame loop.
+    pub fn has_threads(&self) -> bool {
+        !self.threads.is_empty()
+    }
+
+    /// The jobs that a driver has been at for longer than [`crate::limits::Limits::compile_seconds_told`], each once.
+    pub fn slow(&self) -> Vec<u64> {
+        let mut state = self.queue.lock();
+        let slow = state.begun.iter_mut().filter(|begun| !begun.told && begun.since.elapsed() > told_after());
+        slow.map(|begun| {
+            begun.told = true;
+            begun.id
+        })
+        .collect()
     }
 
     /// Requests a program, after those that were requested before.
@@ -215,70 +251,61 @@ impl Drop for BackgroundCompiler {
     }
 }
 
+/// When it is told that a job takes long.
+fn told_after() -> Duration {
+    let is_hurried = [Fault::SlowCompiler, Fault::SlowInterpreter].into_iter().any(faults::is_wanted);
+    let seconds = if is_hurried { 0.2 } else { LIMITS.compile_seconds_told };
+    Duration::from_secs_f64(seconds)
+}
+
+/// What programs are made from.
+#[derive(Clone)]
+pub struct Sources {
+    /// The shaders' files.
+    pub library: ShaderLibrary,
+    /// What was kept from earlier runs, and where it is kept for later ones.
+    pub cache: ProgramCache,
+}
+
 fn work(
     worker: WorkerContext,
     queue: &Queue,
     finished: &Sender<Finished>,
-    library: &ShaderLibrary,
+    sources: &Sources,
     wake: &dyn Fn(),
 ) {
     // Kept current to the end of the thread, until everything that was made in it is gone.
     let context = worker.make_current();
     let mut studio = context.as_ref().map_err(Clone::clone).and_then(|(display, _current)| {
-        let gl = Gl::load(|name| display.get_proc_address(name), false).map_err(|error| error.to_string())?;
-        let renderer = Renderer::new(&gl, library, Counting::Off).map_err(|error| error.to_string())?;
-        let stand_ins = StandIns::new(&gl).map_err(|error| error.to_string())?;
-        Ok(Studio { gl, renderer, stand_ins })
+        let gl = Gl::load(|name| display.get_proc_address(name), false);
+        gl.and_then(|gl| Studio::new(gl, &sources.library)).map_err(|error| error.to_string())
     });
     while let Some(job) = queue.next() {
         let id = job.id;
-        let program = match &mut studio {
+        let made = match &mut studio {
             // After a panic the caller must not wait for ever.
-            Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(library, job))).unwrap_or_else(|_| {
+            Ok(studio) => catch_unwind(AssertUnwindSafe(|| studio.make(sources, job))).unwrap_or_else(|_| {
                 Err(GpuError::NoWorker { reason: "making a program ended with a panic".into() })
             }),
             Err(reason) => Err(GpuError::NoWorker { reason: reason.clone() }),
         };
+        let (program, to_keep) = match made {
+            Ok(Made { program, to_keep }) => (Ok(program), to_keep),
+            Err(error) => (Err(error), None),
+        };
+        queue.end(id);
         if finished.send(Finished { id, program }).is_err() {
             break;
         }
         wake();
+        // Nobody waits for a disk.
+        if let Some((key, bytes)) = to_keep {
+            sources.cache.save(key, &bytes);
+        }
     }
 }
 
 /// The texts of a scene's program.
 fn texts_of(library: &ShaderLibrary, variant: VariantMaker, info: &GlInfo) -> Result<ProgramTexts, GpuError> {
     Ok(ProgramTexts::assemble(library, SCENE_SHADER, &variant()?, info)?)
-}
-
-/// Everything of a worker's context.
-struct Studio {
-    gl: Gl,
-    renderer: Renderer,
-    stand_ins: StandIns,
-}
-
-impl Studio {
-    /// Links a program and draws with it, so that the driver has nothing left to do. The program itself is dropped
-    /// here, with everything that the driver keeps for it in this context.
-    fn make(&mut self, library: &ShaderLibrary, job: ProgramJob) -> Result<ReadyProgram, GpuError> {
-        let texts = texts_of(library, job.variant, self.gl.info())?;
-        let program = Program::of(&self.gl, &texts)?;
-        let scene = self.stand_ins.names(&job.scene)?;
-        let blocks = (&job.block, &job.picture);
-        let drawn = if job.draws_views {
-            let view = [[0.0, 1.0, 0.0, 0.0]; 2];
-            self.renderer.draw_view_block(WARM_UP_SIZE, blocks, &scene, &program, &view)
-        } else {
-            self.renderer.draw_block(WARM_UP_SIZE, blocks, &scene, &program)
-        };
-        // The program is usable all the same.
-        if let Err(error) = drawn {
-            tracing::debug!("warming up a program: {error}");
-        }
-        self.gl.finish();
-        let ready = program.ready(texts);
-        program.unbind();
-        Ok(ready)
-    }
 }

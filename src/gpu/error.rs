@@ -1,7 +1,10 @@
 //! What can go wrong on the way to a picture.
 
+use std::path::PathBuf;
+
 use super::scene_program::DoesNotFit;
 use super::shader_source::ShaderSourceError;
+use crate::program_cache::GivenUp;
 use mariana_field::world::WorldError;
 
 /// An error of the GPU side. Each message says what, where and what to do.
@@ -35,6 +38,14 @@ pub enum GpuError {
         name: String,
         /// The driver's log, with the files' names.
         log: String,
+    },
+    /// The driver failed at a program in an earlier run.
+    #[error("it is not tried again, because {why} before; delete {} to have it tried", mark.display())]
+    GivenUp {
+        /// How it failed.
+        why: GivenUp,
+        /// The file that remembers it.
+        mark: PathBuf,
     },
     /// The scene cannot be made into a shader.
     #[error(transparent)]

@@ -9,6 +9,7 @@ use super::error::GpuError;
 use super::gl::{Gl, GlInfo};
 use super::object::ProgramObject;
 use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble, name_places};
+use crate::program_cache::ProgramKey;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
 pub const UNIFORM_BLOCKS: [(&str, u32); 6] = [
@@ -104,6 +105,32 @@ impl ProgramTexts {
         let fragment = (fragment.to_owned(), assembled(fragment)?);
         Ok(Self { vertex: (vertex, assembled(vertex)?), fragment })
     }
+
+    /// By what a driver's own form of the program is kept: another driver, another version of it or another letter
+    /// gives another key.
+    pub fn key(&self, info: &GlInfo) -> ProgramKey {
+        let GlInfo { vendor, renderer, version, shading_language, .. } = info;
+        ProgramKey::of(
+            [vendor, renderer, version, shading_language, &self.vertex.1, &self.fragment.1].map(|s| &**s),
+        )
+    }
+}
+
+/// A program in a driver's own form.
+pub struct ProgramBinary(glow::ProgramBinary);
+
+impl ProgramBinary {
+    /// As bytes, to be kept: the number of the format, then what the driver gave.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        [&self.0.format.to_le_bytes()[..], &self.0.buffer].concat()
+    }
+
+    /// What [`ProgramBinary::to_bytes`] gave; none if there is nothing in it.
+    pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
+        let (format, buffer) = bytes.split_first_chunk()?;
+        let format = u32::from_le_bytes(*format);
+        (!buffer.is_empty()).then(|| Self(glow::ProgramBinary { buffer: buffer.to_owned(), format }))
+    }
 }
 
 /// A program on its way from one context to another: values only, no object of either context.
@@ -115,7 +142,14 @@ impl ProgramTexts {
 pub struct ReadyProgram {
     texts: ProgramTexts,
     /// The driver's own form of it, if it provides one: linking it again then takes milliseconds.
-    binary: Option<glow::ProgramBinary>,
+    binary: Option<ProgramBinary>,
+}
+
+impl ReadyProgram {
+    /// The driver's own form, if it provides one.
+    pub fn binary(&self) -> Option<&ProgramBinary> {
+        self.binary.as_ref()
+    }
 }
 
 impl From<ProgramTexts> for ReadyProgram {
@@ -184,7 +218,7 @@ impl Program {
         } else {
             None
         };
-        ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()) }
+        ReadyProgram { texts, binary: binary.filter(|binary| !binary.buffer.is_empty()).map(ProgramBinary) }
     }
 
     /// Makes a program that another context has made before: from the driver's own form or, if there is none or the
@@ -193,20 +227,33 @@ impl Program {
     /// # Errors
     /// What the driver says about the texts.
     pub fn adopt(gl: &Gl, ready: &ReadyProgram) -> Result<Self, GpuError> {
-        if let Some(binary) = &ready.binary {
-            let object = ProgramObject::new(gl)?;
-            // SAFETY: the program is ours; a binary that is no longer valid leaves it unlinked.
-            let linked = unsafe {
-                gl.program_binary(object.native(), binary);
-                gl.get_program_link_status(object.native())
-            };
-            if linked {
-                return Ok(Self::with_places(gl, object));
-            }
-            // An error that the driver noted about the binary is answered here.
-            let _ = gl.check("taking a program");
+        let known = match &ready.binary {
+            Some(binary) => Self::take(gl, binary)?,
+            None => None,
+        };
+        known.map_or_else(|| Self::of(gl, &ready.texts), Ok)
+    }
+
+    /// Makes a program from the driver's own form; none if the driver does not accept it.
+    ///
+    /// # Errors
+    /// [`GpuError::Object`] if the driver has no object left.
+    pub fn take(gl: &Gl, binary: &ProgramBinary) -> Result<Option<Self>, GpuError> {
+        if !gl.info().program_binaries {
+            return Ok(None);
         }
-        Self::of(gl, &ready.texts)
+        let object = ProgramObject::new(gl)?;
+        // SAFETY: the program is ours; a binary that is no longer valid leaves it unlinked.
+        let linked = unsafe {
+            gl.program_binary(object.native(), &binary.0);
+            gl.get_program_link_status(object.native())
+        };
+        if linked {
+            return Ok(Some(Self::with_places(gl, object)));
+        }
+        // An error that the driver noted about the binary is answered here.
+        let _ = gl.check("taking a program");
+        Ok(None)
     }
 
     /// The driver's number of it.

@@ -89,6 +89,21 @@ impl Interpreter {
         Self { tapes, regions: plan.variant().clone(), traits }
     }
 
+    /// The variant that draws nearly every scene whose value is a distance or, `steep`, is none: on GPUs it is made
+    /// before anyone edits.
+    pub fn universal(steep: bool) -> Self {
+        Self {
+            tapes: interpreter::Variant::universal(),
+            regions: RegionVariant::universal(steep),
+            traits: SceneFeatures::ALL,
+        }
+    }
+
+    /// Whether it draws scenes whose value is no distance.
+    pub fn is_steep(&self) -> bool {
+        self.regions.steep
+    }
+
     /// Whether this variant can draw every scene that `other` can.
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);

@@ -51,11 +51,16 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("view", &["frame", "limits"]),
     ("srgb", &[]),
     ("flash", &["limits", "srgb"]),
-    ("gpu", &["frame", "view", "flash", "faults", "srgb", "limits"]),
+    // The driver's own form of programs comes from where it is kept, on the threads that compile.
+    ("gpu", &["frame", "view", "flash", "faults", "srgb", "limits", "program_cache"]),
+    ("program_cache", &["atomic_file", "ending", "limits"]),
     ("scenes", &["limits"]),
-    ("app", &["scenes", "frame", "view", "gpu", "export", "config", "flash", "ending", "limits"]),
+    (
+        "app",
+        &["scenes", "frame", "view", "gpu", "export", "config", "flash", "program_cache", "ending", "limits"],
+    ),
     ("export", &["scenes", "frame", "view", "flash", "gpu", "config", "atomic_file", "ending", "limits"]),
-    ("config", &["atomic_file", "limits"]),
+    ("config", &["atomic_file", "program_cache", "limits"]),
 ];
 
 /// Packages that only some rooms may use. `egui` stands for `egui_winit` and its like, too.

@@ -5,6 +5,11 @@
 
 use crate::support::compare::{TIGHT, assert_alike};
 use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+use crate::support::studio::{Studio, driver, loud_sound, ready};
+use mariana::gpu::renderer::Counting;
+use mariana::gpu::scene_program::{Interpreter, Mode};
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::{SceneSource, shipped_names};
 
 /// A formula that is no distance, mirrors, and a scene with bands. None has textures: filtered as on a GPU they take
 /// minutes on a processor.
@@ -109,4 +114,29 @@ fn draws(log: &str) -> Vec<(u64, u64)> {
         Some((number(draws)?, rest.split_once(' ')?.0.parse().ok()?))
     };
     log.lines().filter_map(of_line).collect()
+}
+
+#[test]
+fn the_universal_interpreter_covers_every_shipped_scene() {
+    for name in shipped_names() {
+        let scene = ready(&SceneSource::Shipped(name.clone()));
+        let own = Interpreter::for_scene(scene.world.traits, &scene.buffers, &scene.plan, &driver(false));
+        assert!(Interpreter::universal(own.is_steep()).covers(&own), "{name}: {own:?}");
+        assert!(!Interpreter::universal(!own.is_steep()).covers(&own), "{name}");
+    }
+}
+
+#[test]
+fn the_universal_interpreter_draws_what_a_scene_s_own_draws() {
+    // With pictures and panels; with a lens; a formula that is no distance.
+    for name in ["speakers", "orb", "quadric"] {
+        let scene = SceneSource::Shipped(name.to_owned());
+        let mut studio = Studio::of(&scene, Mode::Interpreted, Counting::Off);
+        let expected = studio.picture(12.0, loud_sound(), (64, 36));
+        let steep = studio.world().steep;
+        let variant = Interpreter::universal(steep).variant(Counting::Off);
+        studio.program = studio.link(&ShaderLibrary::embedded(), &variant);
+        let actual = studio.picture(12.0, loud_sound(), (64, 36));
+        assert_alike(&format!("universal-{name}"), &actual, &expected, TIGHT);
+    }
 }

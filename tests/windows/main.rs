@@ -5,6 +5,7 @@ mod key_storm;
 mod playlist_window;
 mod window;
 mod window_live;
+mod window_programs;
 mod window_quality;
 mod window_scenes;
 mod window_views;

@@ -1,6 +1,7 @@
 //! What there is to report of the scene on the stage.
 
-use super::SceneStage;
+use super::views::ViewsOf;
+use super::{SceneStage, Task};
 use crate::app::overlay::{Notice, OverlayContent, PanelSwitches, Problem};
 
 impl SceneStage {
@@ -22,6 +23,29 @@ impl SceneStage {
         let cost = cast.resources.buffers().cost;
         let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
         Some(format!("{} · {mode} · {} clauses · {regions}", cast.source.title(), cost.distance))
+    }
+
+    /// Says of each program that the driver is at for long that it is, once.
+    pub(super) fn tell_slow_compiling(&mut self) {
+        for id in self.compiler.slow() {
+            let Some(task) = self.tasks.get(&id) else { continue };
+            let what = match task {
+                Task::Compiled(of) => self.cast(*of).map(|cast| cast.source.title()),
+                Task::Views(ViewsOf::Compiled(of)) => {
+                    self.cast(*of).map(|cast| format!("the views of {}", cast.source.title()))
+                }
+                Task::Views(ViewsOf::Interpreted(_)) => Some("the interpreter's views".to_owned()),
+                Task::Interpreter(_) | Task::Universal { .. } => Some("an interpreter".to_owned()),
+            };
+            let Some(what) = what else { continue };
+            let meanwhile = match self.on_stage {
+                Some(_) => "the show goes on without it",
+                None => "nothing can be shown before",
+            };
+            let sentence = format!("the driver is still compiling {what}: {meanwhile}");
+            tracing::warn!("{sentence}");
+            self.tell(sentence);
+        }
     }
 
     /// What is shown over the picture: what is wrong, what there is to tell, and what the window adds.

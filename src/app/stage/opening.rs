@@ -23,6 +23,7 @@ use crate::app::window_thread::Waker;
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
+use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
 use mariana_player::playlist::Opened;
@@ -63,7 +64,7 @@ impl Opening<'_> {
         let scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
-            &scene.shaders,
+            sources(settings, scene),
             DrawingWays { sdf: scene.sdf, cells: scene.cells, view: scene.view },
             loader,
             first,
@@ -114,6 +115,11 @@ impl Opening<'_> {
     }
 }
 
+/// What programs are made from.
+fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
+    Sources { library: scene.shaders.clone(), cache: settings.program_cache.clone() }
+}
+
 /// A renderer for a window.
 fn renderer(
     window: &GlWindowContext,
@@ -153,7 +159,7 @@ pub(in crate::app) fn renewed(
     let mut scenes = SceneStage::new(
         window.gl(),
         window.worker_contexts(COMPILERS),
-        &scene.shaders,
+        sources(settings, scene),
         kept.ways,
         kept.loader,
         shown,

@@ -33,7 +33,7 @@ pub(super) fn measure_edit(
     );
 
     let start = Instant::now();
-    let ReadyScene { world, buffers, plan } = source.ready_as(&edited)?;
+    let ReadyScene { world, buffers, plan, .. } = source.ready_as(&edited)?;
     let resources =
         SceneResources::upload_after(Some(before), &gl, world.clone(), buffers.clone(), plan.clone())?;
     let frame = Frame::new(&world, request.at, sound, request.size);

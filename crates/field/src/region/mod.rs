@@ -84,6 +84,14 @@ pub struct RegionVariant {
     pub steep: bool,
 }
 
+impl RegionVariant {
+    /// The requirements of nearly every scene whose value is a distance or, `steep`, is none: all operators, and as many
+    /// registers as the largest shipped scene needs. More would cost the program registers of the GPU.
+    pub fn universal(steep: bool) -> Self {
+        Self { operators: Op::ALL.iter().copied().collect(), compounds: Compounds::ALL, registers: 32, steep }
+    }
+}
+
 /// The inputs that determine a tree: if they are equal, the trees are equal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionKey {

@@ -14,6 +14,11 @@
 //! **Variants.** The text holds only the operators of a [`Variant`]. `EVERY_CASE` is for renderers that never skip a
 //! branch (llvmpipe): all cases are computed and the result is selected. Without it the case is searched by halves.
 //!
+//! **The universal variant** ([`Variant::universal`]) runs nearly every scene, so that on GPUs an edit never waits for
+//! a compiler. Its registers are many on purpose: AMD's compilers put arrays of more than 64 numbers into
+//! memory, where those of materials, run once for a surface, cost less than in registers that the whole program would
+//! have to hold.
+//!
 //! **One number for a point.** The interpreter runs a tape for one point. Only the coordinates of textures, a few
 //! clauses, are also run for the pixels to the right and above, before the material's own tape. The frame's numbers
 //! stand in the clauses as immediates, so that the shader needs no table; programs are therefore written anew for
@@ -120,6 +125,23 @@ pub struct Variant {
 }
 
 impl Variant {
+    /// The variant that runs nearly every scene: all operators, and more of everything else than scenes use. It is for
+    /// GPUs: all cases computed, it would be slow.
+    pub fn universal() -> Self {
+        Self {
+            operators: Op::ALL.iter().copied().collect(),
+            compounds: Compounds::ALL,
+            registers: 128,
+            // Only tapes of more than 256 registers have any.
+            memory: 0,
+            // Two pictures laid around a surface, each from three sides, and two more.
+            samples: 8,
+            textures: LIMITS.scene_textures_max,
+            inputs: true,
+            every_case: false,
+        }
+    }
+
     /// The variant that runs all of these tapes. Its numbers are rounded up so that few variants serve many scenes.
     pub fn of<'a>(tapes: impl IntoIterator<Item = &'a Tape>, every_case: bool) -> Self {
         let mut variant = Self {

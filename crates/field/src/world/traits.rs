@@ -22,6 +22,9 @@ pub struct SceneFeatures {
 }
 
 impl SceneFeatures {
+    /// All of them.
+    pub const ALL: Self = Self { panels: true, mirrors: true, blur: true, glow: true, lens: true };
+
     /// The features of a scene.
     pub(super) fn of(scene: &Scene, glow: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);

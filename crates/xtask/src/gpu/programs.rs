@@ -9,7 +9,7 @@ use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
-use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
+use mariana::gpu::scene_program::{Interpreter, Mode, SCENE_SHADER, as_views, variant_of};
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{SceneSource, shipped_names};
 use rustix::time::{ClockId, clock_gettime};
@@ -45,7 +45,7 @@ struct Wanted {
     variant: Variant,
 }
 
-/// Every program: the scenes in both modes, views of one, and the passes.
+/// Every program: the scenes in both modes, views of one, the universal interpreters, and the passes.
 fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wanted>> {
     let is_wanted = |name: &str| names.is_empty() || names.iter().any(|word| name.contains(word.as_str()));
     let mut found = Vec::new();
@@ -79,6 +79,12 @@ fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wan
             let variant = variant_of(&ready.world, &ready.buffers, &ready.plan, mode, gl.info(), counting)?;
             let variant = if counting == Counting::On { as_views(variant) } else { variant };
             found.push(Wanted { name, file: SCENE_SHADER, variant });
+        }
+    }
+    for (name, steep) in [("universal interpreter", false), ("universal interpreter, steep", true)] {
+        if is_wanted(name) {
+            let variant = Interpreter::universal(steep).variant(Counting::Off);
+            found.push(Wanted { name: name.to_owned(), file: SCENE_SHADER, variant });
         }
     }
     Ok(found)

@@ -1,0 +1,252 @@
+//! Programs in a driver's own form, kept from run to run in the user's folder for caches, and what a driver did with
+//! them before.
+//!
+//! | file | what it is |
+//! |---|---|
+//! | `KEY.program` | a program ([`entry`]) |
+//! | `KEY.attempt` | a mark while a driver is at work on it ([`attempts`]) |
+//! | `KEY.given-up` | a program that is not tried again, and why |
+//!
+//! A key is made of all that decides what a driver makes of a program: its name, its version, and the texts. Everything
+//! in the folder may be deleted at any time. A file that is damaged or of another key is removed; one that cannot be
+//! written costs a sentence in the log. What was used last is kept longest.
+
+mod attempts;
+mod entry;
+
+use std::ffi::OsStr;
+use std::fmt;
+use std::fs::{self, File};
+use std::hash::Hasher as _;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::SystemTime;
+
+use directories::ProjectDirs;
+
+pub use attempts::{Attempt, Work};
+
+use crate::atomic_file::AtomicFile;
+use crate::limits::LIMITS;
+
+/// What a program is known by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ProgramKey([u8; 16]);
+
+impl ProgramKey {
+    /// The key of a program that `parts` describe. Another version of Mariana has other keys.
+    pub fn of<'a>(parts: impl IntoIterator<Item = &'a str>) -> Self {
+        // Two hashes of 64 bits. Another version of Rust may hash otherwise, which costs compiling once.
+        let mut hashers = [0_u8, 1].map(|first| {
+            let mut hasher = std::hash::DefaultHasher::new();
+            hasher.write_u8(first);
+            hasher
+        });
+        for part in [env!("CARGO_PKG_VERSION")].into_iter().chain(parts) {
+            for hasher in &mut hashers {
+                hasher.write_usize(part.len());
+                hasher.write(part.as_bytes());
+            }
+        }
+        let [a, b] = hashers.map(|hasher| hasher.finish());
+        Self(((u128::from(a) << 64) | u128::from(b)).to_le_bytes())
+    }
+}
+
+impl fmt::Display for ProgramKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+/// Why a program is not tried again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GivenUp {
+    /// The driver refused it.
+    Refused,
+    /// The process died while the driver compiled it.
+    Died,
+}
+
+impl GivenUp {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Refused => "refused",
+            Self::Died => "died",
+        }
+    }
+}
+
+impl fmt::Display for GivenUp {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Refused => "the driver refused it",
+            Self::Died => "Mariana ended while the driver compiled it",
+        })
+    }
+}
+
+/// The kept programs. Clones are of the same folder; any thread may use them.
+#[derive(Debug, Clone)]
+pub struct ProgramCache {
+    /// None if nothing is kept.
+    folder: Option<Arc<Folder>>,
+}
+
+#[derive(Debug)]
+struct Folder {
+    path: PathBuf,
+    /// Whether it was told that nothing can be written.
+    complained: AtomicBool,
+}
+
+impl ProgramCache {
+    /// Keeps nothing.
+    pub fn off() -> Self {
+        Self { folder: None }
+    }
+
+    /// In the user's folder for caches, if the system has one.
+    pub fn of_user() -> Self {
+        ProjectDirs::from("", "", "mariana")
+            .map_or_else(Self::off, |places| Self::in_folder(places.cache_dir().join("programs")))
+    }
+
+    /// In this folder, which is made when something is written.
+    pub fn in_folder(path: PathBuf) -> Self {
+        Self { folder: Some(Arc::new(Folder { path, complained: AtomicBool::new(false) })) }
+    }
+
+    /// The program of this key, if there is one that is whole; any other is removed.
+    pub fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
+        let path = self.path(key, PROGRAM)?;
+        // No device, no pipe: opening one may block for ever.
+        if !fs::symlink_metadata(&path).ok()?.is_file() {
+            return None;
+        }
+        let mut bytes = Vec::new();
+        let limit = LIMITS.kept_program_bytes_max + entry::HEADER;
+        let read = File::open(&path).and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes));
+        let content = entry::decode(key, &bytes).filter(|_| read.is_ok() && bytes.len() <= limit);
+        let Some(content) = content else {
+            tracing::info!("{} is damaged and removed", path.display());
+            self.discard(key);
+            return None;
+        };
+        touch(&path);
+        Some(content.to_owned())
+    }
+
+    /// Keeps a program, unless it is larger than [`crate::limits::Limits::kept_program_bytes_max`].
+    pub fn save(&self, key: ProgramKey, content: &[u8]) {
+        if content.len() <= LIMITS.kept_program_bytes_max {
+            self.write(key, PROGRAM, &entry::encode(key, content));
+        }
+    }
+
+    /// Forgets a program.
+    pub fn discard(&self, key: ProgramKey) {
+        if let Some(path) = self.path(key, PROGRAM) {
+            let _ = fs::remove_file(path);
+        }
+    }
+
+    /// Notes that a driver begins to work on a program, until the attempt is dropped.
+    pub fn attempt(&self, key: ProgramKey, work: Work) -> Option<Attempt> {
+        self.make_folder()?;
+        attempts::begin(&self.path(key, ATTEMPT)?, work)
+    }
+
+    /// The work on a program in which an earlier run died. It is told once.
+    pub fn death(&self, key: ProgramKey) -> Option<Work> {
+        attempts::death(&self.path(key, ATTEMPT)?)
+    }
+
+    /// Notes that a program shall not be tried again.
+    pub fn give_up(&self, key: ProgramKey, why: GivenUp) {
+        self.write(key, GIVEN_UP, why.word().as_bytes());
+    }
+
+    /// Why a program is not tried again, and the file that says so; none for all others.
+    pub fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
+        let path = self.path(key, GIVEN_UP)?;
+        let is_there = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+        let word = if is_there { fs::read(&path).ok()? } else { return None };
+        touch(&path);
+        let known = [GivenUp::Refused, GivenUp::Died].into_iter().find(|why| why.word().as_bytes() == word);
+        Some((known?, path))
+    }
+
+    fn path(&self, key: ProgramKey, kind: &str) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.path.join(format!("{key}.{kind}")))
+    }
+
+    fn make_folder(&self) -> Option<&Folder> {
+        let folder = self.folder.as_deref()?;
+        let made = fs::create_dir_all(&folder.path);
+        made.map_err(|error| folder.complain(&error)).ok()?;
+        Some(folder)
+    }
+
+    /// Writes a file of the folder, whole or not at all, and makes room.
+    fn write(&self, key: ProgramKey, kind: &str, bytes: &[u8]) {
+        let Some((folder, path)) = self.make_folder().zip(self.path(key, kind)) else { return };
+        match AtomicFile::create(&path).and_then(|file| file.write(bytes)) {
+            Ok(()) => make_room(&folder.path, LIMITS.program_cache_bytes_max),
+            Err(error) => folder.complain(&error.reason),
+        }
+    }
+}
+
+impl Folder {
+    fn complain(&self, reason: &dyn fmt::Display) {
+        if !self.complained.swap(true, Ordering::Relaxed) {
+            tracing::warn!(
+                "no programs are kept in {} ({reason}): the driver compiles them at every start",
+                self.path.display()
+            );
+        }
+    }
+}
+
+/// The kinds of files.
+const PROGRAM: &str = "program";
+const ATTEMPT: &str = "attempt";
+const GIVEN_UP: &str = "given-up";
+
+/// What a file takes on a disk, however small it is, in bytes.
+const BLOCK: u64 = 4096;
+
+/// Notes that a file was used now.
+fn touch(path: &Path) {
+    let _ = File::options().write(true).open(path).and_then(|file| file.set_modified(SystemTime::now()));
+}
+
+/// Removes the files that were used longest ago until the rest takes no more than `bytes_max`.
+fn make_room(folder: &Path, bytes_max: u64) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    let mut files: Vec<(SystemTime, u64, PathBuf)> = entries
+        .flatten()
+        .filter_map(|entry| {
+            let path = entry.path();
+            let is_ours = [PROGRAM, GIVEN_UP].iter().any(|kind| path.extension() == Some(OsStr::new(kind)));
+            let about = entry.metadata().ok().filter(|about| is_ours && about.is_file())?;
+            Some((about.modified().ok()?, about.len().max(BLOCK), path))
+        })
+        .collect();
+    files.sort();
+    let mut bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
+    for (_, its, path) in files {
+        if bytes <= bytes_max {
+            break;
+        }
+        if fs::remove_file(path).is_ok() {
+            bytes -= its;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

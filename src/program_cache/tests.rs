@@ -1,0 +1,125 @@
+use std::time::Duration;
+
+use super::*;
+
+fn cache() -> (tempfile::TempDir, ProgramCache) {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = ProgramCache::in_folder(folder.path().join("mariana/programs"));
+    (folder, cache)
+}
+
+fn names(cache: &ProgramCache) -> Vec<String> {
+    let entries = fs::read_dir(&cache.folder.as_ref().unwrap().path).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_program_is_there_in_the_next_run_for_the_same_driver_and_texts_only() {
+    let (_folder, cache) = cache();
+    let key = ProgramKey::of(["driver 1", "text"]);
+    assert_eq!(cache.load(key), None);
+    cache.save(key, b"code");
+    let next = ProgramCache::in_folder(cache.folder.as_ref().unwrap().path.clone());
+    assert_eq!(next.load(key).as_deref(), Some(&b"code"[..]));
+    for other in [["driver 2", "text"], ["driver 1", "texts"], ["driver 1t", "ext"]] {
+        assert_eq!(next.load(ProgramKey::of(other)), None, "{other:?}");
+    }
+    next.discard(key);
+    assert_eq!(cache.load(key), None);
+    assert!(names(&cache).is_empty());
+    let off = ProgramCache::off();
+    off.save(key, b"code");
+    assert!(off.load(key).is_none() && off.attempt(key, Work::Taking).is_none());
+}
+
+#[test]
+fn a_damaged_or_foreign_file_is_removed() {
+    let (_folder, cache) = cache();
+    let [key, other] = ["a", "b"].map(|text| ProgramKey::of([text]));
+    cache.save(key, b"code");
+    let path = cache.path(key, PROGRAM).unwrap();
+    let whole = fs::read(&path).unwrap();
+    fs::copy(&path, cache.path(other, PROGRAM).unwrap()).unwrap();
+    assert_eq!(cache.load(other), None);
+    assert_eq!(names(&cache), [format!("{key}.program")], "the foreign one lies there");
+    for damaged in [&whole[..whole.len() - 1], b"", &[0; 100]] {
+        fs::write(&path, damaged).unwrap();
+        assert_eq!(cache.load(key), None);
+        assert!(!path.exists());
+    }
+    // No file at all, and one that is too large.
+    fs::create_dir(&path).unwrap();
+    assert_eq!(cache.load(key), None);
+    let large = vec![0; LIMITS.kept_program_bytes_max + 1];
+    cache.save(other, &large);
+    fs::write(cache.path(other, PROGRAM).unwrap(), entry::encode(other, &large)).unwrap();
+    assert_eq!(cache.load(other), None);
+}
+
+#[test]
+fn a_folder_that_takes_no_files_costs_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("taken"), "").unwrap();
+    let cache = ProgramCache::in_folder(folder.path().join("taken/programs"));
+    let key = ProgramKey::of([]);
+    cache.save(key, b"code");
+    cache.give_up(key, GivenUp::Refused);
+    assert!(cache.load(key).is_none() && cache.given_up(key).is_none());
+    assert!(cache.attempt(key, Work::Compiling).is_none() && cache.death(key).is_none());
+    assert!(cache.folder.unwrap().complained.load(Ordering::Relaxed));
+}
+
+#[test]
+fn what_was_used_longest_ago_makes_room() {
+    let (_folder, cache) = cache();
+    let keys = ["a", "b", "c"].map(|text| ProgramKey::of([text]));
+    for (age, key) in (1..).zip(keys) {
+        cache.save(key, &[0; 5000]);
+        let file = File::options().write(true).open(cache.path(key, PROGRAM).unwrap()).unwrap();
+        file.set_modified(SystemTime::now() - Duration::from_secs(100 * age)).unwrap();
+    }
+    let folder = cache.folder.as_ref().unwrap().path.clone();
+    fs::write(folder.join("notes.txt"), "of the user's").unwrap();
+    // The oldest is used.
+    assert!(cache.load(keys[2]).is_some());
+    make_room(&folder, 2 * (5000 + entry::HEADER as u64));
+    assert_eq!(keys.map(|key| cache.load(key).is_some()), [true, false, true]);
+    make_room(&folder, 0);
+    assert_eq!(names(&cache), ["notes.txt"]);
+}
+
+#[test]
+fn a_death_at_work_is_told_once_and_work_that_goes_on_or_is_over_is_none() {
+    let (_folder, cache) = cache();
+    let key = ProgramKey::of([]);
+    let path = cache.path(key, ATTEMPT).unwrap();
+    for work in [Work::Taking, Work::Compiling] {
+        let attempt = cache.attempt(key, work).unwrap();
+        assert_eq!(cache.death(key), None, "it lives");
+        assert!(cache.attempt(key, work).is_none(), "two are at it");
+        // As if the process had gone: its mark stays, without a lock.
+        let mark = fs::read(&path).unwrap();
+        drop(attempt);
+        assert!(!path.exists(), "a mark is left of work that is over");
+        fs::write(&path, mark).unwrap();
+        assert_eq!((cache.death(key), cache.death(key)), (Some(work), None));
+    }
+    fs::write(&path, "something else").unwrap();
+    assert_eq!(cache.death(key), None);
+}
+
+#[test]
+fn what_was_given_up_is_remembered_until_the_file_is_deleted() {
+    let (_folder, cache) = cache();
+    let [key, other] = ["a", "b"].map(|text| ProgramKey::of([text]));
+    for why in [GivenUp::Refused, GivenUp::Died] {
+        cache.give_up(key, why);
+        let (known, path) = cache.given_up(key).unwrap();
+        assert_eq!((known, cache.given_up(other)), (why, None));
+        fs::remove_file(path).unwrap();
+        assert_eq!(cache.given_up(key), None);
+    }
+}
