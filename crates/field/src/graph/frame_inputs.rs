@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::interval::Interval;
 use super::node::Input;
+use super::table_extremes::SharedExtremes;
 
 /// Reads the scene's textures on the CPU.
 pub trait TextureReader: std::fmt::Debug + Send + Sync {
@@ -28,11 +29,16 @@ pub struct TableData {
     scroll: Option<(f32, f32)>,
     /// Bounds of the entries, if the entries themselves are not known.
     unknown: Option<(f32, f32)>,
+    extremes: Option<SharedExtremes>,
 }
+
+/// Rectangles of fewer entries are looked at one by one.
+const FEW_ENTRIES: usize = 24;
 
 impl TableData {
     /// No entries: 0 everywhere.
-    pub const EMPTY: Self = Self { columns: 0, rows: 0, values: None, scroll: None, unknown: None };
+    pub const EMPTY: Self =
+        Self { columns: 0, rows: 0, values: None, scroll: None, unknown: None, extremes: None };
 
     /// A table of one row.
     pub fn row(values: impl Into<Arc<[f32]>>) -> Self {
@@ -46,7 +52,7 @@ impl TableData {
         let values = values.into();
         let rows = values.len().checked_div(columns).unwrap_or(0);
         let values = (rows > 0).then_some(values);
-        Self { columns, rows, values, scroll: None, unknown: None }
+        Self { columns, rows, values, extremes: Some(SharedExtremes::default()), ..Self::EMPTY }
     }
 
     /// The same, with coordinate 0 at row `first` and coordinate 1 at row `first + span`, both clamped to the
@@ -182,14 +188,26 @@ impl TableData {
         }
         let Some(values) = &self.values else { return Interval::point(0.0) };
         let (left, right, upper, lower) = self.touched(u, v);
-        let mut bounds = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
-        for row in upper..=lower {
-            for &value in &values[row * self.columns..][left..=right] {
-                if !value.is_finite() {
-                    return Interval::ANY;
-                }
-                bounds = Interval { lo: bounds.lo.min(value), hi: bounds.hi.max(value) };
+        let entries = (right + 1).saturating_sub(left) * (lower + 1).saturating_sub(upper);
+        let bounds = match &self.extremes {
+            Some(extremes) if entries > FEW_ENTRIES => {
+                extremes.of(values, self.columns).within((left, right), (upper, lower))
             }
+            _ => {
+                let mut bounds = Interval { lo: f32::INFINITY, hi: f32::NEG_INFINITY };
+                for row in upper..=lower {
+                    for &value in &values[row * self.columns..][left..=right] {
+                        if !value.is_finite() {
+                            return Interval::ANY;
+                        }
+                        bounds = Interval { lo: bounds.lo.min(value), hi: bounds.hi.max(value) };
+                    }
+                }
+                bounds
+            }
+        };
+        if bounds.is_any() {
+            return bounds;
         }
         // The interpolation rounds relative to the larger of the two entries.
         let error = bounds.lo.abs().max(bounds.hi.abs()) * super::interval::LIBRARY_ERROR + f32::MIN_POSITIVE;

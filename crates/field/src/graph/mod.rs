@@ -24,6 +24,7 @@ mod rules;
 mod simplify;
 mod slope_rules;
 mod sound_input;
+mod table_extremes;
 
 pub use build::PRODUCT_EXPONENT_MAX;
 pub(crate) use compound::{Arg, Found, Operation, Uses, Values};
