@@ -123,6 +123,18 @@ const COMPLAINT_BYTES: u64 = 4096;
 /// Extensions for which ffmpeg writes a list and further files beside it, named after the list's temporary name.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
 
+/// What happens to the pictures: most players take 4:2:0 only, which needs even sides; and the colours become those of
+/// [`COLORS`].
+const PICTURES: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+/// The colours that a video's header tells. Players take BT.709 for large pictures and BT.601 for small ones unless they
+/// are told, and ffmpeg makes BT.601 of RGB unless it is told.
+const COLORS: [[&str; 2]; 4] = [
+    ["-colorspace", "bt709"],
+    ["-color_primaries", "bt709"],
+    ["-color_trc", "bt709"],
+    ["-color_range", "tv"],
+];
+
 /// How often to check whether ffmpeg has ended.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
 
@@ -175,8 +187,8 @@ impl Encoder {
         command.args(["-protocol_whitelist", "file", "-ss", &request.start.to_string()]);
         command.arg("-i").arg(file_url(&sound_path));
         command.args(["-map", "0:v", "-map", "1:a:0", "-shortest"]);
-        // Most players take 4:2:0 only, which needs even sides.
-        command.args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p", "-crf", "18"]);
+        command.args(["-vf", PICTURES, "-pix_fmt", "yuv420p", "-crf", "18"]);
+        command.args(COLORS.as_flattened());
         command.arg(file_url(output.temporary()));
         let complaints = tempfile::tempfile().map_err(no_room)?;
         let heard = complaints.try_clone().map_err(no_room)?;

@@ -380,6 +380,44 @@ fn a_video_has_its_size_rate_length_and_the_song() {
 }
 
 #[test]
+fn a_video_left_its_colours_to_the_player_s_guess() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    place.write(
+        "flat.scene",
+        "material paint { color = 0  roughness = 1  emission = vec3(0.8, 0.05, 0.045) }\n\
+         object wall { shape = 5 - p.z  material = paint }\nsky { color = 0  ambient = 0 }\n\
+         light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+         camera { position = vec3(0)  target = vec3(0, 0, 5) }\n",
+    );
+    let look = ["--scene", "flat.scene", "--tone-map", "none", "--size", "32x18"];
+    place.run(&[&["still", "one.wav", "-o", "flat.png"], &look[..]].concat()).done();
+    let length = ["--duration", "0.3", "--fps", "10", "-o", "flat.mkv"];
+    place.run(&[&["video", "one.wav"], &length[..], &look].concat()).done();
+
+    let mut probe = Command::new("ffprobe");
+    probe
+        .args(["-v", "error", "-of", "json", "-show_streams", "-select_streams", "v"])
+        .arg(place.path("flat.mkv"));
+    let report: Value = serde_json::from_slice(&output_of(&mut probe, "ffmpeg").unwrap()).unwrap();
+    for (what, value) in [
+        ("color_space", "bt709"),
+        ("color_primaries", "bt709"),
+        ("color_transfer", "bt709"),
+        ("color_range", "tv"),
+    ] {
+        assert_eq!(report["streams"][0][what], value, "{what}");
+    }
+    // As a player shows it that believes this.
+    place.ffmpeg(&["-i", "flat.mkv", "-frames:v", "1"], "seen.png");
+    let [drawn, seen] = ["flat.png", "seen.png"]
+        .map(|name| *image::open(place.path(name)).unwrap().to_rgb8().get_pixel(16, 9));
+    for (drawn, seen) in drawn.0.into_iter().zip(seen.0) {
+        assert!(drawn.abs_diff(seen) <= 3, "{drawn:?} is shown as {seen:?}");
+    }
+}
+
+#[test]
 fn a_video_into_a_folder_is_numbered_stills() {
     let place = Workplace::new();
     let arguments = ["--start", "20", "--duration", "0.3", "--fps", "10", "--size", "64x36"];
