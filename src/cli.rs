@@ -155,7 +155,7 @@ const DEFAULT_SCENE: &str = "speakers";
 
 #[derive(Subcommand)]
 enum Command {
-    /// Render one moment of a song to a PNG, without a window and without a sound card
+    /// Render one moment of a song to a PNG or JPEG, without a window and without a sound card
     #[command(after_help = "Examples:\n  mariana still song.flac --at 12.5 --size 1280x720 -o frame.png\n  \
                             mariana still --at 30 -o demo.png       of the demo track")]
     Still(StillArguments),
@@ -200,13 +200,13 @@ enum Command {
 struct StillArguments {
     /// The song; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// The moment, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    /// The moment, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
-    /// The PNG file to write
+    /// The PNG or JPEG file to write
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -219,11 +219,11 @@ struct StillArguments {
 struct VideoArguments {
     /// The song; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// Where to start, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    /// Where to start, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
-    /// Length in seconds [default: to the end]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_duration, allow_negative_numbers = true)]
+    /// Length, as 80 or 1:20.5 [default: to the end]
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_negative_numbers = true)]
     duration: Option<f64>,
     /// Frames per second
     #[arg(long, default_value = "30", value_parser = parse_fps, allow_negative_numbers = true)]
@@ -256,11 +256,11 @@ struct AnalyzeArguments {
     /// Lines per second
     #[arg(long, default_value = "60", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
-    /// Where to start, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    /// Where to start, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     start: f64,
-    /// Length in seconds [default: to the end]
-    #[arg(long, value_name = "SECONDS", value_parser = parse_duration, allow_negative_numbers = true)]
+    /// Length, as 80 or 1:20.5 [default: to the end]
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_negative_numbers = true)]
     duration: Option<f64>,
 }
 
@@ -268,8 +268,8 @@ struct AnalyzeArguments {
 struct BenchArguments {
     /// The song that drives the picture; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// The moment that is drawn, in seconds
-    #[arg(long, value_name = "SECONDS", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    /// The moment that is drawn, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
     at: f64,
     /// Size in pixels
     #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size, allow_hyphen_values = true)]

@@ -26,7 +26,11 @@ pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
 }
 
 fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
+    let value = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
+    within(value, low, high, unit)
+}
+
+fn within(value: f64, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     if value >= low && value <= high {
         Ok(value)
     } else {
@@ -34,8 +38,32 @@ fn parse_within(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, Stri
     }
 }
 
+/// A time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`.
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
-    parse_within(text, 0.0, LIMITS.seconds_max, "seconds")
+    let wrong =
+        || format!("'{text}' is no time: write seconds, such as 80, or minutes and seconds, such as 1:20.5");
+    let (whole, seconds) =
+        text.trim().rsplit_once(':').map_or((None, text.trim()), |(whole, seconds)| (Some(whole), seconds));
+    let mut value: f64 = seconds.parse().map_err(|_| wrong())?;
+    if let Some(whole) = whole {
+        let is_plain = seconds.starts_with(|c: char| c.is_ascii_digit());
+        let mut unit = 60.0;
+        let parts: Vec<&str> = whole.rsplit(':').collect();
+        let fits = |value: f64| (0.0..60.0).contains(&value);
+        if !is_plain || !fits(value) || parts.len() > 2 {
+            return Err(wrong());
+        }
+        for (place, part) in parts.iter().enumerate() {
+            let number: u32 = part.parse().map_err(|_| wrong())?;
+            // Only the largest unit counts on beyond 59.
+            if place + 1 < parts.len() && !fits(f64::from(number)) {
+                return Err(wrong());
+            }
+            value += unit * f64::from(number);
+            unit *= 60.0;
+        }
+    }
+    within(value, 0.0, LIMITS.seconds_max, "seconds")
 }
 
 pub(super) fn parse_duration(text: &str) -> Result<f64, String> {
@@ -76,10 +104,22 @@ mod tests {
 
     #[test]
     fn numbers_outside_the_limits_and_non_numbers_are_refused() {
-        for text in ["nan", "inf", "-1", "1e9", "x", ""] {
+        for text in [
+            "nan", "inf", "-1", "1e9", "x", "", ":", "1:", ":5", "1:-5", "1:60", "-1:5", "1:60:00",
+            "1:2:3:4", "1.5:3", "1:inf",
+        ] {
             assert!(parse_seconds(text).is_err(), "{text}");
         }
-        assert_eq!(parse_seconds("12.5"), Ok(12.5));
+        for (text, seconds) in [
+            ("12.5", 12.5),
+            ("80", 80.0),
+            ("1:20", 80.0),
+            ("01:20.5", 80.5),
+            ("90:00", 5_400.0),
+            ("1:02:03", 3_723.0),
+        ] {
+            assert_eq!(parse_seconds(text), Ok(seconds));
+        }
         assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
         assert_eq!(parse_latency("-180"), Ok(-180.0));
     }

@@ -58,6 +58,12 @@ pub enum ExportError {
         /// The output.
         path: PathBuf,
     },
+    /// A still in a format that is not written.
+    #[error("{} cannot be written: stills are PNGs or JPEGs, so give -o a name that ends in .png or .jpg", .path.display())]
+    StillFormat {
+        /// The output.
+        path: PathBuf,
+    },
     /// A picture that the encoder refuses.
     #[error("the picture could not be encoded: {0}")]
     Encode(#[from] image::ImageError),

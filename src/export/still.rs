@@ -1,9 +1,10 @@
-//! One moment of a song as a PNG.
+//! One moment of a song as a picture.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::{ColorType, ImageFormat};
+use image::codecs::jpeg::JpegEncoder;
+use image::{ColorType, ExtendedColorType, ImageFormat};
 
 use super::error::ExportError;
 use super::painter::{Painter, SceneChoice};
@@ -23,7 +24,7 @@ pub struct StillRequest {
     pub size: (u32, u32),
     /// Whether quiet and loud sound move the picture alike.
     pub gain: Gain,
-    /// The PNG.
+    /// The picture: a PNG or, if it is called so, a JPEG.
     pub output: PathBuf,
     /// The scene.
     pub scene: SceneChoice,
@@ -35,12 +36,40 @@ pub struct StillRequest {
 /// The song, the driver or the output is refused.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     // The output is opened first, because one that cannot be written should cost no work.
+    let format = StillFormat::of(&request.output)?;
     refuse_the_song(&request.song, &request.output)?;
     let file = AtomicFile::create(&request.output)?;
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
     let mut painter = Painter::open(&request.scene)?;
     painter.draw(request.at, sound, request.size)?;
-    Ok(file.write(&png(&painter.read(), request.size)?)?)
+    let rgba = painter.read();
+    let bytes = match format {
+        StillFormat::Png => png(&rgba, request.size)?,
+        StillFormat::Jpeg => jpeg(&rgba, request.size)?,
+    };
+    Ok(file.write(&bytes)?)
+}
+
+/// The formats of stills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum StillFormat {
+    Png,
+    Jpeg,
+}
+
+/// Of 1 to 100: no difference is seen at the size at which a picture is made.
+const JPEG_QUALITY: u8 = 93;
+
+impl StillFormat {
+    /// What a file's name asks for; a name without an ending asks for a PNG.
+    fn of(path: &Path) -> Result<Self, ExportError> {
+        let Some(ending) = path.extension() else { return Ok(Self::Png) };
+        match ending.to_string_lossy().to_lowercase().as_str() {
+            "png" => Ok(Self::Png),
+            "jpg" | "jpeg" => Ok(Self::Jpeg),
+            _ => Err(ExportError::StillFormat { path: path.to_owned() }),
+        }
+    }
 }
 
 /// Refuses an output that would replace the song from which it is made.
@@ -62,10 +91,29 @@ pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportEr
 /// # Errors
 /// [`ExportError::Encode`] if the number of bytes does not fit the size.
 pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-    let rgb: Vec<u8> = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
     let mut bytes = Cursor::new(Vec::new());
-    image::write_buffer_with_format(&mut bytes, &rgb, size.0, size.1, ColorType::Rgb8, ImageFormat::Png)?;
+    image::write_buffer_with_format(
+        &mut bytes,
+        &opaque(rgba),
+        size.0,
+        size.1,
+        ColorType::Rgb8,
+        ImageFormat::Png,
+    )?;
     Ok(bytes.into_inner())
+}
+
+/// The same as a JPEG.
+fn jpeg(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    let mut bytes = Vec::new();
+    let mut encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    encoder.encode(&opaque(rgba), size.0, size.1, ExtendedColorType::Rgb8)?;
+    Ok(bytes)
+}
+
+/// The colours without alpha.
+fn opaque(rgba: &[u8]) -> Vec<u8> {
+    rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
 }
 
 /// Writes a finished picture as a PNG.

@@ -380,6 +380,29 @@ fn a_video_has_its_size_rate_length_and_the_song() {
 }
 
 #[test]
+fn a_still_that_was_called_a_jpeg_was_a_png() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 2.0, [0.5, 0.5]);
+    let look = ["--size", "32x18", "--at", "0:01.5"];
+    for output in ["a.png", "a.jpg", "b.JPEG", "plain"] {
+        place.run(&[&["still", "one.wav", "-o", output], &look[..]].concat()).done();
+    }
+    let read = |name: &str| std::fs::read(place.path(name)).unwrap();
+    let drawn =
+        image::load_from_memory_with_format(&read("a.png"), image::ImageFormat::Png).unwrap().to_rgb8();
+    assert_eq!(read("plain"), read("a.png"));
+    for name in ["a.jpg", "b.JPEG"] {
+        let seen =
+            image::load_from_memory_with_format(&read(name), image::ImageFormat::Jpeg).unwrap().to_rgb8();
+        let worst =
+            drawn.iter().zip(seen.iter()).map(|(drawn, seen)| u32::from(drawn.abs_diff(*seen))).sum::<u32>();
+        assert!(worst < 6 * drawn.len() as u32, "{name}: {worst}");
+    }
+    let refused = place.run(&[&["still", "one.wav", "-o", "a.gif"], &look[..]].concat());
+    assert!(refused.stderr.contains(".png or .jpg") && !place.path("a.gif").exists(), "{}", refused.stderr);
+}
+
+#[test]
 fn a_video_left_its_colours_to_the_player_s_guess() {
     let place = Workplace::new();
     place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
