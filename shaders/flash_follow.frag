@@ -12,6 +12,7 @@ uniform sampler2D red_ages;
 uniform sampler2D red_rest;
 uniform sampler2D shown_swings;     // what flash_decide.frag wrote
 uniform sampler2D shown_rest;
+uniform sampler2D shown_red_swings;
 
 layout(location = 0) out vec4 light_swing;  // xyz the swing, w for how many seconds the cell is marked
 layout(location = 1) out vec4 red_swing;    // likewise
@@ -26,20 +27,20 @@ void main() {
     float light = luminance(color);
 
     vec4 rest = remembered(texelFetch(light_rest, cell, 0), vec4(NEVER));
-    vec2 lows = flash_step.z > 0.5 ? vec2(NEVER, rest.z) : rest.zw;
+    vec2 lows = flash_step.y > 0.5 ? vec2(NEVER, rest.z) : rest.zw;
     lows.x = min(lows.x, light);
 
     vec4 state = remembered(texelFetch(light_swings, cell, 0), vec4(NO_SWING, 0.0));
     Ages ages = aged(remembered(texelFetch(light_ages, cell, 0), vec4(NEVER)), rest.xy);
     float change = light_change(state.xyz, light);
     float hold = state.w - flash_step.x;
-    hold = change > 0.0 && are_enough(ages) ? HOLD : hold;
-    note_change(ages, change);
-    // What is shown would rise once too often.
+    hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : hold;
+    note_change(ages, change, false);
+    // What is shown, at most as bright and at most as red as it may be, would rise once too often.
     vec4 shown = remembered(texelFetch(shown_swings, cell, 0), vec4(NO_SWING, NEVER));
     vec4 shown_ages = remembered(texelFetch(shown_rest, cell, 0), vec4(NEVER));
-    bool rises = light_change(shown.xyz, min(light, shown.w)) > 0.0;
-    hold = rises && are_enough(aged(vec4(NEVER), shown_ages.xy)) ? HOLD : hold;
+    bool rises = light_change(shown.xyz, min(light, shown.w + RELEASE * flash_step.x)) > 0.0;
+    hold = max(hold, rises ? hold_after(aged(vec4(NEVER), shown_ages.xy)) : 0.0);
     light_swing = vec4(state.xyz, max(hold, 0.0));
     light_newest = ages.newest;
     light_others = vec4(ages.oldest, lows);
@@ -47,8 +48,11 @@ void main() {
     state = remembered(texelFetch(red_swings, cell, 0), vec4(NO_RED_SWING, 0.0));
     ages = aged(remembered(texelFetch(red_ages, cell, 0), vec4(NEVER)), remembered(texelFetch(red_rest, cell, 0), vec4(NEVER)).xy);
     change = red_change(state.xyz, color);
-    hold = change > 0.0 && are_enough(ages) ? HOLD : state.w - flash_step.x;
-    note_change(ages, change);
+    hold = change > 0.0 && are_enough(ages, EARLY) ? HOLD : state.w - flash_step.x;
+    note_change(ages, change, false);
+    shown = remembered(texelFetch(shown_red_swings, cell, 0), vec4(NO_RED_SWING, NEVER));
+    rises = red_change(shown.xyz, color) > 0.0;
+    hold = max(hold, rises ? hold_after(aged(vec4(NEVER), vec2(NEVER, shown.w))) : 0.0);
     red_swing = vec4(state.xyz, max(hold, 0.0));
     red_newest = ages.newest;
     red_others = vec4(ages.oldest, 0.0, 0.0);

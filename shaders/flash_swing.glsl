@@ -8,30 +8,41 @@ const float NEVER = 1e9;
 
 // The value that a texture holds, or this if nothing is known of any picture before.
 vec4 remembered(vec4 texel, vec4 at_first) {
-    return flash_step.w > 0.5 ? at_first : texel;
+    return flash_step.z > 0.5 ? at_first : texel;
 }
 
 float luminance(vec3 color) {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// x the last change, 1 up, -1 down, 0 none; y the lowest, z the highest luminance since then.
+// x the last change, 1 up, -1 down, 0 none; y the lowest, z the highest luminance since then, or, of the last change, the
+// valley from which it rose or the peak from which it fell.
 const vec3 NO_SWING = vec3(0.0, NEVER, -NEVER);
 
 // The change that a luminance makes, 1, -1 or 0 for none.
 float light_change(inout vec3 swing, float light) {
-    float low = min(swing.y, light);
-    float high = max(swing.z, light);
+    float low = swing.x > 0.0 ? swing.y : min(swing.y, light);
+    float high = swing.x < 0.0 ? swing.z : max(swing.z, light);
     bool rises = light - low >= LIGHT_CHANGE && low < LIGHT_DARKER;
     bool falls = high - light >= LIGHT_CHANGE && light < LIGHT_DARKER;
     float change = falls && swing.x >= 0.0 ? -1.0 : (rises && swing.x <= 0.0 ? 1.0 : 0.0);
-    swing = change != 0.0 ? vec3(change, light, light) : vec3(swing.x, low, high);
+    swing = vec3(change != 0.0 ? change : swing.x, change < 0.0 ? light : low, change > 0.0 ? light : high);
     return change;
 }
 
-// x 1 if the last change led to red, 0 if not, -1 before the first picture; yz the chromaticity since then that is
-// farthest from where the next change leads.
+// Whether the last change was so small until now that it may be this luminance that makes it count.
+bool may_count_only_at(vec3 swing, float light) {
+    bool sure = swing.z - swing.y >= SURE_CHANGE && swing.y < SURE_DARKER;
+    bool risen = swing.x > 0.0 && light - swing.y >= LIGHT_CHANGE && swing.y < LIGHT_DARKER;
+    bool fallen = swing.x < 0.0 && swing.z - light >= LIGHT_CHANGE && light < LIGHT_DARKER;
+    return !sure && (risen || fallen);
+}
+
+// x 1 if the last change led to red, 0 if not, -1 before the first picture, and UNSURE more if that change would perhaps
+// not count if it were measured less roughly; yz the chromaticity since then that is farthest from where the next change
+// leads.
 const vec3 NO_RED_SWING = vec3(-1.0, 0.0, 0.0);
+const float UNSURE = 0.25;
 
 vec2 chromaticity(vec3 color) {
     vec3 rgb = color + FLARE;
@@ -41,15 +52,27 @@ vec2 chromaticity(vec3 color) {
     return vec2(4.0 * x, 9.0 * y) / (x + 15.0 * y + 3.0 * z);
 }
 
+float saturated_red(vec3 color, float share) {
+    return color.r > 0.0 && color.r >= share * (color.r + color.g + color.b) ? 1.0 : 0.0;
+}
+
 float red_change(inout vec3 swing, vec3 color) {
     vec2 now = chromaticity(color);
-    float red = color.r > 0.0 && color.r >= RED_SHARE * (color.r + color.g + color.b) ? 1.0 : 0.0;
-    bool first = swing.x < 0.0;
-    bool changes = !first && red != swing.x && distance(now, swing.yz) > RED_CHANGE;
+    float red = saturated_red(color, RED_SHARE);
+    float last = floor(swing.x + 0.5);
+    bool first = last < 0.0;
+    float size = distance(now, swing.yz);
+    bool changes = !first && red != last && size > RED_CHANGE;
     float further = distance(now, RED) > distance(swing.yz, RED) ? 1.0 : 0.0;
-    bool extreme = first || changes || further != swing.x;
-    swing = vec3(first || changes ? red : swing.x, extreme ? now : swing.yz);
+    bool extreme = first || changes || further != last;
+    bool sure = first || size > SURE_RED_CHANGE && saturated_red(color, SURE_RED_SHARE) == red;
+    swing = vec3(first || changes ? red + (sure ? 0.0 : UNSURE) : swing.x, extreme ? now : swing.yz);
     return changes ? (red > 0.5 ? 1.0 : -1.0) : 0.0;
+}
+
+// Whether the last change was so small that it may be this colour that makes it count.
+bool may_count_only_as_red(vec3 swing, vec3 color) {
+    return swing.x == saturated_red(color, RED_SHARE) + UNSURE;
 }
 
 // How long ago the last six changes were, in seconds, the newest first.
@@ -62,12 +85,26 @@ Ages aged(vec4 newest, vec2 oldest) {
     return Ages(min(newest + flash_step.x, NEVER), min(oldest + flash_step.x, NEVER));
 }
 
-// Whether one more change makes as many within a second as begin one flash too many, if it is a rise.
-bool are_enough(Ages ages) {
-    return ages.oldest.y < 1.0 - flash_step.y - ROUNDING;
+// Whether one more change makes as many within a second, less `early`, as begin one flash too many, if it is a rise.
+bool are_enough(Ages ages, float early) {
+    return ages.oldest.y < 1.0 - early - ROUNDING;
 }
 
-void note_change(inout Ages ages, float change) {
+// For how long a cell stays marked at a rise: not at all, until the rise is not too early, or as if it flashes.
+float hold_after(Ages ages) {
+    return are_enough(ages, EARLY) ? HOLD : (are_enough(ages, 0.0) ? EARLY : 0.0);
+}
+
+// Whether a cell that is marked for so long is so only because a rise is put off.
+bool is_put_off(float hold) {
+    return hold > 0.0 && hold <= EARLY + ROUNDING;
+}
+
+// Notes a change, or else, if that `renews` the last one, that this is later.
+void note_change(inout Ages ages, float change, bool renews) {
+    if (renews && change == 0.0) {
+        ages.newest.x = 0.0;
+    }
     if (change != 0.0) {
         ages = Ages(vec4(0.0, ages.newest.xyz), vec2(ages.newest.w, ages.oldest.x));
     }

@@ -1,6 +1,6 @@
 //! Counts the flashes of a moving picture.
 
-use super::swing::{LightSwing, RedSwing, Times};
+use super::swing::{DEFINED, LightSwing, RedSwing, Times};
 use super::{CELLS, Grid, fields, luminance};
 
 /// Flashes that cover no more than this share of a field of view do not count.
@@ -45,8 +45,8 @@ impl Analyser {
     pub fn note(&mut self, time: f64, frame: &Grid) {
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             let changes = [
-                (cell.light.step(luminance(*color)), &mut cell.light_changes),
-                (cell.red.step(*color), &mut cell.red_changes),
+                (cell.light.step(luminance(*color), &DEFINED), &mut cell.light_changes),
+                (cell.red.step(*color, &DEFINED), &mut cell.red_changes),
             ];
             for (change, times) in changes {
                 times.forget(time);

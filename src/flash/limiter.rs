@@ -6,8 +6,13 @@
 //! the last second plus a little, so that a flash goes on as a flicker too faint to count. Afterwards that ceiling
 //! rises slowly. Nothing is ever brightened, and no picture is mixed with an earlier one, so moving things leave no
 //! trace. Red that flashes loses saturation instead.
+//!
+//! What counts as a change is taken more widely than in the definition, because light is measured roughly and drawn in
+//! whole bytes, and a change that hardly counts is taken to be as late as it may be. A rise that is too early by less
+//! than a frame or so is put off until it is not, and nothing else is done about it: three flashes a second that follow
+//! the frames would otherwise be limited now and then.
 
-use super::swing::{Change, LightSwing, RedSwing, Times};
+use super::swing::{CAUTIOUS, Change, LightSwing, ROUNDING, RedSwing, Times};
 use super::{CELLS, COLUMNS, FLASHES_MAX, Grid, ROWS, fields, luminance};
 
 /// Share of a field from which on flashes are limited: somewhat less than the share that counts.
@@ -28,8 +33,8 @@ pub(super) const RELEASE: f32 = 0.5;
 pub(super) const GREY: f32 = 0.6;
 /// How fast a limited red recovers, in share of grey per second.
 pub(super) const RED_RELEASE: f32 = 0.6;
-/// A rise may come early by this share of a frame, and by at most this many seconds.
-const EARLY: (f64, f64) = (0.9, 0.015);
+/// A rise that comes early by at most this many seconds is only put off: a frame, of 30 or more a second.
+pub(super) const EARLY: f64 = 0.035;
 
 /// How much of the error each round takes back that makes gains at the centres of cells. A pattern of cells' gains
 /// keeps 1/4 to all of itself in their means; these are Chebyshev's rates for that, which leave 2.5 % of any error.
@@ -67,6 +72,9 @@ struct Cell {
     red: RedSwing,
     red_changes: Times,
     red_until: f64,
+    /// The red that is shown, with its changes: dimmed, it does not change when the red that comes does.
+    shown_red: RedSwing,
+    shown_red_changes: Times,
     /// Darkest luminance of the present part of the memory, and of the part before.
     lows: [f32; 2],
     /// Highest luminance; infinite if the cell is not limited.
@@ -85,6 +93,8 @@ impl Cell {
             red: RedSwing::NEW,
             red_changes: Times::NEW,
             red_until: 0.0,
+            shown_red: RedSwing::NEW,
+            shown_red_changes: Times::NEW,
             lows: [f32::INFINITY; 2],
             ceiling: f32::INFINITY,
             grey: 0.0,
@@ -110,8 +120,37 @@ impl Cell {
     /// Whether showing this luminance would begin one flash too many.
     fn is_too_much(&self, light: f32, now: f64, early: f64) -> bool {
         let mut shown = self.shown;
-        shown.step(light) == Some(Change::Up) && self.shown_changes.count(now, early) + 1 >= CHANGES
+        shown.step(light, &CAUTIOUS) == Some(Change::Up)
+            && self.shown_changes.count(now, early) + 1 >= CHANGES
     }
+
+    /// The same of a red.
+    fn is_too_much_red(&self, color: [f32; 3], now: f64, early: f64) -> bool {
+        let mut shown = self.shown_red;
+        shown.step(color, &CAUTIOUS) == Some(Change::Up)
+            && self.shown_red_changes.count(now, early) + 1 >= CHANGES
+    }
+
+    /// Notes what is shown.
+    fn show(&mut self, light: f32, color: [f32; 3], now: f64) {
+        let renews = self.shown.may_count_only_at(light, &CAUTIOUS);
+        if self.shown.step(light, &CAUTIOUS).is_some() {
+            self.shown_changes.note(now);
+        } else if renews {
+            self.shown_changes.renew(now);
+        }
+        let renews = self.shown_red.may_count_only_at(color, &CAUTIOUS);
+        if self.shown_red.step(color, &CAUTIOUS).is_some() {
+            self.shown_red_changes.note(now);
+        } else if renews {
+            self.shown_red_changes.renew(now);
+        }
+    }
+}
+
+/// Whether a cell that is marked until then is so only because a rise is put off.
+fn is_put_off(until: f64, now: f64) -> bool {
+    until > now && until - now <= EARLY + ROUNDING
 }
 
 /// What the time between two frames means for the limiter.
@@ -119,8 +158,6 @@ impl Cell {
 pub struct Step {
     /// Seconds since the frame before.
     pub seconds: f64,
-    /// How many seconds early a rise may come, because frames do not come at regular times.
-    pub early: f64,
     /// Whether a part of the memory of dark moments ends.
     pub forgets: bool,
 }
@@ -141,7 +178,7 @@ impl Steps {
         if forgets {
             self.memory = 0.0;
         }
-        Step { seconds, early: (EARLY.0 * seconds).min(EARLY.1), forgets }
+        Step { seconds, forgets }
     }
 }
 
@@ -169,9 +206,9 @@ impl Limiter {
     /// Takes the frame that is shown next, `seconds` after the last one, and returns what to do to its cells:
     /// nothing, or a correction for each of them.
     pub fn limit(&mut self, seconds: f64, frame: &Grid) -> Option<&[Correction]> {
-        let Step { seconds, early, forgets } = self.steps.next(seconds);
+        let Step { seconds, forgets } = self.steps.next(seconds);
         self.now += seconds;
-        self.follow(frame, early, forgets);
+        self.follow(frame, seconds, forgets);
         let now = self.now;
         let wants = |until: fn(&Cell) -> f64| {
             fields::crowded(|cell| self.cells.get(cell).is_some_and(|cell| until(cell) > now), AREA)
@@ -183,22 +220,20 @@ impl Limiter {
         for (place, ((cell, correction), color)) in cells {
             let came = luminance(*color);
             let limited = marked(&light, place);
-            cell.move_ceiling(limited, seconds as f32);
+            cell.move_ceiling(limited && !is_put_off(cell.light_until, now), seconds as f32);
             let mut shown = came.min(cell.ceiling);
-            if limited && cell.is_too_much(shown, now, early) {
+            if limited && cell.is_too_much(shown, now, 0.0) {
                 shown = shown.min(cell.shown.low() + SWING);
             }
-            if cell.shown.step(shown).is_some() {
-                cell.shown_changes.note(now);
-            }
             let limited_red = marked(&red, place) && cell.red_until > now;
-            cell.grey = if limited_red { GREY } else { (cell.grey - RED_RELEASE * seconds as f32).max(0.0) };
-            *correction = Correction {
-                gain: if shown < came { shown / came } else { 1.0 },
-                grey: cell.grey,
-                limited: shown < came || cell.grey > 0.0,
-                level: false,
-            };
+            let greys = limited_red && !is_put_off(cell.red_until, now);
+            cell.grey = if greys { GREY } else { (cell.grey - RED_RELEASE * seconds as f32).max(0.0) };
+            let gain = if shown < came { shown / came } else { 1.0 };
+            let with_grey = |grey: f32| color.map(|value| (value + grey * (came - value)) * gain);
+            let puts_off = limited_red && cell.is_too_much_red(with_grey(cell.grey), now, 0.0);
+            let grey = if puts_off { GREY } else { cell.grey };
+            cell.show(shown, with_grey(grey), now);
+            *correction = Correction { gain, grey, limited: shown < came || grey > 0.0, level: false };
             any |= correction.limited;
         }
         if !any {
@@ -230,26 +265,35 @@ impl Limiter {
         limited
     }
 
-    /// Finds the changes, and those that would be too many, `early` and `forgets` as in [`Step`].
-    fn follow(&mut self, frame: &Grid, early: f64, forgets: bool) {
+    /// Finds the changes, and those that would be too many, `seconds` and `forgets` as in [`Step`].
+    fn follow(&mut self, frame: &Grid, seconds: f64, forgets: bool) {
+        let now = self.now;
         for (cell, color) in self.cells.iter_mut().zip(frame.colors()) {
             if forgets {
                 cell.lows = [f32::INFINITY, cell.lows[0]];
             }
-            cell.lows[0] = cell.lows[0].min(luminance(*color));
+            let light = luminance(*color);
+            cell.lows[0] = cell.lows[0].min(light);
             let kinds = [
-                (cell.light.step(luminance(*color)), &mut cell.light_changes, &mut cell.light_until),
-                (cell.red.step(*color), &mut cell.red_changes, &mut cell.red_until),
+                (cell.light.step(light, &CAUTIOUS), &mut cell.light_changes, &mut cell.light_until),
+                (cell.red.step(*color, &CAUTIOUS), &mut cell.red_changes, &mut cell.red_until),
             ];
             for (change, times, until) in kinds {
                 let Some(change) = change else { continue };
-                times.note(self.now);
-                if change == Change::Up && times.count(self.now, early) >= CHANGES {
-                    *until = self.now + HOLD;
+                times.note(now);
+                if change == Change::Up && times.count(now, EARLY) >= CHANGES {
+                    *until = now + HOLD;
                 }
             }
-            if cell.is_too_much(luminance(*color).min(cell.ceiling), self.now, early) {
-                cell.light_until = self.now + HOLD;
+            // At most as bright, and at most as red, as it may be shown.
+            let shown = light.min(cell.ceiling + RELEASE * seconds as f32);
+            for (early, hold) in [(0.0, EARLY), (EARLY, HOLD)] {
+                if cell.is_too_much(shown, now, early) {
+                    cell.light_until = cell.light_until.max(now + hold);
+                }
+                if cell.is_too_much_red(*color, now, early) {
+                    cell.red_until = cell.red_until.max(now + hold);
+                }
             }
         }
     }

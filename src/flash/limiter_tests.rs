@@ -112,6 +112,22 @@ fn light_that_comes_back_while_flashes_are_remembered_is_none() {
 }
 
 #[test]
+fn a_change_to_red_that_is_too_dim_to_count_does_not_hide_a_later_one() {
+    let mut show = Show::new();
+    show.strobe((10.0, 60.0, 0.8), [WHITE, BLACK], everywhere);
+    // From cyan to red: far enough as they come, but not as they are shown, because of the limited light.
+    show.frame(0.02, [0.0, 1.0, 1.0], everywhere);
+    show.frame(0.02, [1.0, 0.15, 0.05], everywhere);
+    // Four flashes of red end more than a second later, and they all begin later than that change.
+    show.frame(0.3, BLACK, everywhere);
+    for _ in 0..4 {
+        show.frame(0.12, RED, everywhere);
+        show.frame(0.12, BLACK, everywhere);
+    }
+    assert!(show.worst().red <= 3, "{:?}", show.worst());
+}
+
+#[test]
 fn what_is_slow_or_small_or_seldom_passes_untouched() {
     /// The name, the flashes per second, both colours, and which cells are lit.
     type Case = (&'static str, f64, [[f32; 3]; 2], fn(usize) -> bool);
@@ -150,6 +166,17 @@ fn three_hertz_pass_though_frames_come_at_uneven_times() {
         show.frame(1.0 / 60.0 + jitter, color, everywhere);
     }
     assert_eq!(show.touched, 0);
+}
+
+#[test]
+fn three_hertz_at_a_rate_of_frames_that_is_no_multiple_are_put_off_by_a_frame_now_and_then() {
+    for colors in [[WHITE, BLACK], [RED, BLACK]] {
+        let mut show = Show::new();
+        show.strobe((3.0, 60.0 / 1.001, 20.0), colors, everywhere);
+        // Each of the few flashes that begin a frame early loses that frame.
+        assert!((1..=12).contains(&show.touched), "{} frames are changed", show.touched);
+        assert!(show.worst().general <= 3 && show.worst().red <= 3, "{:?}", show.worst());
+    }
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! What the limiter's shaders share with [`super::Limiter`]: its numbers, as GLSL.
 
 use super::fields::{HEIGHT, WIDTH};
-use super::limiter::{AREA, FOLLOW, GREY, HOLD, LEVEL_ERROR, RED_RELEASE, RELEASE, SWING};
-use super::swing::{FLARE, LIGHT_CHANGE, LIGHT_DARKER, RED, RED_CHANGE, RED_SHARE, ROUNDING};
+use super::limiter::{AREA, EARLY, FOLLOW, GREY, HOLD, LEVEL_ERROR, RED_RELEASE, RELEASE, SWING};
+use super::swing::{
+    CAUTIOUS, FLARE, RED, ROUNDING, SURE_CHANGE, SURE_DARKER, SURE_RED_CHANGE, SURE_RED_SHARE,
+};
 use super::{COLUMNS, FLASHES_MAX, ROWS};
 
 const _: () = assert!(FLASHES_MAX == 3, "the shaders remember six changes before the newest one");
@@ -13,14 +15,19 @@ const _: () = assert!(WIDTH <= 16 && HEIGHT <= 16 && WIDTH < COLUMNS / 2, "bits 
 pub fn rules_glsl() -> String {
     let wholes = [("COLUMNS", COLUMNS), ("ROWS", ROWS), ("FIELD_COLUMNS", WIDTH), ("FIELD_ROWS", HEIGHT)];
     let numbers = [
-        ("LIGHT_CHANGE", LIGHT_CHANGE),
-        ("LIGHT_DARKER", LIGHT_DARKER),
-        ("RED_SHARE", RED_SHARE),
-        ("RED_CHANGE", RED_CHANGE),
+        ("LIGHT_CHANGE", CAUTIOUS.light_change),
+        ("LIGHT_DARKER", CAUTIOUS.light_darker),
+        ("SURE_CHANGE", SURE_CHANGE),
+        ("SURE_DARKER", SURE_DARKER),
+        ("RED_SHARE", CAUTIOUS.red_share),
+        ("RED_CHANGE", CAUTIOUS.red_change),
+        ("SURE_RED_SHARE", SURE_RED_SHARE),
+        ("SURE_RED_CHANGE", SURE_RED_CHANGE),
         ("FLARE", FLARE),
         ("ROUNDING", ROUNDING as f32),
         ("AREA", AREA as f32),
         ("HOLD", HOLD as f32),
+        ("EARLY", EARLY as f32),
         ("SWING", SWING),
         ("FOLLOW", FOLLOW),
         ("RELEASE", RELEASE),

@@ -2,14 +2,30 @@
 
 use std::collections::VecDeque;
 
-/// Smallest change of luminance that counts, as a share of the maximum.
-pub(super) const LIGHT_CHANGE: f32 = 0.1;
-/// If the darker state has this luminance or more, no change counts.
-pub(super) const LIGHT_DARKER: f32 = 0.8;
-/// A colour is a saturated red if red has at least this share, in linear light.
-pub(super) const RED_SHARE: f32 = 0.8;
-/// Smallest change of a red's chromaticity that counts, in the CIE 1976 UCS diagram.
-pub(super) const RED_CHANGE: f32 = 0.2;
+/// Which changes count.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Thresholds {
+    /// Smallest change of luminance, as a share of the maximum.
+    pub light_change: f32,
+    /// If the darker state has this luminance or more, no change counts.
+    pub light_darker: f32,
+    /// A colour is a saturated red if red has at least this share, in linear light.
+    pub red_share: f32,
+    /// Smallest change of a red's chromaticity, in the CIE 1976 UCS diagram.
+    pub red_change: f32,
+}
+
+/// The definition's thresholds.
+pub(super) const DEFINED: Thresholds =
+    Thresholds { light_change: 0.1, light_darker: 0.8, red_share: 0.8, red_change: 0.2 };
+/// What may count, for one who measures light roughly and draws it in whole bytes.
+pub(super) const CAUTIOUS: Thresholds =
+    Thresholds { light_change: 0.095, light_darker: 0.805, red_share: 0.78, red_change: 0.19 };
+/// What counts even if it is measured roughly: as far from the definition on the other side.
+pub(super) const SURE_CHANGE: f32 = 0.105;
+pub(super) const SURE_DARKER: f32 = 0.795;
+pub(super) const SURE_RED_SHARE: f32 = 0.82;
+pub(super) const SURE_RED_CHANGE: f32 = 0.21;
 /// Light that a screen reflects in any case: because of it, what is nearly black has no colour.
 pub(super) const FLARE: f32 = 0.01;
 /// Chromaticity of sRGB's red.
@@ -28,28 +44,54 @@ pub(super) enum Change {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightSwing {
     last: Option<Change>,
-    /// Since the last change.
+    /// The darkest luminance since the last change; if that was a rise, the valley from which it rose.
     low: f32,
+    /// The brightest luminance since the last change; if that was a fall, the peak from which it fell.
     high: f32,
 }
 
 impl LightSwing {
     pub(super) const NEW: Self = Self { last: None, low: f32::INFINITY, high: f32::NEG_INFINITY };
 
-    pub(super) fn step(&mut self, light: f32) -> Option<Change> {
-        (self.low, self.high) = (self.low.min(light), self.high.max(light));
-        let rises = light - self.low >= LIGHT_CHANGE && self.low < LIGHT_DARKER;
-        let falls = self.high - light >= LIGHT_CHANGE && light < LIGHT_DARKER;
-        let change = match self.last {
-            Some(Change::Up) | None if falls => Change::Down,
-            Some(Change::Down) | None if rises => Change::Up,
+    pub(super) fn step(&mut self, light: f32, counts: &Thresholds) -> Option<Change> {
+        if self.last != Some(Change::Up) {
+            self.low = self.low.min(light);
+        }
+        if self.last != Some(Change::Down) {
+            self.high = self.high.max(light);
+        }
+        match self.last {
+            Some(Change::Up) | None if self.falls_to(light, counts) => {
+                (self.last, self.low) = (Some(Change::Down), light);
+            }
+            Some(Change::Down) | None if self.rises_to(light, counts) => {
+                (self.last, self.high) = (Some(Change::Up), light);
+            }
             _ => return None,
-        };
-        *self = Self { last: Some(change), low: light, high: light };
+        }
         self.last
     }
 
-    /// The darkest luminance since the last change.
+    fn rises_to(&self, light: f32, counts: &Thresholds) -> bool {
+        light - self.low >= counts.light_change && self.low < counts.light_darker
+    }
+
+    fn falls_to(&self, light: f32, counts: &Thresholds) -> bool {
+        self.high - light >= counts.light_change && light < counts.light_darker
+    }
+
+    /// Whether the last change was so small until now that it may be this luminance that makes it count.
+    pub(super) fn may_count_only_at(&self, light: f32, counts: &Thresholds) -> bool {
+        let sure = self.high - self.low >= SURE_CHANGE && self.low < SURE_DARKER;
+        let still = match self.last {
+            Some(Change::Up) => self.rises_to(light, counts),
+            Some(Change::Down) => self.falls_to(light, counts),
+            None => false,
+        };
+        still && !sure
+    }
+
+    /// The darkest luminance since the last change, if that was a fall.
     pub(super) fn low(&self) -> f32 {
         self.low
     }
@@ -62,20 +104,24 @@ pub(super) struct RedSwing {
     red: bool,
     /// The chromaticity since then that is farthest from where the next change leads.
     extreme: Option<[f32; 2]>,
+    /// Whether the last change counts even if it is measured roughly.
+    sure: bool,
 }
 
 impl RedSwing {
-    pub(super) const NEW: Self = Self { red: false, extreme: None };
+    pub(super) const NEW: Self = Self { red: false, extreme: None, sure: true };
 
-    pub(super) fn step(&mut self, color: [f32; 3]) -> Option<Change> {
+    pub(super) fn step(&mut self, color: [f32; 3], counts: &Thresholds) -> Option<Change> {
         let now = chromaticity(color);
-        let saturated = is_saturated_red(color);
+        let saturated = is_saturated_red(color, counts.red_share);
         let Some(extreme) = self.extreme else {
-            *self = Self { red: saturated, extreme: Some(now) };
+            *self = Self { red: saturated, extreme: Some(now), sure: true };
             return None;
         };
-        if saturated != self.red && distance(now, extreme) > RED_CHANGE {
-            *self = Self { red: saturated, extreme: Some(now) };
+        if saturated != self.red && distance(now, extreme) > counts.red_change {
+            let sure = distance(now, extreme) > SURE_RED_CHANGE
+                && (!saturated || is_saturated_red(color, SURE_RED_SHARE));
+            *self = Self { red: saturated, extreme: Some(now), sure };
             return Some(if saturated { Change::Up } else { Change::Down });
         }
         let further = distance(now, RED) > distance(extreme, RED);
@@ -84,10 +130,15 @@ impl RedSwing {
         }
         None
     }
+
+    /// Whether the last change was so small that it may be this colour that makes it count.
+    pub(super) fn may_count_only_at(&self, color: [f32; 3], counts: &Thresholds) -> bool {
+        !self.sure && is_saturated_red(color, counts.red_share) == self.red
+    }
 }
 
-pub(super) fn is_saturated_red([r, g, b]: [f32; 3]) -> bool {
-    r > 0.0 && r >= RED_SHARE * (r + g + b)
+fn is_saturated_red([r, g, b]: [f32; 3], share: f32) -> bool {
+    r > 0.0 && r >= share * (r + g + b)
 }
 
 /// The chromaticity in the CIE 1976 UCS diagram, as a screen in a room shows it.
@@ -119,6 +170,13 @@ impl Times {
         self.0.push_back(time);
     }
 
+    /// Moves the last change to a later time.
+    pub(super) fn renew(&mut self, time: f64) {
+        if let Some(last) = self.0.back_mut() {
+            *last = time;
+        }
+    }
+
     /// Forgets changes that are more than a second old.
     pub(super) fn forget(&mut self, now: f64) {
         while self.0.front().is_some_and(|time| *time <= now - 1.0 + ROUNDING) {
@@ -138,12 +196,12 @@ mod tests {
 
     fn light_changes(lights: &[f32]) -> usize {
         let mut swing = LightSwing::NEW;
-        lights.iter().filter(|light| swing.step(**light).is_some()).count()
+        lights.iter().filter(|light| swing.step(**light, &DEFINED).is_some()).count()
     }
 
     fn red_changes(colors: &[[f32; 3]]) -> usize {
         let mut swing = RedSwing::NEW;
-        colors.iter().filter(|color| swing.step(**color).is_some()).count()
+        colors.iter().filter(|color| swing.step(**color, &DEFINED).is_some()).count()
     }
 
     #[test]
@@ -161,6 +219,18 @@ mod tests {
     }
 
     #[test]
+    fn a_change_that_hardly_counts_may_count_later() {
+        let mut swing = LightSwing::NEW;
+        swing.step(0.2, &CAUTIOUS);
+        assert_eq!(swing.step(0.297, &CAUTIOUS), Some(Change::Up));
+        assert!(swing.may_count_only_at(0.3, &CAUTIOUS) && !swing.may_count_only_at(0.29, &CAUTIOUS));
+        assert_eq!(swing.step(0.31, &CAUTIOUS), None);
+        assert!(!swing.may_count_only_at(0.32, &CAUTIOUS), "it has counted");
+        assert_eq!(swing.step(0.213, &CAUTIOUS), Some(Change::Down));
+        assert!(swing.may_count_only_at(0.209, &CAUTIOUS) && !swing.may_count_only_at(0.23, &CAUTIOUS));
+    }
+
+    #[test]
     fn changes_to_and_from_saturated_red_count() {
         let (red, black, white, green) = ([1.0, 0.0, 0.0], [0.0; 3], [1.0; 3], [0.0, 1.0, 0.0]);
         for other in [black, white, green] {
@@ -171,6 +241,18 @@ mod tests {
         // Hardly any light, and two saturated reds.
         assert_eq!(red_changes(&[[0.005, 0.0, 0.0], black, [0.005, 0.0, 0.0]]), 0);
         assert_eq!(red_changes(&[red, [0.9, 0.1, 0.0], red]), 0);
+    }
+
+    #[test]
+    fn a_change_to_a_hardly_saturated_red_may_count_later() {
+        let (hardly, red, black) = ([0.8, 0.1, 0.1], [1.0, 0.0, 0.0], [0.0; 3]);
+        for (color, may) in [(hardly, true), (red, false)] {
+            let mut swing = RedSwing::NEW;
+            swing.step([0.0, 0.0, 1.0], &CAUTIOUS);
+            assert_eq!(swing.step(color, &CAUTIOUS), Some(Change::Up));
+            assert_eq!(swing.may_count_only_at(red, &CAUTIOUS), may);
+            assert!(!swing.may_count_only_at(black, &CAUTIOUS));
+        }
     }
 
     #[test]

@@ -44,7 +44,8 @@ pub const FLASH_SHADERS: [(&str, &[&str]); 9] = [
 const FOLLOWED: [&str; 6] =
     ["light_swings", "red_swings", "light_ages", "light_rest", "red_ages", "red_rest"];
 /// What `flash_decide.frag` writes.
-const DECIDED: [&str; 4] = ["shown_swings", "shown_ages", "shown_rest", "corrections"];
+const DECIDED: [&str; 6] =
+    ["shown_swings", "shown_ages", "shown_rest", "corrections", "shown_red_swings", "shown_red_ages"];
 /// What `flash_rows.frag` writes.
 const ROW_MARKS: [&str; 2] = ["marked_rows", "bright_rows"];
 /// Cells of a rectangle of `flash_cells.vert`.
@@ -131,7 +132,7 @@ impl FlashPass {
         let step = self.steps.next(seconds);
         let flag = |is: bool| f32::from(u8::from(is));
         let is_fresh = std::mem::take(&mut self.is_fresh);
-        self.step_block.set(&[step.seconds as f32, step.early as f32, flag(step.forgets), flag(is_fresh)]);
+        self.step_block.set(&[step.seconds as f32, flag(step.forgets), flag(is_fresh), 0.0]);
         self.followed.swap(0, 1);
         self.decided.swap(0, 1);
         self.reset_state();

@@ -23,7 +23,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 6] = [
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their
 /// number ([`scene_texture`]). Textures that share a unit are never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 25] = [
+pub const TEXTURE_UNITS: [(&str, u32); 27] = [
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),
@@ -48,6 +48,8 @@ pub const TEXTURE_UNITS: [(&str, u32); 25] = [
     ("tape", 14),
     ("edge_squares", 14),
     ("spreads", 14),
+    ("shown_red_swings", 14),
+    ("shown_red_ages", 15),
     ("sound_tables", 15),
 ];
 

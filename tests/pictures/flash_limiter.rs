@@ -204,7 +204,8 @@ fn lamps_of_any_size_at_uneven_times_keep_three_flashes_a_second() {
 #[test]
 fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
     let mut bench = Bench::new();
-    for seed in 100..112 {
+    // The last one has a rise by 0.1002, which is measured as one by 0.0998.
+    for seed in (100..112).chain([283]) {
         let mut random = Random(seed);
         bench.begin();
         let mut levels = [BLACK; 12];
@@ -220,6 +221,30 @@ fn arbitrary_levels_held_for_arbitrary_times_keep_three_flashes_a_second() {
         }
         bench.judge(&format!("levels {seed}"));
         assert!(bench.changed > 0, "{seed}");
+    }
+}
+
+#[test]
+fn a_flash_that_ends_before_its_turn_because_a_short_frame_follows_a_long_one_is_none() {
+    let mut bench = Bench::new();
+    let colors = [[BLACK, WHITE], [BLACK, RED], [[127; 3], RED]];
+    for (colors, stays) in colors.into_iter().flat_map(|colors| [(colors, false), (colors, true)]) {
+        bench.begin();
+        for frame in 0..7 {
+            bench.show(0.04, |_| colors[frame % 2]);
+        }
+        // From the first change on 0.2 s have passed. The fourth rise comes after 0.99 s, while frames are long, and
+        // ends 4 ms later, or stays.
+        for _ in 0..15 {
+            bench.show(0.05, |_| colors[0]);
+        }
+        bench.show(0.04, |_| colors[1]);
+        for _ in 0..12 {
+            bench.show(0.004, |_| colors[usize::from(stays)]);
+        }
+        let what = format!("{colors:?}, which stays: {stays}");
+        bench.judge(&what);
+        assert_eq!(bench.changed, if stays { 3 } else { 1 }, "{what}: it is more than put off");
     }
 }
 
