@@ -38,31 +38,22 @@ fn within(value: f64, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     }
 }
 
-/// A time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`.
+/// A time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`. Only the largest unit counts on beyond 59.
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
-    let wrong =
-        || format!("'{text}' is no time: write seconds, such as 80, or minutes and seconds, such as 1:20.5");
-    let (whole, seconds) =
-        text.trim().rsplit_once(':').map_or((None, text.trim()), |(whole, seconds)| (Some(whole), seconds));
-    let mut value: f64 = seconds.parse().map_err(|_| wrong())?;
-    if let Some(whole) = whole {
-        let is_plain = seconds.starts_with(|c: char| c.is_ascii_digit());
-        let mut unit = 60.0;
-        let parts: Vec<&str> = whole.rsplit(':').collect();
-        let fits = |value: f64| (0.0..60.0).contains(&value);
-        if !is_plain || !fits(value) || parts.len() > 2 {
-            return Err(wrong());
-        }
-        for (place, part) in parts.iter().enumerate() {
-            let number: u32 = part.parse().map_err(|_| wrong())?;
-            // Only the largest unit counts on beyond 59.
-            if place + 1 < parts.len() && !fits(f64::from(number)) {
-                return Err(wrong());
-            }
-            value += unit * f64::from(number);
-            unit *= 60.0;
-        }
-    }
+    let whole = |text: &str| text.parse::<u32>().ok().map(f64::from);
+    let last = |text: &str| text.parse().ok().filter(|_| text.starts_with(|c: char| c.is_ascii_digit()));
+    let sixty = |large: Option<f64>, small: Option<f64>| {
+        Some(60.0 * large? + small.filter(|small| (0.0..60.0).contains(small))?)
+    };
+    let value = match text.trim().split(':').collect::<Vec<_>>()[..] {
+        [seconds] => seconds.parse().ok(),
+        [minutes, seconds] => sixty(whole(minutes), last(seconds)),
+        [hours, minutes, seconds] => sixty(sixty(whole(hours), whole(minutes)), last(seconds)),
+        _ => None,
+    };
+    let value = value.ok_or_else(|| {
+        format!("'{text}' is no time: write seconds, such as 80, or minutes and seconds, such as 1:20.5")
+    })?;
     within(value, 0.0, LIMITS.seconds_max, "seconds")
 }
 

@@ -18,7 +18,7 @@ use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
 use std::hash::Hasher as _;
-use std::io::Read as _;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -122,15 +122,8 @@ impl ProgramCache {
     /// The program of this key, if there is one that is whole; any other is removed.
     pub fn load(&self, key: ProgramKey) -> Option<Vec<u8>> {
         let path = self.path(key, PROGRAM)?;
-        // No device, no pipe: opening one may block for ever.
-        if !fs::symlink_metadata(&path).ok()?.is_file() {
-            return None;
-        }
-        let mut bytes = Vec::new();
-        let limit = LIMITS.kept_program_bytes_max + entry::HEADER;
-        let read = File::open(&path).and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes));
-        let content = entry::decode(key, &bytes).filter(|_| read.is_ok() && bytes.len() <= limit);
-        let Some(content) = content else {
+        let bytes = read_file(&path, LIMITS.kept_program_bytes_max + entry::HEADER)?.unwrap_or_default();
+        let Some(content) = entry::decode(key, &bytes) else {
             tracing::info!("{} is damaged and removed", path.display());
             self.discard(key);
             return None;
@@ -172,8 +165,7 @@ impl ProgramCache {
     /// Why a program is not tried again, and the file that says so; none for all others.
     pub fn given_up(&self, key: ProgramKey) -> Option<(GivenUp, PathBuf)> {
         let path = self.path(key, GIVEN_UP)?;
-        let is_there = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
-        let word = if is_there { fs::read(&path).ok()? } else { return None };
+        let word = read_file(&path, WORD_MAX)?.ok()?;
         touch(&path);
         let known = [GivenUp::Refused, GivenUp::Died].into_iter().find(|why| why.word().as_bytes() == word);
         Some((known?, path))
@@ -218,6 +210,24 @@ const GIVEN_UP: &str = "given-up";
 
 /// What a file takes on a disk, however small it is, in bytes.
 const BLOCK: u64 = 4096;
+
+/// More bytes than any reason for giving up has.
+const WORD_MAX: usize = 16;
+
+/// The bytes of a file, or an error if there are more than `limit` or it cannot be read; `None` if there is no such file,
+/// or something else has its name.
+fn read_file(path: &Path, limit: usize) -> Option<io::Result<Vec<u8>>> {
+    // No device, no pipe: opening one may block for ever.
+    if !fs::symlink_metadata(path).ok()?.is_file() {
+        return None;
+    }
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(limit as u64 + 1).read_to_end(&mut bytes));
+    Some(match read {
+        Ok(_) if bytes.len() > limit => Err(io::ErrorKind::FileTooLarge.into()),
+        read => read.map(|_| bytes),
+    })
+}
 
 /// Notes that a file was used now.
 fn touch(path: &Path) {

@@ -74,7 +74,7 @@ impl Studio {
         let asked =
             Asked { block: job.block, picture: job.picture, scene: job.scene, draws_views: job.draws_views };
         let died = cache.death(key);
-        if job.can_be_given_up {
+        if is_interpreter {
             if died == Some(Work::Compiling) {
                 cache.give_up(key, GivenUp::Died);
             }
@@ -90,8 +90,10 @@ impl Studio {
         {
             let _attempt = cache.attempt(key, Work::Taking);
             let start = Instant::now();
-            let binary = ProgramBinary::from_bytes(&bytes);
-            let taken = binary.and_then(|binary| Program::take(&self.gl, &binary).transpose()).transpose()?;
+            let taken = match ProgramBinary::from_bytes(&bytes) {
+                Some(binary) => Program::take(&self.gl, &binary)?,
+                None => None,
+            };
             if let Some(program) = taken {
                 let ready = self.warm_up(&program, &asked, texts)?;
                 tracing::info!(
@@ -104,18 +106,18 @@ impl Studio {
             cache.discard(key);
         }
         let _attempt = cache.attempt(key, Work::Compiling);
-        if job.can_be_given_up && faults::strikes(Fault::DeadlyInterpreter) {
+        if is_interpreter && faults::strikes(Fault::DeadlyInterpreter) {
             std::process::abort();
         }
         let start = Instant::now();
         let compiled = match Program::of(&self.gl, &texts) {
-            _ if job.can_be_given_up && faults::strikes(Fault::NoInterpreter) => Err(GpuError::Compile {
+            _ if is_interpreter && faults::strikes(Fault::NoInterpreter) => Err(GpuError::Compile {
                 name: SCENE_SHADER.to_owned(),
                 log: "a fault that a test causes".to_owned(),
             }),
             compiled => compiled,
         };
-        if job.can_be_given_up && matches!(compiled, Err(GpuError::Compile { .. })) {
+        if is_interpreter && matches!(compiled, Err(GpuError::Compile { .. })) {
             cache.give_up(key, GivenUp::Refused);
         }
         let ready = self.warm_up(&compiled?, &asked, texts)?;

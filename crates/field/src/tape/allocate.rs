@@ -7,7 +7,7 @@ use crate::graph::{Graph, Node, NodeId, Op, Properties};
 /// No register, no memory, no table entry, no further use.
 const NONE: u32 = u32::MAX;
 /// Entries of a page of the table.
-const PAGE: usize = 256;
+pub(super) const PAGE: usize = 256;
 
 /// Builds a tape; see [`Tape::build`].
 pub(super) fn build(graph: &Graph, roots: &[NodeId], options: &TapeOptions) -> Result<Tape, TapeError> {

@@ -1,11 +1,10 @@
 //! Compounds in a tape whose registers are allocated already.
 
+use super::allocate::PAGE;
 use super::interpreter::is_second;
 use super::{Instruction, Operand, Tape};
 use crate::graph::{Arg, Compounds, Found, Operation, Values};
 
-/// Entries of a table's page.
-const PAGE: usize = 256;
 /// Registers at the start of a tape: the values 0..256.
 const INITIAL: usize = 256;
 /// The parts of a compound are looked for in as many clauses: else the search would take the square of a tape's length.
