@@ -142,7 +142,7 @@ pub(crate) fn lists(data: &[u8]) {
             assert!(reached.is_finite() && reached >= 0.0);
             play(&mut *track.source, FRAMES_AFTER_SEEK);
         }
-        let wanted = Wanted::Following { after: track.info.entry, anew: true };
+        let wanted = Wanted::Following { after: track.info.id, anew: true };
         let Found::Track(next) = opened.list.find(&wanted, &mut |told| assert!(!told.is_empty())) else {
             return;
         };

@@ -10,6 +10,7 @@
 //! |---|---|---|
 //! | [`source`], [`decode`], [`resample`] | where frames come from | decoding thread |
 //! | [`playlist`], [`track`] | which tracks, in which order; each is opened ahead | list thread |
+//! | [`listed`] | the list as a window shows it | shared, locked briefly |
 //! | [`player`] | the handle of the window, and the decoding and analysis threads | |
 //! | [`timeline`] | from frames of a segment to song time and features | shared, locked briefly |
 //! | [`clock`] | from the callback's timestamps to the frame that is audible now, through changes of device, too | written by the callback |
@@ -34,6 +35,7 @@ mod error;
 mod hosts;
 pub mod input;
 pub mod limits;
+pub mod listed;
 pub mod output;
 pub mod player;
 pub mod playlist;
@@ -54,4 +56,5 @@ mod worker;
 
 pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
+pub use listed::{ListedTrack, ListedTracks};
 pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard};

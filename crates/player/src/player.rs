@@ -24,6 +24,7 @@ use std::time::{Duration, Instant};
 use super::clock::{Audible, Clock};
 use super::device_list::ListedDevice;
 use super::error::PlayerError;
+use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
 use super::source::FrameSource;
@@ -141,9 +142,10 @@ pub struct Player {
     decoding: Worker,
     analysis: Worker,
     /// Ends when the decoding does.
-    listing: Worker,
-    /// The track that was last audible.
+    list_thread: Worker,
+    /// The track that was last audible, where it stands in the list now.
     track: Arc<TrackInfo>,
+    listing: SharedListing,
     repeat: Repeat,
     shuffled: bool,
     troubles: SharedTroubles,
@@ -167,7 +169,7 @@ impl Player {
     /// If the track's rate is beyond the limits or a thread cannot be started.
     pub fn start(
         first: Track,
-        list: Box<dyn TrackList>,
+        mut list: Box<dyn TrackList>,
         options: PlayerOptions,
     ) -> Result<Self, PlayerError> {
         let rate = first.source.sample_rate();
@@ -176,6 +178,9 @@ impl Player {
             return Err(PlayerError::SampleRate { rate, min, max });
         }
         let track = first.info.clone();
+        let listing = SharedListing::default();
+        listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))));
+        list.share(listing.clone());
         let controls = Arc::new(Controls::new(options.volume, options.paused));
         let counters = Arc::new(Counters::default());
         let timeline = SharedTimeline::default();
@@ -186,7 +191,7 @@ impl Player {
         let (commands, inbox) = channel();
         let (to_list, requests) = channel::<Request>();
         let (answers, told) = (commands.clone(), troubles.clone());
-        let listing = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
+        let list_thread = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
         let work = Decoding::new(first, to_list, timeline.clone(), to_analysis, troubles.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
         let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
@@ -202,8 +207,9 @@ impl Player {
             supervisor,
             decoding,
             analysis,
-            listing,
+            list_thread,
             track,
+            listing,
             repeat: options.repeat,
             shuffled: options.shuffled,
             troubles,
@@ -257,6 +263,35 @@ impl Player {
         self.send(Command::Order(repeat, shuffled));
     }
 
+    /// The list as it is now. This is cheap enough to be asked for each picture, however long the list is.
+    pub fn playlist(&self) -> Arc<ListedTracks> {
+        self.listing.tracks()
+    }
+
+    /// Plays the track at this index of the list from its start, or the next one that can be played. An index beyond
+    /// the list is ignored.
+    pub fn play_entry(&self, entry: usize) {
+        self.send(Command::PlayEntry(entry));
+    }
+
+    /// Moves the entry at index `from` so that it is at index `to`; what plays goes on. Indices beyond the list are
+    /// ignored. Changes are carried out one after the other: indices are those of the list after all changes before.
+    pub fn move_entry(&self, from: usize, to: usize) {
+        self.send(Command::Edit(Edit::Move { from, to }));
+    }
+
+    /// Removes an entry; see [`Player::move_entry`]. If it plays, the one that follows plays instead, and silence if
+    /// none does.
+    pub fn remove_entry(&self, entry: usize) {
+        self.send(Command::Edit(Edit::Remove(entry)));
+    }
+
+    /// Appends these files, or what these folders and lists hold, to the list. A list that had ended goes on with them;
+    /// a random order has them among the tracks that are still to come.
+    pub fn append_files(&self, files: Vec<PathBuf>) {
+        self.send(Command::Edit(Edit::Append(files)));
+    }
+
     /// Changes the volume by `delta`; the result is clamped to 0 to 1.
     pub fn change_volume(&self, delta: f32) {
         self.controls.set_volume(self.controls.volume() + delta);
@@ -290,6 +325,7 @@ impl Player {
             self.track = timeline.track(audible).unwrap_or_else(|| self.track.clone());
         }
         drop(timeline);
+        self.find_place();
         PlayerStatus {
             track: self.track.clone(),
             position: self.position,
@@ -339,6 +375,16 @@ impl Player {
         sound.unwrap_or_else(|| self.moment.features.into())
     }
 
+    /// Notes where the audible track stands in the list now. A track of a list that was replaced stays as it was.
+    fn find_place(&mut self) {
+        if let Some((entry, count)) = self.listing.place(self.track.id)
+            && (entry, count) != (self.track.entry, self.track.count)
+        {
+            let info = Arc::make_mut(&mut self.track);
+            (info.entry, info.count) = (entry, count);
+        }
+    }
+
     fn send(&self, command: Command) {
         // If the decoding thread has ended there is nothing to seek in.
         let _ = self.commands.send(command);
@@ -350,7 +396,7 @@ impl Drop for Player {
         self.send(Command::Quit);
         self.supervisor = None;
         let decoded = self.decoding.join_within(END_LIMIT) && self.analysis.join_within(END_LIMIT);
-        if !decoded || !self.listing.join_within(END_LIMIT) {
+        if !decoded || !self.list_thread.join_within(END_LIMIT) {
             tracing::warn!("the decoding of the song does not end and is abandoned");
         }
     }
@@ -358,6 +404,8 @@ impl Drop for Player {
 
 #[cfg(test)]
 mod device_tests;
+#[cfg(test)]
+mod list_tests;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::decode::Decoder;
+use super::listed::{Edit, Edited, SharedListing};
 use super::song::display_name;
 use super::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
@@ -16,9 +17,11 @@ const SILENCE_BLOCK: usize = 1024;
 /// What is known about a track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackInfo {
-    /// Its index in the list that it comes from.
+    /// The number of its entry, which stays the same when the list is edited.
+    pub id: u64,
+    /// Its index in the list that it comes from, when it was opened; [`crate::Player::status`] tells the present one.
     pub entry: usize,
-    /// How many tracks that list has.
+    /// How many tracks that list has, likewise.
     pub count: usize,
     /// Its name: artist and title, or the file's name.
     pub name: String,
@@ -41,10 +44,11 @@ pub struct Track {
 }
 
 impl Track {
-    /// The track that a decoder yields, as entry `entry` of `count`.
+    /// The track that a decoder yields, as entry `entry` of `count`, with the id of that number.
     pub fn of_decoder(decoder: Decoder, entry: usize, count: usize) -> Self {
         let about = decoder.info();
         let info = TrackInfo {
+            id: entry as u64,
             entry,
             count,
             name: display_name(&decoder),
@@ -59,6 +63,7 @@ impl Track {
     /// A source without a list.
     pub fn alone(source: Box<dyn FrameSource>) -> Self {
         let info = TrackInfo {
+            id: 0,
             entry: 0,
             count: 1,
             name: String::new(),
@@ -70,12 +75,19 @@ impl Track {
         Self { source, info: Arc::new(info) }
     }
 
-    /// Endless silence in place of entry `entry` of `count`, played when nothing else can be.
+    /// Endless silence in place of entry `entry` of `count`, with the id of that number, played when nothing else can
+    /// be.
     pub fn silence(entry: usize, count: usize) -> Self {
         let mut track = Self::alone(Box::new(Silence { position: 0 }));
         let info = Arc::make_mut(&mut track.info);
         (info.entry, info.count, info.name) = (entry, count, "nothing to play".into());
-        track
+        track.with_id(entry as u64)
+    }
+
+    /// The track as the entry with that id.
+    pub fn with_id(mut self, id: u64) -> Self {
+        Arc::make_mut(&mut self.info).id = id;
+        self
     }
 }
 
@@ -126,20 +138,25 @@ pub enum Repeat {
 /// What is asked of a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wanted {
-    /// What comes when entry `after` has played to its end. `anew`: the open track cannot begin again as it is.
+    /// What comes when an entry has played to its end. `anew`: the open track cannot begin again as it is.
     Following {
-        /// The entry.
-        after: usize,
+        /// The entry's id.
+        after: u64,
         /// Whether the entry itself would have to be opened again.
         anew: bool,
     },
-    /// This many tracks forward from entry `from`, or back.
+    /// This many tracks forward from an entry, or back.
     Skip {
-        /// The entry.
-        from: usize,
+        /// The entry's id.
+        from: u64,
         /// More than 0 is forward.
         steps: i32,
     },
+    /// The track at this index of the list, or else the next one that can be played.
+    Entry(usize),
+    /// What plays now that the entry with this id, which was playing, was removed. Where nothing follows, that is
+    /// silence with the same id.
+    InPlaceOf(u64),
     /// The first track of these files, which become the list.
     Files(Vec<PathBuf>),
 }
@@ -161,8 +178,17 @@ pub trait TrackList: Send {
     /// Finds and opens a track. Every entry that had to be skipped is reported to `tell`, one sentence each.
     fn find(&mut self, wanted: &Wanted, tell: &mut dyn FnMut(String)) -> Found;
 
-    /// Changes the order and the repeating of tracks. A new random order begins with entry `current`.
-    fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: usize);
+    /// Changes the order and the repeating of tracks. A new random order begins with the entry whose id is `current`.
+    fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: u64);
+
+    /// Keeps `listing` true to the list from now on. A list without this shows as the track that was first.
+    fn share(&mut self, _listing: SharedListing) {}
+
+    /// Changes the list, while the entry with id `playing` plays, and tells `tell` what could not be done. A list
+    /// without this stays as it is.
+    fn edit(&mut self, _edit: &Edit, _playing: u64, _tell: &mut dyn FnMut(String)) -> Edited {
+        Edited::default()
+    }
 }
 
 /// A list of the one open track, which repeats in every mode but [`Repeat::Off`].
@@ -173,13 +199,13 @@ impl TrackList for OneTrack {
         match wanted {
             Wanted::Following { anew: false, .. } if self.0 != Repeat::Off => Found::Again,
             Wanted::Following { anew: false, .. } => Found::End,
-            Wanted::Skip { .. } => Found::Again,
+            Wanted::Skip { .. } | Wanted::Entry(0) => Found::Again,
             // Only its source is known.
-            Wanted::Following { .. } | Wanted::Files(_) => Found::Nothing,
+            _ => Found::Nothing,
         }
     }
 
-    fn set_order(&mut self, repeat: Repeat, _: bool, _: usize) {
+    fn set_order(&mut self, repeat: Repeat, _: bool, _: u64) {
         self.0 = repeat;
     }
 }

@@ -137,6 +137,19 @@ impl Decoding {
                 Command::Skip { forward } => self.queue.skip(forward),
                 Command::Files(files) => self.queue.ask_for_files(files),
                 Command::Order(repeat, shuffled) => self.queue.set_order(repeat, shuffled),
+                Command::PlayEntry(entry) => self.queue.ask_for_entry(entry),
+                Command::Edit(edit) => {
+                    let audible = self.place().passage;
+                    self.queue.edit(edit, audible);
+                }
+                Command::Edited(edited) => {
+                    let place = self.place();
+                    if self.queue.take_edit(edited, place.passage, self.segment.is_finished())
+                        && goal.is_none()
+                    {
+                        goal = Some(Goal::seek(place.time));
+                    }
+                }
                 Command::Found { id, found } => {
                     if self.queue.take(id, found, self.segment.is_finished()) {
                         goal = Some(Goal::seek(0.0));

@@ -5,14 +5,17 @@ use std::sync::mpsc::{Receiver, Sender};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::decoding::Command;
+use crate::listed::Edit;
 use crate::track::{Repeat, TrackList, Wanted};
 
 /// What the decoding thread asks for.
 pub(crate) enum Request {
     /// Find a track; the answer carries `id`.
     Find { id: u64, wanted: Wanted },
-    /// Change the order and the repeating of tracks; a new random order begins with entry `current`.
-    Order { repeat: Repeat, shuffled: bool, current: usize },
+    /// Change the order and the repeating of tracks; a new random order begins with the entry whose id is `current`.
+    Order { repeat: Repeat, shuffled: bool, current: u64 },
+    /// Change the list, while the entry with id `playing` plays.
+    Edit { edit: Edit, playing: u64 },
 }
 
 /// Works until the decoding thread ends.
@@ -25,10 +28,14 @@ pub(crate) fn run(
     for request in inbox {
         match request {
             Request::Order { repeat, shuffled, current } => list.set_order(repeat, shuffled, current),
+            // If the decoding thread has ended, nobody waits for an answer any more.
             Request::Find { id, wanted } => {
                 let found = list.find(&wanted, &mut |trouble| troubles.tell(trouble));
-                // If the decoding thread has ended, there is nothing to find any more.
                 let _ = answers.send(Command::Found { id, found });
+            }
+            Request::Edit { edit, playing } => {
+                let edited = list.edit(&edit, playing, &mut |trouble| troubles.tell(trouble));
+                let _ = answers.send(Command::Edited(edited));
             }
         }
     }

@@ -89,7 +89,7 @@ impl Ramps {
     pub(super) fn track(&self, entry: usize) -> Track {
         let mut track = Track::alone(Box::new(self.songs[entry].clone()));
         let info = Arc::make_mut(&mut track.info);
-        (info.entry, info.count) = (entry, self.songs.len());
+        (info.id, info.entry, info.count) = (entry as u64, entry, self.songs.len());
         track
     }
 }
@@ -102,9 +102,9 @@ impl TrackList for Ramps {
             Wanted::Following { anew: false, .. } if self.repeat == Repeat::One || count == 1 => {
                 return if self.repeat == Repeat::Off { Found::End } else { Found::Again };
             }
-            Wanted::Following { after, anew } => (after + 1, (!anew).then_some(after)),
+            Wanted::Following { after, anew } => (after as usize + 1, (!anew).then_some(after as usize)),
             Wanted::Skip { from, steps } => ((from as i32 + steps).rem_euclid(count as i32) as usize, None),
-            Wanted::Files(_) => (0, None),
+            _ => (0, None),
         };
         for _ in 0..count {
             if entry >= count && self.repeat == Repeat::Off {
@@ -123,7 +123,7 @@ impl TrackList for Ramps {
         Found::Nothing
     }
 
-    fn set_order(&mut self, repeat: Repeat, _: bool, _: usize) {
+    fn set_order(&mut self, repeat: Repeat, _: bool, _: u64) {
         self.repeat = repeat;
     }
 }
@@ -375,7 +375,7 @@ fn a_seek_that_fails_is_told_and_the_song_goes_on() {
 }
 
 /// Waits until `done` or 5 s are over.
-fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mut Player) -> bool) {
+pub(super) fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mut Player) -> bool) {
     let start = Instant::now();
     while !done(player) {
         assert!(start.elapsed() < Duration::from_secs(5), "{what}: {:?}", player.status());
@@ -383,7 +383,7 @@ fn wait_for(player: &mut Player, what: &str, mut done: impl FnMut(&mut Player) -
     }
 }
 
-fn silent(looping: bool) -> PlayerOptions {
+pub(super) fn silent(looping: bool) -> PlayerOptions {
     PlayerOptions { repeat: repeat_of(looping), output: OutputChoice::Silent, ..PlayerOptions::default() }
 }
 

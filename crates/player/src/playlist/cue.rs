@@ -51,6 +51,7 @@ pub(super) fn read(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
                     cut: Some(Cut { start, end: None }),
                     title: track.title.take(),
                     artist: track.artist.take().or_else(|| disc_artist.clone()),
+                    duration: None,
                 });
             }
             _ => {}

@@ -6,12 +6,14 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::cue::DISC_FRAMES;
 use super::error::{PlaylistError, name_of};
 use super::lists::{Cut, Item, Kind};
 use super::natural;
 use super::text::Reference;
 use crate::limits::LIMITS;
-use crate::song::Song;
+use crate::listed::ListedTrack;
+use crate::song::{Song, track_name};
 
 /// Extensions of the files that are taken from a folder.
 const AUDIO_EXTENSIONS: &[&str] = &[
@@ -23,21 +25,41 @@ const AUDIO_EXTENSIONS: &[&str] = &[
 const TROUBLES_KEPT: usize = 20;
 
 /// A track that has not been opened yet.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Entry {
     /// Where its sound is.
     pub song: Song,
     /// The part of it that is played.
     pub cut: Option<Cut>,
-    /// The title of that part.
+    /// Its title, if a list gave one.
     pub title: Option<String>,
-    /// Who made that part.
+    /// Who made it, likewise.
     pub artist: Option<String>,
+    /// How long it is, likewise, in seconds.
+    pub duration: Option<f64>,
 }
 
 impl From<Song> for Entry {
     fn from(song: Song) -> Self {
-        Self { song, cut: None, title: None, artist: None }
+        Self { song, cut: None, title: None, artist: None, duration: None }
+    }
+}
+
+impl Entry {
+    /// What is known about it before it is opened.
+    pub(super) fn listed(&self) -> ListedTrack {
+        let (name, file) = match &self.song {
+            Song::Embedded { name, .. } => ((*name).to_owned(), None),
+            Song::File(path) => (name_of(path), Some(path.clone())),
+        };
+        let seconds = |disc: u64| disc as f64 / DISC_FRAMES as f64;
+        let length = |cut: Cut| Some(seconds(cut.end?.saturating_sub(cut.start)));
+        ListedTrack {
+            name: track_name(self.artist.as_deref(), self.title.as_deref(), &name),
+            duration: self.duration.or_else(|| self.cut.and_then(length)),
+            file,
+            start: self.cut.map(|cut| seconds(cut.start)),
+        }
     }
 }
 
@@ -112,7 +134,8 @@ impl Gathered {
         let song = Song::File(path.to_owned());
         self.entries.push(match item {
             Some(item) => {
-                Entry { song, cut: item.cut, title: item.title.clone(), artist: item.artist.clone() }
+                let Item { cut, title, artist, duration, .. } = item.clone();
+                Entry { song, cut, title, artist, duration }
             }
             None => song.into(),
         });

@@ -1,6 +1,7 @@
 //! The formats of lists: what each names, in its order.
 //!
-//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or hints of other programs.
+//! - M3U and M3U8: a path on each line; lines that begin with `#` are comments or hints of other programs. A line
+//!   `#EXTINF:seconds,title` tells about the path that follows.
 //! - PLS: `FileN=path` under `[playlist]`, by the number.
 //! - CUE: tracks within files, each from an index to the next; see [`cue`].
 
@@ -8,7 +9,8 @@ use std::path::Path;
 
 use super::cue;
 use super::error::{PlaylistError, name_of};
-use super::text::{Reference, lines, resolve};
+use super::text::{Reference, decode, lines, resolve};
+use crate::limits::LIMITS;
 
 /// A part of a file, in frames of a compact disc: 75 make a second.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,21 +22,23 @@ pub struct Cut {
 }
 
 /// An item of a list.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Item {
     /// What it names.
     pub reference: Reference,
     /// The part of it that is meant, if not all.
     pub cut: Option<Cut>,
-    /// Its title, if the list gives the title of a part.
+    /// Its title, if the list gives one.
     pub title: Option<String>,
     /// Who made it, likewise.
     pub artist: Option<String>,
+    /// How long it is, likewise, in seconds.
+    pub duration: Option<f64>,
 }
 
 impl Item {
     fn whole(reference: Reference) -> Self {
-        Self { reference, cut: None, title: None, artist: None }
+        Self { reference, cut: None, title: None, artist: None, duration: None }
     }
 }
 
@@ -74,15 +78,34 @@ impl Kind {
             Self::M3u if lines.iter().any(|line| line.starts_with(b"#EXT-X-")) => {
                 return Err(PlaylistError::Stream { name: name() });
             }
-            Self::M3u => {
-                let named = lines.iter().filter(|line| !line.starts_with(b"#"));
-                named.map(|line| Item::whole(resolve(base, line))).collect()
-            }
+            Self::M3u => m3u(base, &lines),
             Self::Pls => pls(base, &lines).ok_or_else(|| malformed("it has no line '[playlist]'"))?,
             Self::Cue => cue::read(base, &lines).ok_or_else(|| malformed("it has no line 'FILE'"))?,
         };
         if items.is_empty() { Err(PlaylistError::Empty { name: name() }) } else { Ok(items) }
     }
+}
+
+fn m3u(base: &Path, lines: &[Vec<u8>]) -> Vec<Item> {
+    let mut items = Vec::new();
+    let mut told = None;
+    for line in lines {
+        if let Some(about) = line.strip_prefix(b"#EXTINF:") {
+            told = Some(decode(about));
+        } else if !line.starts_with(b"#") {
+            let mut item = Item::whole(resolve(base, line));
+            if let Some((seconds, title)) = told.take().as_deref().and_then(|told| told.split_once(',')) {
+                // Some programs write attributes after the seconds.
+                let seconds =
+                    seconds.split_whitespace().next().and_then(|seconds| seconds.parse::<f64>().ok());
+                let believed = |seconds: &f64| *seconds > 0.0 && *seconds <= LIMITS.claimed_duration_max;
+                item.duration = seconds.filter(believed);
+                item.title = Some(title.trim().to_owned()).filter(|title| !title.is_empty());
+            }
+            items.push(item);
+        }
+    }
+    items
 }
 
 fn pls(base: &Path, lines: &[Vec<u8>]) -> Option<Vec<Item>> {
@@ -125,6 +148,16 @@ mod tests {
         let pls = "[Playlist]\nFile10=ten.mp3\nfile2=two=2.mp3\nTitle2=Two\nFile99999999999999999999=far.mp3\n\
                    FileX=x.mp3\nFile3=\nLength2=7\nNumberOfEntries=4000000000\nVersion=2\n";
         assert_eq!(paths("x.PLS", pls).unwrap(), ["/m/two=2.mp3", "/m/ten.mp3", "/m/far.mp3", "/m/x.mp3"]);
+    }
+
+    #[test]
+    fn an_m3u_tells_titles_and_lengths_of_the_paths_that_follow() {
+        let text = b"#EXTM3U\n#EXTINF:123,Some One - A Song\n#EXTVLCOPT:x\na.mp3\nb.mp3\n\
+                     #EXTINF:-1 tvg-id=\"x\",Radio, live\nc.mp3\n#EXTINF:inf,\nd.mp3\n#EXTINF:5\ne.mp3\n";
+        let items = Kind::M3u.read(Path::new("/m/x.m3u"), text).unwrap();
+        let told: Vec<_> = items.iter().map(|item| (item.title.as_deref(), item.duration)).collect();
+        let song = (Some("Some One - A Song"), Some(123.0));
+        assert_eq!(told, [song, (None, None), (Some("Radio, live"), None), (None, None), (None, None)]);
     }
 
     #[test]

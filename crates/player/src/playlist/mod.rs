@@ -7,6 +7,7 @@
 //! | [`natural`] | the order of names |
 //! | [`excerpt`] | a part of a file as a track |
 //! | [`order`] | what follows what: shuffle and repeat |
+//! | [`editing`] | entries that are moved, removed and appended while the list plays |
 //!
 //! **What cannot be played never stops the show.** Every failure of a list or track becomes a sentence (`Troubles`).
 //! The list thread goes on to the next track that opens; if none does, a track of silence plays. Lists are read
@@ -15,6 +16,7 @@
 //! frame silence is played, so that nothing spins.
 
 mod cue;
+mod editing;
 mod error;
 mod excerpt;
 mod gather;
@@ -34,6 +36,7 @@ pub use lists::{Cut, Item, Kind};
 use order::Order;
 pub use text::Reference;
 
+use super::listed::{Edit, Edited, ListedTrack, SharedListing};
 use super::song::{Song, one_line, track_name};
 use super::source::SourceError;
 use super::track::{Found, Repeat, Track, TrackList, Wanted};
@@ -43,10 +46,23 @@ const TROUBLES_KEPT: usize = 20;
 
 /// A list of entries, and which entry follows each.
 pub struct Playlist {
-    entries: Vec<Entry>,
+    slots: Vec<Slot>,
+    /// The index of each entry, by its id.
+    places: HashMap<u64, usize>,
+    /// The id of the next entry; none is used twice.
+    next_id: u64,
     order: Order,
     /// The last message reported about each entry, so that it is not repeated.
-    told: HashMap<usize, String>,
+    told: HashMap<u64, String>,
+    listing: SharedListing,
+}
+
+/// An entry in its place of the list.
+struct Slot {
+    id: u64,
+    entry: Entry,
+    /// What is known about it.
+    listed: ListedTrack,
 }
 
 /// A playlist with its first track, and what had to be skipped to reach it.
@@ -80,7 +96,7 @@ impl Playlist {
         let gathered = gather(paths);
         let troubles = gathered.troubles.iter().map(ToString::to_string).collect();
         let mut list = Self::new(gathered.entries);
-        list.order.set(repeat, shuffled, None);
+        list.arrange(repeat, shuffled, None);
         let Some(first) = list.order.first() else {
             let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
             return Err(gathered.troubles.into_iter().next().unwrap_or(PlaylistError::Empty { name }));
@@ -91,12 +107,12 @@ impl Playlist {
     /// The list of one song.
     pub fn of_song(song: Song, repeat: Repeat) -> Opened {
         let mut list = Self::new(vec![song.into()]);
-        list.order.set(repeat, false, None);
+        list.arrange(repeat, false, None);
         list.opened(0, Vec::new(), repeat, false)
     }
 
     /// Looks for the first track that can be played, from `first` on; where there is none it is silence.
-    fn opened(mut self, first: usize, mut troubles: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
+    fn opened(mut self, first: u64, mut troubles: Vec<String>, repeat: Repeat, shuffled: bool) -> Opened {
         let mut more = 0;
         let mut last = None;
         let found = self.search(first, true, None, &mut |trouble| {
@@ -110,31 +126,47 @@ impl Playlist {
         troubles.extend(last);
         let (first, playable) = match found {
             Found::Track(track) => (track, true),
-            _ => (Track::silence(first, self.entries.len()), false),
+            _ => (Track::silence(self.index(first).unwrap_or(0), self.slots.len()).with_id(first), false),
         };
         Opened { list: self, first, troubles, playable, repeat, shuffled }
     }
 
     fn new(entries: Vec<Entry>) -> Self {
-        let order = Order::new(entries.len());
-        Self { entries, order, told: HashMap::new() }
+        let mut list = Self {
+            slots: Vec::new(),
+            places: HashMap::new(),
+            next_id: 0,
+            order: Order::new(std::iter::empty()),
+            told: HashMap::new(),
+            listing: SharedListing::default(),
+        };
+        list.take_in(entries);
+        list.order = Order::new(list.ids());
+        list
     }
 
-    fn open_entry(&self, index: usize) -> Result<Track, SourceError> {
-        let entry = self.entries.get(index).ok_or("there is no such track")?;
-        let decoder = entry.song.open()?;
-        let mut track = Track::of_decoder(decoder, index, self.entries.len());
-        if let Some(cut) = entry.cut {
-            let Track { source, info } = track;
-            let source = Box::new(Excerpt::new(source, cut)?);
-            let title = entry.title.as_deref().map(one_line).or_else(|| info.title.clone());
-            let artist = entry.artist.as_deref().map(one_line).or_else(|| info.artist.clone());
-            let mut info = info.as_ref().clone();
-            info.duration = super::source::FrameSource::duration(&*source);
-            info.name = track_name(artist.as_deref(), title.as_deref(), &info.name);
-            (info.title, info.artist) = (title, artist);
-            track = Track { source, info: Arc::new(info) };
-        }
+    /// The ids of the entries in the list's own order.
+    fn ids(&self) -> impl Iterator<Item = u64> + use<> {
+        self.slots.iter().map(|slot| slot.id).collect::<Vec<_>>().into_iter()
+    }
+
+    fn index(&self, id: u64) -> Option<usize> {
+        self.places.get(&id).copied()
+    }
+
+    fn arrange(&mut self, repeat: Repeat, shuffled: bool, first: Option<u64>) {
+        self.order.set(repeat, shuffled, first, self.ids());
+    }
+
+    /// Opens an entry, and tells the listing what is known about it now.
+    fn open_entry(&mut self, id: u64) -> Result<Track, SourceError> {
+        let index = self.index(id).ok_or("there is no such track")?;
+        let count = self.slots.len();
+        let slot = self.slots.get_mut(index).ok_or("there is no such track")?;
+        let track = slot.entry.open(index, count)?.with_id(id);
+        slot.listed.name.clone_from(&track.info.name);
+        slot.listed.duration = track.info.duration.or(slot.listed.duration);
+        self.listing.tell_entry(id, &slot.listed);
         Ok(track)
     }
 
@@ -142,13 +174,13 @@ impl Playlist {
     /// the list repeats; but not `open`, which is open already.
     fn search(
         &mut self,
-        first: usize,
+        first: u64,
         forward: bool,
-        open: Option<usize>,
+        open: Option<u64>,
         tell: &mut dyn FnMut(String),
     ) -> Found {
         let around = self.order.repeat() != Repeat::Off;
-        let count = self.entries.len();
+        let count = self.slots.len();
         let mut next = Some(first);
         let mut failed = Vec::new();
         for _ in 0..count {
@@ -174,6 +206,47 @@ impl Playlist {
         }
         if next.is_none() && open.is_some() { Found::End } else { Found::Nothing }
     }
+
+    /// The entry that many steps from `from`, which may have been removed; none beyond the ends of a list that does not
+    /// repeat, if not even one step is possible.
+    fn entry_after(&self, from: u64, steps: i32) -> Option<u64> {
+        let around = self.order.repeat() != Repeat::Off;
+        let forward = steps > 0;
+        // Whole rounds lead back; from where an entry was, the first step leads to an entry.
+        let away = u32::from(self.index(from).is_none());
+        let round = u32::try_from(self.slots.len()).unwrap_or(u32::MAX).max(1);
+        let steps = steps.unsigned_abs().saturating_sub(away) % round + away;
+        let mut entry = from;
+        for _ in 0..steps {
+            match self.order.beside(entry, forward, around) {
+                Some(beside) => entry = beside,
+                None if entry == from => return None,
+                None => break,
+            }
+        }
+        Some(entry)
+    }
+}
+
+impl Entry {
+    /// Opens it as entry `index` of `count`.
+    fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
+        let entry = self;
+        let decoder = entry.song.open()?;
+        let mut track = Track::of_decoder(decoder, index, count);
+        if let Some(cut) = entry.cut {
+            let Track { source, info } = track;
+            let source = Box::new(Excerpt::new(source, cut)?);
+            let title = entry.title.as_deref().map(one_line).or_else(|| info.title.clone());
+            let artist = entry.artist.as_deref().map(one_line).or_else(|| info.artist.clone());
+            let mut info = info.as_ref().clone();
+            info.duration = super::source::FrameSource::duration(&*source);
+            info.name = track_name(artist.as_deref(), title.as_deref(), &info.name);
+            (info.title, info.artist) = (title, artist);
+            track = Track { source, info: Arc::new(info) };
+        }
+        Ok(track)
+    }
 }
 
 impl TrackList for Playlist {
@@ -182,31 +255,49 @@ impl TrackList for Playlist {
             Wanted::Following { anew: false, .. } if self.order.repeat() == Repeat::One => Found::Again,
             Wanted::Following { after, anew } => {
                 let first = match self.order.repeat() {
-                    Repeat::One => Some(after),
+                    Repeat::One if self.index(after).is_some() => Some(after),
+                    Repeat::One => self.order.beside(after, true, true),
                     repeat => self.order.beside(after, true, repeat == Repeat::All),
                 };
                 let open = (!anew).then_some(after);
                 first.map_or(Found::End, |first| self.search(first, true, open, tell))
             }
-            Wanted::Skip { from, steps } => {
+            Wanted::Skip { from, steps } if !self.slots.is_empty() => {
+                let entry = self.entry_after(from, steps);
+                entry.map_or(Found::End, |entry| self.search(entry, steps > 0, None, tell))
+            }
+            Wanted::Skip { .. } => Found::Nothing,
+            Wanted::Entry(index) => {
+                let entry = self.slots.get(index).map(|slot| slot.id);
+                entry.map_or(Found::Nothing, |entry| self.search(entry, true, None, tell))
+            }
+            Wanted::InPlaceOf(removed) => {
                 let around = self.order.repeat() != Repeat::Off;
-                let forward = steps > 0;
-                let mut entry = from;
-                for _ in 0..steps.unsigned_abs() as usize % self.entries.len().max(1) {
-                    match self.order.beside(entry, forward, around) {
-                        Some(beside) => entry = beside,
-                        None if entry == from => return Found::End,
-                        None => break,
-                    }
+                let next = self.order.beside(removed, true, around);
+                match next.map_or(Found::End, |next| self.search(next, true, None, tell)) {
+                    Found::Track(track) => Found::Track(track),
+                    _ => Found::Track(Track::silence(0, self.slots.len()).with_id(removed)),
                 }
-                self.search(entry, forward, None, tell)
             }
             Wanted::Files(ref paths) => self.replace(paths, tell),
         }
     }
 
-    fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: usize) {
-        self.order.set(repeat, shuffled, Some(current));
+    fn set_order(&mut self, repeat: Repeat, shuffled: bool, current: u64) {
+        self.arrange(repeat, shuffled, Some(current));
+    }
+
+    fn share(&mut self, listing: SharedListing) {
+        self.listing = listing;
+        self.tell_listing();
+    }
+
+    fn edit(&mut self, edit: &Edit, playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
+        match *edit {
+            Edit::Move { from, to } => self.move_entry(from, to),
+            Edit::Remove(entry) => self.remove(entry),
+            Edit::Append(ref paths) => self.append(paths, playing, tell),
+        }
     }
 }
 
@@ -215,12 +306,16 @@ impl Playlist {
     fn replace(&mut self, paths: &[PathBuf], tell: &mut dyn FnMut(String)) -> Found {
         let gathered = gather(paths);
         gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));
-        let mut list = Self::new(gathered.entries);
-        list.order = self.order.of(list.entries.len());
+        let mut list = Self::new(Vec::new());
+        list.next_id = self.next_id;
+        list.take_in(gathered.entries);
+        list.order = self.order.of(list.ids());
         let Some(first) = list.order.first() else { return Found::Nothing };
         let found = list.search(first, true, None, tell);
         if matches!(found, Found::Track(_)) {
+            list.listing = self.listing.clone();
             *self = list;
+            self.tell_listing();
         }
         found
     }

@@ -1,16 +1,21 @@
 //! Which entry of a list follows which: in the list's order or a random one, once or repeatedly.
+//!
+//! Entries are known by their ids. A removed one leaves a hole where it stood, so that what follows it is known as long
+//! as it plays.
 
+use std::collections::{HashMap, HashSet};
 use std::hash::{BuildHasher, Hasher, RandomState};
 
 use crate::track::Repeat;
 
-/// An order of the entries `0..count`.
+/// An order of entries.
 #[derive(Debug, Clone)]
 pub(super) struct Order {
-    /// Every entry once.
-    sequence: Vec<usize>,
-    /// Where in the sequence each entry stands.
-    places: Vec<usize>,
+    /// Every entry once, and holes.
+    sequence: Vec<u64>,
+    /// Where in the sequence each entry and each hole stands.
+    places: HashMap<u64, usize>,
+    holes: HashSet<u64>,
     shuffled: bool,
     repeat: Repeat,
     random: u64,
@@ -18,28 +23,34 @@ pub(super) struct Order {
 
 impl Order {
     /// The list's own order, repeated.
-    pub(super) fn new(count: usize) -> Self {
+    pub(super) fn new(list: impl Iterator<Item = u64>) -> Self {
         // The standard library seeds its hashers randomly.
         let random = RandomState::new().build_hasher().finish();
-        Self {
-            sequence: (0..count).collect(),
-            places: (0..count).collect(),
+        let mut order = Self {
+            sequence: list.collect(),
+            places: HashMap::new(),
+            holes: HashSet::new(),
             shuffled: false,
             repeat: Repeat::All,
             random,
-        }
+        };
+        order.note_places(0);
+        order
     }
 
-    /// The same settings for `count` other entries.
-    pub(super) fn of(&self, count: usize) -> Self {
-        let mut order = Self::new(count);
-        order.set(self.repeat, self.shuffled, None);
+    /// The same settings for other entries.
+    pub(super) fn of(&self, list: impl Iterator<Item = u64>) -> Self {
+        let mut order = Self::new(list);
+        order.repeat = self.repeat;
+        if self.shuffled {
+            order.shuffle(None);
+        }
         order
     }
 
     /// What comes first.
-    pub(super) fn first(&self) -> Option<usize> {
-        self.sequence.first().copied()
+    pub(super) fn first(&self) -> Option<u64> {
+        self.sequence.iter().copied().find(|id| !self.holes.contains(id))
     }
 
     /// What follows the last entry.
@@ -47,45 +58,94 @@ impl Order {
         self.repeat
     }
 
-    /// Sets shuffling and repeating. When the order becomes random, `first` comes first, if it is an entry. Each
-    /// round then has the same random order, so that going back leads back.
-    pub(super) fn set(&mut self, repeat: Repeat, shuffled: bool, first: Option<usize>) {
+    /// Sets shuffling and repeating of `list`, the entries in the list's own order. When the order becomes random,
+    /// `first` comes first, if it is an entry. Each round then has the same random order, so that going back leads
+    /// back.
+    pub(super) fn set(
+        &mut self,
+        repeat: Repeat,
+        shuffled: bool,
+        first: Option<u64>,
+        list: impl Iterator<Item = u64>,
+    ) {
         self.repeat = repeat;
         if shuffled == self.shuffled {
             return;
         }
         self.shuffled = shuffled;
-        self.sequence = (0..self.sequence.len()).collect();
-        if shuffled {
-            self.shuffle(first);
-        }
-        for (place, entry) in self.sequence.iter().enumerate() {
-            self.places[*entry] = place;
-        }
+        self.sequence = list.collect();
+        self.holes.clear();
+        self.places.clear();
+        if shuffled { self.shuffle(first) } else { self.note_places(0) }
     }
 
-    fn shuffle(&mut self, first: Option<usize>) {
-        // The shuffle of Fisher and Yates.
-        for last in (1..self.sequence.len()).rev() {
-            let other = self.below(last as u64 + 1) as usize;
-            self.sequence.swap(last, other);
-        }
-        if let Some(place) = self.sequence.iter().position(|entry| Some(*entry) == first) {
+    fn shuffle(&mut self, first: Option<u64>) {
+        self.shuffled = true;
+        self.shuffle_from(0);
+        if let Some(place) = self.sequence.iter().position(|id| Some(*id) == first) {
             self.sequence.swap(0, place);
         }
+        self.note_places(0);
     }
 
-    /// The entry after (or before) `entry`; wraps around the ends only if `around`.
-    pub(super) fn beside(&self, entry: usize, forward: bool, around: bool) -> Option<usize> {
-        let count = self.sequence.len();
-        let Some(place) = self.places.get(entry).copied() else { return self.first() };
-        let beside = match forward {
-            true if place + 1 < count => place + 1,
-            true => around.then_some(0)?,
-            false if place > 0 => place - 1,
-            false => around.then_some(count - 1)?,
+    /// Shuffles the sequence from `start` on, as Fisher and Yates do.
+    fn shuffle_from(&mut self, start: usize) {
+        for last in (start + 1..self.sequence.len()).rev() {
+            let other = start + self.below((last - start) as u64 + 1) as usize;
+            self.sequence.swap(last, other);
+        }
+    }
+
+    /// Adds entries at the list's end. A random order has them at random among those after `playing`.
+    pub(super) fn append(&mut self, added: impl Iterator<Item = u64>, playing: u64) {
+        let mut start = self.sequence.len();
+        self.sequence.extend(added);
+        if self.shuffled {
+            start = self.places.get(&playing).map_or(start, |place| place + 1);
+            self.shuffle_from(start);
+        }
+        self.note_places(start);
+    }
+
+    /// Removes an entry.
+    pub(super) fn remove(&mut self, id: u64) {
+        if self.places.contains_key(&id) {
+            self.holes.insert(id);
+        }
+    }
+
+    /// Notes that the list's own order has `id` right before `beside` now, or right after it. A random order stays.
+    pub(super) fn move_to(&mut self, id: u64, beside: u64, after: bool) {
+        let (Some(from), false) = (self.places.get(&id).copied(), self.shuffled || id == beside) else {
+            return;
         };
-        self.sequence.get(beside).copied()
+        self.sequence.remove(from);
+        let neighbour = self.sequence.iter().position(|other| *other == beside);
+        let to = neighbour.map_or(from, |place| place + usize::from(after));
+        self.sequence.insert(to, id);
+        self.note_places(from.min(to));
+    }
+
+    /// The entry after (or before) `id`, which may be a hole; wraps around the ends only if `around`.
+    pub(super) fn beside(&self, id: u64, forward: bool, around: bool) -> Option<u64> {
+        let Some(place) = self.places.get(&id).copied() else { return self.first() };
+        let (before, after) = (self.sequence.get(..place)?, self.sequence.get(place + 1..)?);
+        // The entry itself is its own neighbour if there is no other.
+        let (before, after, itself) = (before.iter(), after.iter(), self.sequence.get(place));
+        let is_entry = |id: &&u64| !self.holes.contains(*id);
+        let found = match (forward, around) {
+            (true, false) => after.clone().find(is_entry),
+            (true, true) => after.chain(before).chain(itself).find(is_entry),
+            (false, false) => before.rev().find(is_entry),
+            (false, true) => before.rev().chain(after.rev()).chain(itself).find(is_entry),
+        };
+        found.copied()
+    }
+
+    /// Notes where in the sequence everything stands, from place `start` on.
+    fn note_places(&mut self, start: usize) {
+        let moved = self.sequence.iter().enumerate().skip(start);
+        self.places.extend(moved.map(|(place, id)| (*id, place)));
     }
 
     /// A random number below `end` (SplitMix64; its bias is some 1e-15 here).
@@ -103,43 +163,74 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn round(order: &Order, from: usize) -> Vec<usize> {
-        std::iter::successors(Some(from), |entry| order.beside(*entry, true, false)).collect()
+    fn round(order: &Order, from: u64) -> Vec<u64> {
+        std::iter::successors(Some(from), |id| order.beside(*id, true, false)).collect()
     }
 
     #[test]
     fn the_ends_are_met_where_nothing_repeats() {
-        let order = Order::new(3);
+        let order = Order::new(0..3);
         assert_eq!(round(&order, 0), [0, 1, 2]);
         assert_eq!((order.beside(2, true, false), order.beside(2, true, true)), (None, Some(0)));
         assert_eq!((order.beside(0, false, false), order.beside(0, false, true)), (None, Some(2)));
-        assert_eq!(Order::new(0).beside(0, true, true), None);
+        assert_eq!(Order::new(0..0).beside(0, true, true), None);
+        assert_eq!(Order::new(7..8).beside(7, true, true), Some(7));
     }
 
     #[test]
     fn orders_are_random_from_one_run_to_the_next() {
         let shuffled = || {
-            let mut order = Order::new(1000);
-            order.set(Repeat::All, true, None);
+            let mut order = Order::new(0..1000);
+            order.set(Repeat::All, true, None, 0..1000);
             order.sequence
         };
         assert_ne!(shuffled(), shuffled());
     }
 
+    #[test]
+    fn what_follows_a_removed_entry_is_what_followed_it() {
+        let mut order = Order::new(0..5);
+        [2, 3].iter().for_each(|id| order.remove(*id));
+        assert_eq!((order.beside(2, true, false), order.beside(2, false, false)), (Some(4), Some(1)));
+        assert_eq!(round(&order, 0), [0, 1, 4]);
+        // The hole stays where it is, whatever moves around it.
+        order.move_to(0, 4, true);
+        assert_eq!((order.beside(2, true, false), round(&order, 1)), (Some(4), vec![1, 4, 0]));
+        [0, 1, 4].iter().for_each(|id| order.remove(*id));
+        assert_eq!((order.beside(2, true, true), order.first()), (None, None));
+        order.append(5..6, 2);
+        assert_eq!(order.beside(2, true, false), Some(5));
+    }
+
     proptest! {
         #[test]
-        fn a_random_order_plays_every_track_once_and_leads_back(count in 1_usize..200, first in 0_usize..200) {
+        fn a_random_order_plays_every_track_once_and_leads_back(count in 1_u64..200, first in 0_u64..200) {
             let first = first % count;
-            let mut order = Order::new(count);
-            order.set(Repeat::All, true, Some(first));
+            let mut order = Order::new(0..count);
+            order.set(Repeat::All, true, Some(first), 0..count);
             let mut played = round(&order, first);
             for pair in played.windows(2) {
                 prop_assert_eq!(order.beside(pair[1], false, true), Some(pair[0]));
             }
             played.sort_unstable();
             prop_assert_eq!(played, (0..count).collect::<Vec<_>>());
-            order.set(Repeat::All, false, Some(first));
+            order.set(Repeat::All, false, Some(first), 0..count);
             prop_assert_eq!(round(&order, 0), (0..count).collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn what_is_appended_to_a_random_order_comes_after_what_plays(
+            count in 1_u64..50, steps in 0_usize..50, added in 1_u64..50,
+        ) {
+            let mut order = Order::new(0..count);
+            order.set(Repeat::Off, true, None, 0..count);
+            let before = round(&order, order.first().unwrap());
+            let played = &before[..=steps % before.len()];
+            order.append(count..count + added, played[played.len() - 1]);
+            let mut after = round(&order, order.first().unwrap());
+            prop_assert_eq!(&after[..played.len()], played);
+            after.sort_unstable();
+            prop_assert_eq!(after, (0..count + added).collect::<Vec<_>>());
         }
     }
 }

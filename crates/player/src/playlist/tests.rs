@@ -40,7 +40,7 @@ fn found(list: &mut Playlist, wanted: Wanted) -> (Result<usize, &'static str>, V
     (found, told)
 }
 
-fn following(list: &mut Playlist, after: usize) -> Result<usize, &'static str> {
+fn following(list: &mut Playlist, after: u64) -> Result<usize, &'static str> {
     found(list, Wanted::Following { after, anew: false }).0
 }
 
@@ -83,7 +83,7 @@ fn a_shuffled_list_plays_every_track() {
     let folder = folder_of(&names.iter().map(String::as_str).collect::<Vec<_>>());
     let Opened { mut list, first, .. } = Playlist::open(&[folder.path().into()], Repeat::Off, true).unwrap();
     let mut played = vec![first.info.entry];
-    while let Ok(next) = following(&mut list, played[played.len() - 1]) {
+    while let Ok(next) = following(&mut list, played[played.len() - 1] as u64) {
         played.push(next);
     }
     let in_order: Vec<usize> = (0..20).collect();
@@ -126,7 +126,8 @@ fn dropped_files_become_the_list_if_they_can_be_played() {
     assert!(none == Err("nothing") && told[0].contains("x.wav"), "{none:?}, {told:?}");
     assert_eq!(following(&mut list, 0), Err("again"));
     assert_eq!(found(&mut list, Wanted::Files(paths(&folder, &["2.wav", "3.wav"]))).0, Ok(0));
-    assert_eq!(following(&mut list, 0), Ok(1));
+    // The new ones are entries of their own, and what still plays of the old list is followed by the first.
+    assert_eq!((following(&mut list, 1), following(&mut list, 0)), (Ok(1), Ok(0)));
 }
 
 #[test]
@@ -135,8 +136,13 @@ fn parts_of_a_file_have_their_names_and_lengths() {
     let sheet = "FILE disc.wav WAVE\nTRACK 01 AUDIO\nTITLE \"One\"\nPERFORMER \"A\"\nINDEX 01 00:00:00\n\
                  TRACK 02 AUDIO\nTITLE \"Two\"\nINDEX 01 00:00:02\n";
     std::fs::write(folder.path().join("disc.cue"), sheet).unwrap();
-    let opened = Playlist::open(&paths(&folder, &["disc.cue"]), Repeat::All, false).unwrap();
+    let mut opened = Playlist::open(&paths(&folder, &["disc.cue"]), Repeat::All, false).unwrap();
     assert_eq!((opened.first.info.name.as_str(), opened.first.info.count), ("A - One", 2));
+    // The second has not been opened, but the sheet tells about it.
+    let shared = SharedListing::default();
+    opened.list.share(shared.clone());
+    let listed = &shared.tracks().entries[1];
+    assert_eq!((listed.name.as_str(), listed.duration, listed.start), ("Two", None, Some(2.0 / 75.0)));
     assert!((opened.first.info.duration.unwrap() - 2.0 / 75.0).abs() < 1e-9);
     let second = opened.list.open_entry(1).unwrap();
     assert_eq!(second.info.name, "Two");

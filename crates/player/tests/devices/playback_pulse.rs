@@ -17,10 +17,10 @@ use mariana_testing::sound_session::Session;
 struct Songs(Vec<Song>);
 
 impl Songs {
-    fn track(&self, entry: usize) -> Option<Track> {
-        let mut track = Track::alone(Box::new(self.0.get(entry)?.clone()));
-        std::sync::Arc::make_mut(&mut track.info).entry = entry;
-        Some(track)
+    fn track(&self, entry: u64) -> Option<Track> {
+        let mut track = Track::alone(Box::new(self.0.get(entry as usize)?.clone()));
+        std::sync::Arc::make_mut(&mut track.info).entry = entry as usize;
+        Some(track.with_id(entry))
     }
 }
 
@@ -32,7 +32,7 @@ impl TrackList for Songs {
         }
     }
 
-    fn set_order(&mut self, _: Repeat, _: bool, _: usize) {}
+    fn set_order(&mut self, _: Repeat, _: bool, _: u64) {}
 }
 
 /// A sound without repetition: noise on the left, a rising tone on the right.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
+use crate::listed::{Edit, Edited};
 use crate::output::OutputCallbackLink;
 use crate::track::{Found, Repeat};
 
@@ -26,6 +27,12 @@ pub(crate) enum Command {
     },
     /// Play these files instead of the list.
     Files(Vec<PathBuf>),
+    /// Play the track at this index of the list.
+    PlayEntry(usize),
+    /// Change the list.
+    Edit(Edit),
+    /// What a change of the list means for what plays.
+    Edited(Edited),
     /// Change the order and the repeating of tracks.
     Order(Repeat, bool),
     /// The list thread's answer to request `id`.

@@ -46,10 +46,16 @@ impl Passages {
         self.before.front().unwrap_or(&self.current).passage
     }
 
-    /// The entry of the list that sounds in `passage`.
-    pub(super) fn entry_in(&self, passage: u64) -> usize {
+    /// The id of the entry of the list that sounds in `passage`.
+    pub(super) fn entry_in(&self, passage: u64) -> u64 {
         let playing = self.before.iter().find(|playing| playing.passage == passage).unwrap_or(&self.current);
-        playing.track.info.entry
+        playing.track.info.id
+    }
+
+    /// Whether the entry with this id comes after `passage` and was begun ahead.
+    pub(super) fn has_begun(&self, id: u64, passage: u64) -> bool {
+        let mut begun = self.before.iter().chain([&self.current]);
+        begun.any(|playing| playing.passage > passage && playing.track.info.id == id)
     }
 
     /// Makes a new passage of the current track, because it goes on elsewhere.

@@ -104,9 +104,9 @@ impl CurrentSegment {
         self.filling.is_some()
     }
 
-    /// Whether all of it is in the ring.
+    /// Whether nothing more comes for it.
     pub(super) fn is_finished(&self) -> bool {
-        self.filling.as_ref().is_some_and(|filling| filling.finished)
+        self.filling.as_ref().is_some_and(|filling| filling.exhausted)
     }
 
     /// The segment, if there is one.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 
 use super::passages::Passages;
+use crate::listed::{Edit, Edited};
 use crate::player::listing::{Request, SharedTroubles};
 use crate::track::{Found, Repeat, Track, Wanted};
 
@@ -87,9 +88,42 @@ impl TrackQueue {
         (self.skipping, self.steps) = (self.request(Wanted::Files(files)), 0);
     }
 
+    /// Asks for the track at that index of the list; skips that were not carried out were meant before.
+    pub(super) fn ask_for_entry(&mut self, entry: usize) {
+        (self.skipping, self.steps) = (self.request(Wanted::Entry(entry)), 0);
+    }
+
+    /// Changes the list; passage `audible` is heard.
+    pub(super) fn edit(&mut self, edit: Edit, audible: u64) {
+        let playing = self.passages.entry_in(audible);
+        // If the list thread has ended, the list stays as it is.
+        let _ = self.list.send(Request::Edit { edit, playing });
+    }
+
+    /// Takes the list thread's answer to a change of the list, while passage `audible` is heard; `ended` if nothing of
+    /// the segment is left to decode. True if a track that was begun ahead is gone: a new segment must begin where the
+    /// audible track is.
+    pub(super) fn take_edit(&mut self, edited: Edited, audible: u64, ended: bool) -> bool {
+        let playing = self.passages.entry_in(audible);
+        if edited.removed == Some(playing) || edited.resume {
+            self.skipping = self.request(Wanted::InPlaceOf(playing));
+            return false;
+        }
+        let ahead = edited.removed.is_some_and(|removed| self.passages.has_begun(removed, audible));
+        if ahead {
+            self.go_back_to(audible);
+        }
+        // What was opened ahead may follow no more. A list that has ended is not begun again because its order changed.
+        self.next = Next::Unasked;
+        if !ended || edited.appended {
+            self.ask(false);
+        }
+        ahead
+    }
+
     /// Changes the order and the repeating of tracks.
     pub(super) fn set_order(&mut self, repeat: Repeat, shuffled: bool) {
-        let current = self.passages.track().info.entry;
+        let current = self.passages.track().info.id;
         // If the list thread has ended, no track follows this one.
         let _ = self.list.send(Request::Order { repeat, shuffled, current });
         self.ask(false);
@@ -189,13 +223,13 @@ impl TrackQueue {
 
     fn silence(&self) -> Track {
         let info = &self.passages.track().info;
-        Track::silence(info.entry, info.count)
+        Track::silence(info.entry, info.count).with_id(info.id)
     }
 
     /// Asks the list thread for what follows the current track; `anew` if that track would have to be opened again to
     /// repeat.
     fn ask(&mut self, anew: bool) {
-        let after = self.passages.track().info.entry;
+        let after = self.passages.track().info.id;
         self.next = self.request(Wanted::Following { after, anew }).map_or(Next::End, Next::Asked);
     }
 
@@ -222,7 +256,7 @@ mod tests {
     fn asked(requests: &Receiver<Request>) -> (u64, Wanted) {
         let find = |request| match request {
             Request::Find { id, wanted } => Some((id, wanted)),
-            Request::Order { .. } => None,
+            Request::Order { .. } | Request::Edit { .. } => None,
         };
         requests.try_iter().filter_map(find).last().expect("something was asked for")
     }

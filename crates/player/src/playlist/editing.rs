@@ -1,0 +1,86 @@
+//! Entries that are moved, removed and appended while the list plays.
+
+use std::path::PathBuf;
+
+use super::gather::{Entry, gather};
+use super::{Playlist, PlaylistError, Slot};
+use crate::limits::LIMITS;
+use crate::listed::Edited;
+
+impl Playlist {
+    /// Adds entries at the end of the list, but not to its order. Returns the index of the first.
+    pub(super) fn take_in(&mut self, entries: Vec<Entry>) -> usize {
+        let first = self.slots.len();
+        for entry in entries {
+            let (id, listed) = (self.next_id, entry.listed());
+            self.next_id += 1;
+            self.places.insert(id, self.slots.len());
+            self.slots.push(Slot { id, entry, listed });
+        }
+        first
+    }
+
+    /// Tells the listing all entries.
+    pub(super) fn tell_listing(&self) {
+        self.listing.tell(self.slots.iter().map(|slot| (slot.id, slot.listed.clone())));
+    }
+
+    /// Moves the entry at `from` to `to`.
+    pub(super) fn move_entry(&mut self, from: usize, to: usize) -> Edited {
+        if from != to && from.max(to) < self.slots.len() {
+            let beside = self.slots.get(to).map(|slot| slot.id);
+            let slot = self.slots.remove(from);
+            if let Some(beside) = beside {
+                self.order.move_to(slot.id, beside, to > from);
+            }
+            self.slots.insert(to, slot);
+            self.note_places(from.min(to));
+            self.tell_listing();
+        }
+        Edited::default()
+    }
+
+    /// Removes the entry at `index`.
+    pub(super) fn remove(&mut self, index: usize) -> Edited {
+        if index >= self.slots.len() {
+            return Edited::default();
+        }
+        let id = self.slots.remove(index).id;
+        self.places.remove(&id);
+        self.told.remove(&id);
+        self.order.remove(id);
+        self.note_places(index);
+        self.tell_listing();
+        Edited { removed: Some(id), ..Edited::default() }
+    }
+
+    /// Appends what `paths` hold, up to the limit, while `playing` plays.
+    pub(super) fn append(&mut self, paths: &[PathBuf], playing: u64, tell: &mut dyn FnMut(String)) -> Edited {
+        let mut gathered = gather(paths);
+        gathered.troubles.iter().for_each(|trouble| tell(trouble.to_string()));
+        let limit = LIMITS.playlist_tracks_max;
+        let room = limit.saturating_sub(self.slots.len());
+        if gathered.entries.len() > room {
+            gathered.entries.truncate(room);
+            tell(PlaylistError::TooMany { what: "tracks", limit }.to_string());
+        }
+        if gathered.entries.is_empty() {
+            return Edited::default();
+        }
+        let first = self.take_in(gathered.entries);
+        let added: Vec<u64> = self.slots.iter().skip(first).map(|slot| slot.id).collect();
+        self.order.append(added.into_iter(), playing);
+        self.tell_listing();
+        Edited { removed: None, appended: true, resume: self.index(playing).is_none() }
+    }
+
+    /// Notes the index of every entry from `start` on.
+    fn note_places(&mut self, start: usize) {
+        let moved = self.slots.iter().enumerate().skip(start);
+        self.places.extend(moved.map(|(index, slot)| (slot.id, index)));
+    }
+}
+
+#[cfg(test)]
+#[path = "editing_tests.rs"]
+mod tests;
