@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use super::overlay::Notice;
+use super::overlay::{Notice, NowPlaying};
 use crate::export::print::tell;
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_player::{PlayerStatus, Troubles, Unheard};
@@ -15,10 +15,26 @@ const WAITING_MAX: usize = 3;
 #[derive(Default)]
 pub(super) struct Announcer {
     waiting: VecDeque<String>,
-    shown: Option<(String, Instant)>,
+    shown: Option<Sentence>,
     troubles: u64,
     unheard: u64,
     track: Option<(usize, String)>,
+}
+
+/// What shows.
+struct Sentence {
+    text: String,
+    /// Drawn below the text, 0..1.
+    share: Option<f32>,
+    since: Instant,
+    /// Whether it tells where in the track we are, and goes on doing so.
+    is_position: bool,
+}
+
+impl Sentence {
+    fn new(text: String, share: Option<f32>, since: Instant) -> Self {
+        Self { text, share, since, is_position: false }
+    }
 }
 
 impl Announcer {
@@ -30,9 +46,27 @@ impl Announcer {
         self.waiting.push_back(text);
     }
 
-    /// Shows `text` at once.
+    /// Shows `text` at once, in place of what shows.
     pub(super) fn answer(&mut self, text: String) {
-        self.shown = Some((text, Instant::now()));
+        self.answer_share(text, None);
+    }
+
+    /// The same, with a share below the text, 0..1.
+    pub(super) fn answer_share(&mut self, text: String, share: Option<f32>) {
+        self.shown = Some(Sentence::new(text, share, Instant::now()));
+    }
+
+    /// Shows at once where in the track we are, and follows it for as long as it shows.
+    pub(super) fn answer_position(&mut self, playing: &NowPlaying) {
+        let since = Instant::now();
+        self.shown = Some(Sentence { is_position: true, ..position(playing, since) });
+    }
+
+    /// Brings up to date what shows.
+    pub(super) fn follow(&mut self, playing: &NowPlaying) {
+        if let Some(shown) = self.shown.as_mut().filter(|shown| shown.is_position) {
+            *shown = Sentence { is_position: true, ..position(playing, shown.since) };
+        }
     }
 
     /// Reports what is new: problems and what was not heard (on the terminal too), and a change of track.
@@ -41,9 +75,9 @@ impl Announcer {
         self.look_at_unheard(status.unheard);
         let track = (status.track.entry, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
-            // The track that plays at the start is in the title, and was asked for.
-            if self.track.is_some() || status.track.count > 1 {
-                self.say(described(&status.track));
+            // The first words tell which track plays at the start.
+            if self.track.is_some() {
+                self.answer(described(&status.track));
             }
             self.track = Some(track);
         }
@@ -73,14 +107,26 @@ impl Announcer {
     /// Makes room for the sentences that wait.
     pub(super) fn update(&mut self, now: Instant) {
         if self.notice().is_none_or(|notice| notice.is_gone(now)) {
-            self.shown = self.waiting.pop_front().map(|text| (text, now));
+            self.shown = self.waiting.pop_front().map(|text| Sentence::new(text, None, now));
         }
     }
 
     /// What shows.
     pub(super) fn notice(&self) -> Option<Notice<'_>> {
-        self.shown.as_ref().map(|(text, since)| Notice { text, since: *since })
+        let shown = self.shown.as_ref()?;
+        Some(Notice { text: &shown.text, share: shown.share, since: shown.since })
     }
+}
+
+/// Where in the track we are, in words; of an input, whether it is listened to.
+fn position(playing: &NowPlaying, since: Instant) -> Sentence {
+    let words = match (playing.live, playing.paused) {
+        (false, false) => playing.times(),
+        (false, true) => format!("paused · {}", playing.times()),
+        (true, false) => "listening".to_owned(),
+        (true, true) => "paused".to_owned(),
+    };
+    Sentence::new(words, playing.share().filter(|_| !playing.live), since)
 }
 
 /// A track in words: its name, and its place among several.
@@ -128,7 +174,7 @@ mod tests {
     use std::time::Duration;
 
     fn text(announcer: &Announcer) -> Option<&str> {
-        announcer.shown.as_ref().map(|(text, _)| text.as_str())
+        announcer.shown.as_ref().map(|shown| shown.text.as_str())
     }
 
     #[test]
@@ -140,6 +186,25 @@ mod tests {
         announcer.look_at_unheard(unheard(1, 0.42));
         announcer.look_at_unheard(unheard(1, 0.42));
         assert_eq!(announcer.waiting, ["0.42 s of the song were not heard: the sound device changed"]);
+    }
+
+    #[test]
+    fn a_position_that_was_asked_for_goes_on_and_a_newer_answer_replaces_it() {
+        let mut announcer = Announcer::default();
+        let mut playing = NowPlaying { position: 83.0, duration: Some(225.0), ..Default::default() };
+        announcer.answer_position(&playing);
+        playing.position = 90.0;
+        announcer.follow(&playing);
+        assert_eq!(text(&announcer), Some("1:30 / 3:45"));
+        playing.paused = true;
+        announcer.follow(&playing);
+        assert_eq!(text(&announcer), Some("paused · 1:30 / 3:45"));
+        announcer.answer_share("volume 65 %".into(), Some(0.65));
+        announcer.follow(&playing);
+        assert_eq!(announcer.notice().map(|notice| notice.share), Some(Some(0.65)));
+        playing.live = true;
+        announcer.answer_position(&playing);
+        assert_eq!(announcer.notice().map(|notice| (notice.text, notice.share)), Some(("paused", None)));
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The keys: one table from which the handling, the help and README are derived.
 
-use winit::keyboard::{Key, NamedKey};
+use winit::keyboard::{Key, ModifiersState, NamedKey};
+
+use super::overlay::Panel;
 
 /// What a key does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,10 +57,12 @@ pub enum Action {
     ToggleCorner,
     /// Enter or leave full screen.
     ToggleFullscreen,
-    /// Leave full screen; never quits.
-    LeaveFullscreen,
-    /// Show the keys or hide them, and print them.
+    /// Close the panel that is open, or else leave full screen; never quits.
+    Leave,
+    /// Show the keys or hide them.
     ToggleHelp,
+    /// Open a panel that takes the pointer, or close it.
+    TogglePanel(Panel),
     /// End the program.
     Quit,
 }
@@ -183,6 +187,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: true,
     },
     Binding {
+        keys: &[Key::Character("u")],
+        written: "U",
+        action: Action::TogglePanel(Panel::Tracks),
+        meaning: "the list of tracks",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("n")],
         written: "N",
         action: Action::ChangeScene { forward: true },
@@ -262,8 +273,8 @@ pub const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[Key::Named(NamedKey::Escape)],
         written: "Esc",
-        action: Action::LeaveFullscreen,
-        meaning: "leave full screen",
+        action: Action::Leave,
+        meaning: "close what is open, or leave full screen",
         repeats: false,
     },
     Binding {
@@ -282,8 +293,12 @@ pub const BINDINGS: &[Binding] = &[
     },
 ];
 
-/// What `key` does, if anything; `repeated` while it is held, `shift` while a shift key is.
-pub fn action_of(key: &Key, repeated: bool, shift: bool) -> Option<Action> {
+/// What `key` does, if anything; `repeated` while it is held. With Ctrl, Alt or the system's key it does nothing:
+/// those belong to the desktop and to later keys.
+pub fn action_of(key: &Key, repeated: bool, held: ModifiersState) -> Option<Action> {
+    if held.intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER) {
+        return None;
+    }
     let lower = match key {
         Key::Character(text) => Key::Character(text.to_lowercase()),
         Key::Named(named) => Key::Named(*named),
@@ -296,19 +311,15 @@ pub fn action_of(key: &Key, repeated: bool, shift: bool) -> Option<Action> {
     };
     let binding = BINDINGS.iter().find(|binding| binding.keys.iter().any(same))?;
     let action = match binding.action {
-        Action::ChangeView { forward } => Action::ChangeView { forward: forward != shift },
+        Action::ChangeView { forward } => Action::ChangeView { forward: forward != held.shift_key() },
         other => other,
     };
     (binding.repeats || !repeated).then_some(action)
 }
 
-/// The keys as text, a line each.
-pub fn help() -> String {
-    let mut text = String::from("Keys:\n");
-    for binding in BINDINGS {
-        text.push_str(&format!("  {:<24}{}\n", binding.written, binding.meaning));
-    }
-    text
+/// The row of the table that has this action.
+pub fn binding_of(action: Action) -> Option<&'static Binding> {
+    BINDINGS.iter().find(|binding| binding.action == action)
 }
 
 /// The keys as the rows of README's table.
@@ -334,16 +345,28 @@ mod tests {
 
     #[test]
     fn letters_work_with_caps_lock_and_only_some_keys_repeat() {
-        let action = |key: &str, repeated| action_of(&Key::Character(key.into()), repeated, false);
+        let action =
+            |key: &str, repeated| action_of(&Key::Character(key.into()), repeated, ModifiersState::empty());
         assert_eq!(action("M", false), Some(Action::ToggleMute));
         assert_eq!(action("m", true), None);
         assert_eq!(action("z", false), None);
-        let left = action_of(&Key::Named(NamedKey::ArrowLeft), true, false);
+        let left = action_of(&Key::Named(NamedKey::ArrowLeft), true, ModifiersState::empty());
         assert_eq!(left, Some(Action::Seek(-SEEK_SECONDS)));
         // With caps lock on, V is typed as with Shift.
         assert_eq!(action("V", false), Some(Action::ChangeView { forward: true }));
-        let back = action_of(&Key::Character("V".into()), false, true);
+        let back = action_of(&Key::Character("V".into()), false, ModifiersState::SHIFT);
         assert_eq!(back, Some(Action::ChangeView { forward: false }));
+    }
+
+    #[test]
+    fn keys_with_ctrl_or_alt_are_no_letters() {
+        let key = Key::Character("s".into());
+        assert_eq!(action_of(&key, false, ModifiersState::empty()), Some(Action::ToggleShuffle));
+        for held in
+            [ModifiersState::CONTROL, ModifiersState::ALT, ModifiersState::SUPER | ModifiersState::SHIFT]
+        {
+            assert_eq!(action_of(&key, false, held), None, "{held:?}");
+        }
     }
 
     #[test]

@@ -17,12 +17,14 @@ pub(super) struct Listening {
     taps: TapTempo,
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
+    /// How loud it was at the last look, 0..1.
+    level: f32,
 }
 
 impl Listening {
     /// Begins with a sound that waits for the first picture.
     pub(super) fn new(sound: Sound) -> Self {
-        Self { sound, taps: TapTempo::default(), paused: false }
+        Self { sound, taps: TapTempo::default(), paused: false, level: 0.0 }
     }
 
     /// Whether the user wants a pause.
@@ -40,11 +42,9 @@ impl Listening {
         self.sound.set_paused(self.paused);
     }
 
-    /// Does something with the song, if it is what is listened to.
-    pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
-        if let Some(player) = self.sound.player() {
-            act(player);
-        }
+    /// Does something with the song, if it is what is listened to; else there is nothing to return.
+    pub(super) fn with_song<T>(&mut self, act: impl FnOnce(&mut Player) -> T) -> Option<T> {
+        self.sound.player().map(act)
     }
 
     /// Changes the order of the tracks and says how; does nothing while another source is listened to.
@@ -57,9 +57,14 @@ impl Listening {
         Some(words_of(before, after).to_owned())
     }
 
-    /// Plays files that were dropped onto the window, or says why not.
-    pub(super) fn play_files(&mut self, files: Vec<PathBuf>) -> Option<String> {
+    /// Plays files that were dropped onto the window, or says why not. If they are to follow the tracks that are
+    /// there, it says that they do.
+    pub(super) fn play_files(&mut self, files: Vec<PathBuf>, append: bool) -> Option<String> {
         match self.sound.player() {
+            Some(player) if append => {
+                player.append_files(files);
+                Some("added to the list of tracks".to_owned())
+            }
             Some(player) => {
                 player.play_files(files);
                 None
@@ -81,7 +86,18 @@ impl Listening {
     /// Goes to the next track, or back. A tapped tempo belonged to the track before, so it is forgotten.
     pub(super) fn skip(&mut self, forward: bool) {
         self.taps = TapTempo::default();
-        self.with_song(|player| player.skip(forward));
+        let _ = self.with_song(|player| player.skip(forward));
+    }
+
+    /// Listens to a source of the list that shows. A tapped tempo belonged to the one before, so it is forgotten.
+    pub(super) fn choose_source(&mut self, place: usize) {
+        self.taps = TapTempo::default();
+        self.sound.choose_from_list(place);
+    }
+
+    /// Shows the list of sources.
+    pub(super) fn show_sources(&mut self) {
+        self.sound.show_list();
     }
 
     /// Listens to the next source. A tapped tempo belonged to the one before, so it is forgotten.
@@ -99,7 +115,14 @@ impl Listening {
     pub(super) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.taps.apply(now.song_time, &mut now.features);
+        let [left, right] = now.features.volume;
+        self.level = left.max(right).clamp(0.0, 1.0);
         Some(now)
+    }
+
+    /// How loud it was when [`Listening::now`] was last asked, 0..1.
+    pub(super) fn level(&self) -> f32 {
+        self.level
     }
 
     /// The curves of the sound at the moment that [`Listening::now`] last returned.
@@ -118,9 +141,9 @@ impl Listening {
         self.sound.live_status()
     }
 
-    /// Adds what there is to show of the sources.
-    pub(super) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, now: Instant) {
+    /// Adds what there is to show of the sources; `stays` while the user keeps their list open.
+    pub(super) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, stays: bool, now: Instant) {
         content.hint = self.sound.hint();
-        content.sources = self.sound.list(now);
+        content.sources = self.sound.list(stays, now);
     }
 }

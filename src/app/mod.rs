@@ -14,6 +14,7 @@ mod media_controls;
 pub mod overlay;
 pub mod pacing;
 mod pointer;
+mod pointer_rest;
 mod region_builder;
 mod reports;
 mod scene_regions;

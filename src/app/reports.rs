@@ -4,12 +4,13 @@ use std::time::{Duration, Instant};
 
 use super::announcer::Announcer;
 use super::media_controls::{Asked, MediaControls};
-use super::overlay::Notice;
+use super::overlay::{Notice, NowPlaying};
 use crate::export::print::tell;
 use mariana_player::PlayerStatus;
+use mariana_player::input::LiveStatus;
 
 /// How often the state of the sound is looked at.
-const INTERVAL: Duration = Duration::from_millis(200);
+const INTERVAL: Duration = Duration::from_millis(100);
 
 /// See the module.
 pub(super) struct Reports {
@@ -21,12 +22,20 @@ pub(super) struct Reports {
     told_silent: bool,
     /// The window's title.
     title: String,
+    playing: NowPlaying,
 }
 
 impl Reports {
     /// Begins with what `announcer` has to say already.
     pub(super) fn new(announcer: Announcer, controls: MediaControls, now: Instant) -> Self {
-        Self { announcer, controls, due: now, told_silent: false, title: String::new() }
+        Self {
+            announcer,
+            controls,
+            due: now,
+            told_silent: false,
+            title: String::new(),
+            playing: NowPlaying::default(),
+        }
     }
 
     /// Whether the state of the sound is to be looked at now. If so, it is a while until it is again.
@@ -53,6 +62,21 @@ impl Reports {
         self.announcer.answer(text);
     }
 
+    /// The same with a share below the text, 0..1.
+    pub(super) fn answer_share(&mut self, text: String, share: Option<f32>) {
+        self.announcer.answer_share(text, share);
+    }
+
+    /// Shows where in the track we are.
+    pub(super) fn answer_position(&mut self) {
+        self.announcer.answer_position(&self.playing);
+    }
+
+    /// What played when it was last looked at.
+    pub(super) fn playing(&self) -> &NowPlaying {
+        &self.playing
+    }
+
     /// Makes room over the picture for the sentences that wait.
     pub(super) fn update(&mut self, now: Instant) {
         self.announcer.update(now);
@@ -74,8 +98,16 @@ impl Reports {
 
     /// Reports what is new of the song, over the picture and to the desktop.
     pub(super) fn look(&mut self, status: &PlayerStatus, fullscreen: bool) {
+        self.playing = NowPlaying::of_song(status);
+        self.announcer.follow(&self.playing);
         self.announcer.look(status);
         self.controls.show(status, fullscreen);
+    }
+
+    /// Notes what is new of the input.
+    pub(super) fn look_at_input(&mut self, status: &LiveStatus, paused: bool) {
+        self.playing = NowPlaying::of_input(status, paused);
+        self.announcer.follow(&self.playing);
     }
 
     /// The window's title, if it is another than before. (Window systems take their time for each.)

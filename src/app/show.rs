@@ -11,15 +11,16 @@ use winit::event_loop::EventLoop;
 
 use super::announcer::{TrackOrder, next_repeat};
 use super::error::AppError;
-use super::keys::{self, Action};
+use super::keys::Action;
 use super::media_controls::Asked;
+use super::overlay::Request;
 use super::scene_stage::{LoadedScene, SceneLoader};
 use super::stage::{Opening, Stage, renewed};
 use super::window::{OpenWindow, WindowWishes};
-use super::window_thread::{self, Message, Waker, inbox};
+use super::window_thread::{self, Message, Typing, Waker, inbox};
 use crate::config::PlaySettings;
 use crate::export::painter::SceneChoice;
-use crate::export::print::{print_line, tell};
+use crate::export::print::print_line;
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
 use crate::scenes::{Loader, NumberEdits, SceneSource, TextureCache};
@@ -58,13 +59,15 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         log_debug: scene.verbose,
     };
     let of_show = waker.clone();
+    let typing = Typing::default();
+    let of_window = typing.clone();
     let play = move |window: OpenWindow| {
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
         let opening = Opening { tracks, settings: &settings, scene: &scene, loader, first };
         let stage = opening.stage(window, &of_show)?;
-        let mut show = Show { settings, started, stage, over: false };
+        let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
         loop {
             match show.go_on(&inbox) {
@@ -83,7 +86,7 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
             }
         }
     };
-    Ok(window_thread::run(event_loop, wishes, &waker, Box::new(play))?)
+    Ok(window_thread::run(event_loop, wishes, &waker, typing, Box::new(play))?)
 }
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
@@ -115,6 +118,7 @@ struct Show {
     started: Instant,
     /// Whether it is to end.
     over: bool,
+    typing: Typing,
     stage: Stage,
 }
 
@@ -144,6 +148,7 @@ impl Show {
                         if let Some(action) = self.stage.take(&event) {
                             self.act(action);
                         }
+                        self.typing.set(self.stage.takes_text());
                     }
                     Message::Wake => {}
                     Message::End => return Ok(()),
@@ -166,16 +171,25 @@ impl Show {
         if self.stage.draw()? {
             tracing::info!("first picture after {:.0} ms", self.started.elapsed().as_secs_f64() * 1000.0);
         }
+        for request in self.stage.take_requests() {
+            self.obey(request);
+        }
         Ok(())
     }
 
     fn act(&mut self, action: Action) {
         let stage = &mut self.stage;
         match action {
-            Action::TogglePause => stage.toggle_pause(),
-            Action::Seek(seconds) => stage.with_song(|player| player.seek_by(seconds)),
-            Action::ChangeVolume(delta) => stage.with_song(|player| player.change_volume(delta)),
-            Action::ToggleMute => stage.with_song(|player| player.toggle_mute()),
+            Action::TogglePause => {
+                stage.toggle_pause();
+                stage.answer_position();
+            }
+            Action::Seek(seconds) => {
+                stage.with_song(|player| player.seek_by(seconds));
+                stage.answer_position();
+            }
+            Action::ChangeVolume(delta) => stage.change_volume(|player| player.change_volume(delta)),
+            Action::ToggleMute => stage.change_volume(|player| player.toggle_mute()),
             Action::Tap => stage.tap(),
             Action::SkipTrack { forward } => stage.skip(forward),
             Action::ToggleShuffle => {
@@ -195,16 +209,20 @@ impl Show {
             Action::ToggleSliders => stage.panels.toggle_sliders(),
             Action::ToggleCorner => stage.panels.toggle_corner(),
             Action::ToggleFullscreen => stage.toggle_fullscreen(),
-            Action::LeaveFullscreen => stage.window.set_fullscreen(false),
-            Action::ToggleHelp => {
-                stage.panels.toggle_help();
-                if let Err(error) = print_line(&keys::help()) {
-                    tell(&error.to_string());
-                }
-            }
+            Action::Leave => stage.leave(),
+            Action::ToggleHelp => stage.panels.toggle_help(),
+            Action::TogglePanel(panel) => stage.toggle_panel(panel),
             Action::Quit => self.over = true,
         }
         stage.hurry_reports();
+    }
+
+    /// Does what the pointer asks for.
+    fn obey(&mut self, request: Request) {
+        match request {
+            Request::Act(action) => self.act(action),
+            other => self.stage.obey(other),
+        }
     }
 
     /// Does what media keys and the desktop ask for.
@@ -217,7 +235,7 @@ impl Show {
                 Asked::Skip { forward } => stage.skip(forward),
                 Asked::SeekBy(seconds) => stage.with_song(|player| player.seek_by(seconds)),
                 Asked::SeekTo(seconds) => stage.with_song(|player| player.seek_to(seconds)),
-                Asked::Volume(volume) => stage.with_song(|player| player.set_volume(volume)),
+                Asked::Volume(volume) => stage.change_volume(|player| player.set_volume(volume)),
                 Asked::Repeat(repeat) => stage.set_order(|order| TrackOrder { repeat, ..order }),
                 Asked::Shuffle(shuffled) => stage.set_order(|order| TrackOrder { shuffled, ..order }),
                 Asked::Fullscreen(on) => stage.window.set_fullscreen(on),

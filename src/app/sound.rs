@@ -136,7 +136,7 @@ impl Sound {
 
     /// The state of the input, if one is listened to. Prints what is new on the terminal.
     pub(super) fn live_status(&mut self) -> Option<LiveStatus> {
-        if self.list(Instant::now()).is_none() {
+        if self.list(false, Instant::now()).is_none() {
             self.remember_choice();
         }
         let status = self.live.as_mut()?.status();
@@ -175,16 +175,42 @@ impl Sound {
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
     }
 
-    /// Listens to the next source, or to the one that has a signal, and shows the list of them.
-    pub(super) fn next_source(&mut self) {
+    /// Everything that can be listened to now; none if the devices cannot be watched.
+    fn latest_sources(&mut self) -> Option<Vec<(Source, String)>> {
         let device_list = match &self.watch {
             Some(watch) => watch.latest().1,
             None => match DeviceWatch::shared() {
                 Ok(watch) => self.watch.insert(watch).latest().1,
-                Err(error) => return self.complain(&error.to_string()),
+                Err(error) => {
+                    self.complain(&error.to_string());
+                    return None;
+                }
             },
         };
-        let sources = self.sources(&device_list);
+        Some(self.sources(&device_list))
+    }
+
+    /// Shows the list of sources, as it is now.
+    pub(super) fn show_list(&mut self) {
+        if let Some(sources) = self.latest_sources() {
+            self.list = Some((sources, Instant::now()));
+        }
+    }
+
+    /// Listens to the source at this place of the list that shows.
+    pub(super) fn choose_from_list(&mut self, place: usize) {
+        let Some((sources, since)) = &mut self.list else { return };
+        let Some((source, _)) = sources.get(place) else { return };
+        let source = source.clone();
+        *since = Instant::now();
+        if source != self.present() {
+            self.choose(source);
+        }
+    }
+
+    /// Listens to the next source, or to the one that has a signal, and shows the list of them.
+    pub(super) fn next_source(&mut self) {
+        let Some(sources) = self.latest_sources() else { return };
         let present = self.present();
         let place = sources.iter().position(|(source, _)| *source == present);
         let suggested = self.suggestion.take().map(|entry| Source::Live(Target::Named(entry.id)));
@@ -269,11 +295,11 @@ impl Sound {
         self.hint.as_deref().filter(|_| self.live.is_some())
     }
 
-    /// The list of sources, as long as it shows.
-    pub(super) fn list(&self, now: Instant) -> Option<SourceList> {
+    /// The list of sources, as long as it shows; `stays` while the user keeps it open.
+    pub(super) fn list(&self, stays: bool, now: Instant) -> Option<SourceList> {
         let (sources, since) = self.list.as_ref()?;
         let present = self.present();
-        (now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
+        (stays || now.saturating_duration_since(*since) < LIST_STANDS).then(|| SourceList {
             names: sources.iter().map(|(_, name)| name.clone()).collect(),
             present: sources.iter().position(|(source, _)| *source == present),
         })

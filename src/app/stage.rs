@@ -16,7 +16,8 @@ use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
-use super::overlay::{Overlay, PanelSwitches};
+use super::overlay::{Overlay, Panel, PanelSwitches, Request, TrackRequest};
+use super::pointer_rest::PointerRest;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
@@ -24,6 +25,7 @@ use super::user_input::{UserInput, Wish};
 use super::window::GlWindowContext;
 use crate::config::PlaySettings;
 use crate::gpu::renderer::Renderer;
+use crate::scenes::SceneSource;
 use mariana_player::Player;
 
 /// How often a show that stands still looks for changes.
@@ -41,6 +43,13 @@ pub(super) struct Stage {
     input: UserInput,
     /// Whether nothing of the window can be seen.
     occluded: bool,
+    pointer_rest: PointerRest,
+    /// What the pointer asked for in the last picture.
+    requests: Vec<Request>,
+    /// The scene on the stage, with its place among the others in words.
+    placed_scene: Option<(SceneSource, String)>,
+    /// When the words at the start came up.
+    welcomed: Option<Instant>,
     overlay: Overlay,
     pub(super) panels: PanelSwitches,
     // Last: everything above that holds OpenGL objects is dropped first.
@@ -63,7 +72,81 @@ impl Stage {
 
     /// Does something with the song, if it is what is listened to.
     pub(super) fn with_song(&mut self, act: impl FnOnce(&mut Player)) {
-        self.listening.with_song(act);
+        let _ = self.listening.with_song(act);
+    }
+
+    /// Changes the volume of the song or whether it is muted, and tells how loud it is then.
+    pub(super) fn change_volume(&mut self, act: impl FnOnce(&mut Player)) {
+        let after = self.listening.with_song(|player| {
+            act(player);
+            let status = player.status();
+            (status.volume, status.muted)
+        });
+        match after {
+            Some((_, true)) => self.reports.answer_share("muted".to_owned(), Some(0.0)),
+            Some((volume, false)) => {
+                self.reports.answer_share(format!("volume {:.0} %", 100.0 * volume), Some(volume));
+            }
+            None => {
+                self.reports.answer("the volume is that of the song, and an input is listened to".to_owned())
+            }
+        }
+    }
+
+    /// Shows where in the track we are.
+    pub(super) fn answer_position(&mut self) {
+        // What was done a moment ago shows at once.
+        self.note_playing();
+        self.reports.answer_position();
+    }
+
+    /// Opens a panel instead of the one that is open, or closes it.
+    pub(super) fn toggle_panel(&mut self, panel: Panel) {
+        self.panels.toggle(panel);
+        if self.panels.open() == Some(Panel::Sources) {
+            self.listening.show_sources();
+        }
+    }
+
+    /// Whether keys are text at present.
+    pub(super) fn takes_text(&self) -> bool {
+        false
+    }
+
+    /// Closes what is open, or leaves full screen.
+    pub(super) fn leave(&mut self) {
+        if !self.panels.close() {
+            self.window.set_fullscreen(false);
+        }
+    }
+
+    /// What the pointer asked for since the last call.
+    pub(super) fn take_requests(&mut self) -> Vec<Request> {
+        std::mem::take(&mut self.requests)
+    }
+
+    /// Does what the pointer asked for in a panel.
+    pub(super) fn obey(&mut self, request: Request) {
+        match request {
+            // What keys do, too, is the show's.
+            Request::Act(_) => {}
+            Request::SeekTo(seconds) => self.with_song(|player| player.seek_to(seconds)),
+            Request::SetVolume(volume) => self.with_song(|player| {
+                player.set_volume(volume);
+                if player.status().muted {
+                    player.toggle_mute();
+                }
+            }),
+            Request::Tracks(TrackRequest::Play(entry)) => self.with_song(|player| player.play_entry(entry)),
+            Request::Tracks(TrackRequest::Remove(entry)) => {
+                self.with_song(|player| player.remove_entry(entry));
+            }
+            Request::Tracks(TrackRequest::Move { from, to }) => {
+                self.with_song(|player| player.move_entry(from, to));
+            }
+            Request::Listen(place) => self.listening.choose_source(place),
+        }
+        self.hurry_reports();
     }
 
     /// Changes the order of the tracks; does nothing while another source is listened to.
@@ -109,11 +192,16 @@ impl Stage {
 
     /// Enters full screen or leaves it.
     pub(super) fn toggle_fullscreen(&mut self) {
-        self.window.set_fullscreen(!self.window.is_fullscreen());
+        let full = !self.window.is_fullscreen();
+        self.window.set_fullscreen(full);
+        if full {
+            self.pointer_rest.sleep();
+        }
     }
 
     /// Handles an event of the window. Returns what a key or the mouse asks for.
     pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
+        self.pointer_rest.take(event, Instant::now());
         if self.overlay.on_event(self.window.window(), event) {
             return None;
         }
@@ -154,7 +242,9 @@ impl Stage {
             return Ok(false);
         }
         if let Some(live) = self.listening.live_status() {
-            self.set_title(live_title(&live, self.scene.notes(), self.listening.is_paused()));
+            let paused = self.listening.is_paused();
+            self.reports.look_at_input(&live, paused);
+            self.set_title(live_title(&live, self.scene.notes(), paused));
             return Ok(false);
         }
         let Some(status) = self.listening.song_status() else { return Ok(false) };
@@ -167,6 +257,16 @@ impl Stage {
         self.reports.look(&status, self.window.is_fullscreen());
         self.set_title(title(self.scene.notes(), &status, settings.silent));
         Ok(status.ended && settings.once)
+    }
+
+    /// Notes what plays at this moment.
+    fn note_playing(&mut self) {
+        let fullscreen = self.window.is_fullscreen();
+        if let Some(live) = self.listening.live_status() {
+            self.reports.look_at_input(&live, self.listening.is_paused());
+        } else if let Some(status) = self.listening.song_status() {
+            self.reports.look(&status, fullscreen);
+        }
     }
 
     fn set_title(&mut self, title: String) {
@@ -183,7 +283,8 @@ impl Stage {
     pub(super) fn look_around(&mut self) -> Result<Instant, AppError> {
         let dropped = self.input.take_dropped();
         if !dropped.is_empty() {
-            let words = self.listening.play_files(dropped);
+            let append = self.input.shift_held() || self.panels.open() == Some(Panel::Tracks);
+            let words = self.listening.play_files(dropped, append);
             self.answer(words);
         }
         self.scene.update()?;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use winit::event::{ElementState, KeyEvent, WindowEvent};
+use winit::keyboard::ModifiersState;
 
 use super::keys::{Action, action_of};
 use super::pointer::{Gesture, Pointer};
@@ -23,8 +24,8 @@ pub(super) enum Wish {
 #[derive(Debug, Default)]
 pub(super) struct UserInput {
     pointer: Pointer,
-    /// Whether a shift key is held.
-    shift: bool,
+    /// The keys that are held and change what others do.
+    held: ModifiersState,
     /// Files that were dropped onto the window. Each comes as an event of its own, and together they are a list.
     dropped: Vec<PathBuf>,
 }
@@ -38,14 +39,14 @@ impl UserInput {
                 None
             }
             WindowEvent::ModifiersChanged(modifiers) => {
-                self.shift = modifiers.state().shift_key();
+                self.held = modifiers.state();
                 None
             }
             WindowEvent::KeyboardInput {
                 event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
                 is_synthetic: false,
                 ..
-            } => action_of(logical_key, *repeat, self.shift).map(Wish::Act),
+            } => action_of(logical_key, *repeat, self.held).map(Wish::Act),
             _ => self.pointer.take(event, now).map(|gesture| match gesture {
                 Gesture::DoubleClick => Wish::Act(Action::ToggleFullscreen),
                 Gesture::Drag(way) => Wish::TurnCamera(way),
@@ -58,12 +59,16 @@ impl UserInput {
     pub(super) fn take_dropped(&mut self) -> Vec<PathBuf> {
         std::mem::take(&mut self.dropped)
     }
+
+    /// Whether a shift key is held.
+    pub(super) fn shift_held(&self) -> bool {
+        self.held.shift_key()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use winit::event::{DeviceId, MouseButton};
-    use winit::keyboard::ModifiersState;
 
     use super::*;
 
@@ -93,9 +98,9 @@ mod tests {
         let mut input = UserInput::default();
         for state in [ModifiersState::SHIFT, ModifiersState::SHIFT | ModifiersState::ALT] {
             let _ = input.take(&WindowEvent::ModifiersChanged(state.into()), Instant::now());
-            assert!(input.shift, "{state:?}");
+            assert!(input.held.shift_key(), "{state:?}");
         }
         let _ = input.take(&WindowEvent::ModifiersChanged(ModifiersState::ALT.into()), Instant::now());
-        assert!(!input.shift);
+        assert!(!input.held.shift_key());
     }
 }

@@ -4,6 +4,7 @@
 //! window answers its window system at once, and quits at once, however long a driver compiles.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -11,6 +12,7 @@ use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, KeyEvent, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
 use super::error::AppError;
@@ -44,6 +46,21 @@ impl Waker {
     }
 }
 
+/// Whether keys are text at present, which the show knows: then no letter ends it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Typing(Arc<AtomicBool>);
+
+impl Typing {
+    /// Notes whether keys are text from now on.
+    pub(super) fn set(&self, on: bool) {
+        self.0.store(on, Ordering::Relaxed);
+    }
+
+    fn is_on(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
 /// Where a show gets its messages from, and what wakes it.
 pub(super) fn inbox() -> (Waker, Receiver<Message>) {
     let (sender, inbox) = channel();
@@ -63,7 +80,7 @@ pub(super) enum Told {
 pub(super) type Play = Box<dyn FnOnce(OpenWindow) -> Result<(), AppError> + Send>;
 
 /// Opens a window, runs `play` in it on a thread of its own, and hands it the window's events through `waker`, until
-/// one of the two ends.
+/// one of the two ends. `typing` tells whether keys are text.
 ///
 /// # Errors
 /// What the show ended with, no window, or no thread.
@@ -71,6 +88,7 @@ pub(super) fn run(
     event_loop: EventLoop<Told>,
     wishes: WindowWishes,
     waker: &Waker,
+    typing: Typing,
     play: Play,
 ) -> Result<(), AppError> {
     let on_signal = event_loop.create_proxy();
@@ -87,6 +105,8 @@ pub(super) fn run(
         running: None,
         ends_by: None,
         show_ended: false,
+        held: ModifiersState::empty(),
+        typing,
         result: Ok(()),
     };
     #[cfg(all(unix, not(target_os = "macos")))]
@@ -107,6 +127,9 @@ struct Front {
     ends_by: Option<Instant>,
     /// Whether the show has ended by itself.
     show_ended: bool,
+    /// The keys that are held and change what others do.
+    held: ModifiersState,
+    typing: Typing,
     result: Result<(), AppError>,
 }
 
@@ -148,7 +171,7 @@ impl Front {
 }
 
 /// Whether an event asks for the end, which must not wait for the show.
-fn asks_for_the_end(event: &WindowEvent) -> bool {
+fn asks_for_the_end(event: &WindowEvent, held: ModifiersState, typing: bool) -> bool {
     match event {
         // Destroyed: closed by others without asking.
         WindowEvent::CloseRequested | WindowEvent::Destroyed => true,
@@ -156,7 +179,7 @@ fn asks_for_the_end(event: &WindowEvent) -> bool {
             event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
             is_synthetic: false,
             ..
-        } => keys::action_of(logical_key, *repeat, false) == Some(Action::Quit),
+        } => !typing && keys::action_of(logical_key, *repeat, held) == Some(Action::Quit),
         _ => false,
     }
 }
@@ -170,7 +193,10 @@ impl ApplicationHandler<Told> for Front {
     }
 
     fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
-        if asks_for_the_end(&event) {
+        if let WindowEvent::ModifiersChanged(modifiers) = &event {
+            self.held = modifiers.state();
+        }
+        if asks_for_the_end(&event, self.held, self.typing.is_on()) {
             return self.end(event_loop);
         }
         if self.ends_by.is_none() {

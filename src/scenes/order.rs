@@ -34,6 +34,12 @@ impl SceneList {
         round.swap_remove(previous)
     }
 
+    /// The place of `current` in the cycle, from 0, and the length of the cycle. Reads the folder again.
+    pub fn place(&self, current: &SceneSource) -> (usize, usize) {
+        let (round, at) = self.round(current);
+        (at, round.len())
+    }
+
     /// The cycle, which contains at least `current`, and the index of `current`.
     fn round(&self, current: &SceneSource) -> (Vec<SceneSource>, usize) {
         let mut round: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
@@ -147,6 +153,13 @@ mod tests {
         expected.extend(shipped());
         expected.push(file("a.scene"));
         assert_eq!(round(&file("b.txt")), expected);
+    }
+
+    #[test]
+    fn every_scene_has_its_place() {
+        let list = SceneList::around(&shipped()[0]);
+        let places: Vec<_> = shipped().iter().map(|scene| list.place(scene)).collect();
+        assert_eq!(places, (0..shipped().len()).map(|at| (at, shipped().len())).collect::<Vec<_>>());
     }
 
     #[test]

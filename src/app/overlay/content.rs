@@ -3,6 +3,10 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::time::{Duration, Instant};
 
+use super::bar::Bar;
+use super::tracks::Tracks;
+use super::welcome::Welcome;
+
 /// What is shown over the picture; every part is optional, and by default there is none.
 #[derive(Debug, Default)]
 pub struct OverlayContent<'a> {
@@ -20,6 +24,14 @@ pub struct OverlayContent<'a> {
     pub hint: Option<&'a str>,
     /// What can be listened to.
     pub sources: Option<SourceList>,
+    /// The words at the start.
+    pub welcome: Option<Welcome<'a>>,
+    /// The bar with the buttons.
+    pub bar: Option<Bar<'a>>,
+    /// The list of tracks.
+    pub tracks: Option<Tracks<'a>>,
+    /// Whether the pointer is hidden while it is over the picture.
+    pub hides_pointer: bool,
 }
 
 /// What can be listened to.
@@ -45,6 +57,8 @@ pub struct Problem<'a> {
 pub struct Notice<'a> {
     /// Such as "compiled".
     pub text: &'a str,
+    /// A share that is drawn below the text, 0..1: of a track, or of the full volume.
+    pub share: Option<f32>,
     /// When it came up.
     pub since: Instant,
 }
@@ -144,12 +158,20 @@ impl OverlayContent<'_> {
             && !self.help
             && self.hint.is_none()
             && self.sources.is_none()
+            && self.bar.is_none()
+            && self.tracks.is_none()
+            && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
 
     /// Whether there are sliders.
     pub(super) fn has_params(&self) -> bool {
         self.params.as_ref().is_some_and(|sliders| !sliders.is_empty())
+    }
+
+    /// Whether the pointer can move or press something.
+    pub(super) fn is_interactive(&self) -> bool {
+        self.has_params() || self.bar.is_some() || self.tracks.is_some() || self.sources.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -159,6 +181,10 @@ impl OverlayContent<'_> {
         (self.hint, &self.sources).hash(&mut hasher);
         let notice = self.notice.filter(|notice| !notice.is_gone(now));
         notice.map(|notice| (notice.text, notice.since)).hash(&mut hasher);
+        notice.and_then(|notice| notice.share).map(f32::to_bits).hash(&mut hasher);
+        self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
+        (self.bar, self.hides_pointer).hash(&mut hasher);
+        self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
             (&slider.name, numbers).hash(&mut hasher);
@@ -174,7 +200,7 @@ mod tests {
     #[test]
     fn a_notice_stands_then_fades_then_is_gone() {
         let since = Instant::now();
-        let notice = Notice { text: "compiled", since };
+        let notice = Notice { text: "compiled", share: None, since };
         let at = |ms| since + Duration::from_millis(ms);
         assert_eq!([0, 1_600].map(|ms| notice.opacity(at(ms))), [1.0, 1.0]);
         assert!((notice.opacity(at(1_850)) - 0.5).abs() < 0.01);
@@ -188,7 +214,7 @@ mod tests {
         // A longer sentence stays longer, but not for ever.
         for (length, ms) in [(100, 5_500), (10_000, 9_000)] {
             let text = "a".repeat(length);
-            let sentence = Notice { text: &text, since };
+            let sentence = Notice { text: &text, share: None, since };
             assert_eq!((sentence.opacity(at(ms)), sentence.opacity(at(ms + 500))), (1.0, 0.0));
         }
     }
@@ -204,7 +230,10 @@ mod tests {
             OverlayContent { corner: Some("a"), ..Default::default() },
             OverlayContent { corner: Some("b"), ..Default::default() },
             OverlayContent { problem: Some(Problem { heading: "a", text: "b" }), ..Default::default() },
-            OverlayContent { notice: Some(Notice { text: "a", since: now }), ..Default::default() },
+            OverlayContent {
+                notice: Some(Notice { text: "a", share: None, since: now }),
+                ..Default::default()
+            },
             OverlayContent { help: true, ..Default::default() },
             OverlayContent { hint: Some("a"), ..Default::default() },
             OverlayContent { sources: Some(list(None)), ..Default::default() },
@@ -220,7 +249,10 @@ mod tests {
         }
         // The same words again count as new, and a notice that is gone does not count.
         let later = now + Duration::from_secs(1);
-        let again = OverlayContent { notice: Some(Notice { text: "a", since: later }), ..Default::default() };
+        let again = OverlayContent {
+            notice: Some(Notice { text: "a", share: None, since: later }),
+            ..Default::default()
+        };
         assert!(seen.insert(again.fingerprint(later)));
         assert_eq!(
             again.fingerprint(later + Duration::from_secs(5)),

@@ -8,29 +8,40 @@
 //! fading notice moves in a paused show, and a panel that does not change costs nothing. egui gets no keys: they
 //! belong to the show, whatever was clicked last. A click that begins on a panel belongs to the overlay.
 
+mod bar;
 mod content;
 mod help;
+mod icons;
+mod now_playing;
 mod panels;
 mod params;
 mod pointer;
 mod problem;
+mod requests;
 mod sources;
 mod style;
 mod switches;
 #[cfg(test)]
 mod tests;
+mod tracks;
+mod welcome;
 
 use std::time::Instant;
 
-use egui::{ClippedPrimitive, PlatformOutput, RawInput, Rect, Vec2};
+use egui::{ClippedPrimitive, CursorIcon, PlatformOutput, RawInput, Rect, Vec2};
 use egui_glow::Painter;
 use winit::event::WindowEvent;
 use winit::window::Window;
 
+pub use bar::Bar;
 pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
+pub use now_playing::NowPlaying;
 use panels::Panels;
 use pointer::Pointer;
+pub use requests::{Panel, Request, TrackRequest};
 pub use switches::PanelSwitches;
+pub use tracks::Tracks;
+pub use welcome::Welcome;
 
 use super::error::AppError;
 use crate::gpu::gl::Gl;
@@ -44,6 +55,7 @@ pub struct Overlay {
     /// Made when something shows for the first time.
     painter: Option<Painter>,
     pointer: Pointer,
+    pointer_shown: bool,
     shown: Option<Shown>,
 }
 
@@ -60,10 +72,12 @@ struct Shown {
 }
 
 /// What [`Overlay::paint`] did.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Painted {
     /// Whether the user moved a slider, so that [`OverlayContent::params`] has other values than before.
     pub params_changed: bool,
+    /// What the user asked for, in that order.
+    pub requests: Vec<Request>,
 }
 
 impl Overlay {
@@ -75,7 +89,15 @@ impl Overlay {
         let context = panels.context().clone();
         let input =
             egui_winit::State::new(context, egui::ViewportId::ROOT, window, scale, window.theme(), side_max);
-        Self { gl: gl.clone(), panels, input, painter: None, pointer: Pointer::default(), shown: None }
+        Self {
+            gl: gl.clone(),
+            panels,
+            input,
+            painter: None,
+            pointer: Pointer::default(),
+            pointer_shown: true,
+            shown: None,
+        }
     }
 
     /// Takes an event of the window and returns whether it belongs to the overlay alone. Keys never do: they are the
@@ -103,7 +125,10 @@ impl Overlay {
     /// When the window has to be drawn again because of `content`: now, at a later moment, or not until something
     /// happens.
     pub fn due(&self, content: &OverlayContent<'_>, now: Instant) -> Option<Instant> {
-        let Some(shown) = &self.shown else { return (!content.is_empty(now)).then_some(now) };
+        let Some(shown) = &self.shown else {
+            let changes = !content.is_empty(now) || content.hides_pointer == self.pointer_shown;
+            return changes.then_some(now);
+        };
         let changed = content.fingerprint(now) != shown.fingerprint;
         let touched = !self.input.egui_input().events.is_empty();
         if changed || touched { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
@@ -125,8 +150,8 @@ impl Overlay {
             if self.shown.take().is_some() {
                 self.pointer.panels.clear();
                 self.input.egui_input_mut().events.clear();
-                self.input.handle_platform_output(window, PlatformOutput::default());
             }
+            self.show_pointer(window, !content.hides_pointer);
             return Ok(Painted::default());
         }
         let scale = window.scale_factor() as f32;
@@ -157,10 +182,14 @@ impl Overlay {
             let painter = Painter::new(self.gl.shared(), "", None, false);
             self.painter = Some(painter.map_err(|error| AppError::Overlay(error.to_string()))?);
         }
-        let interactive = content.has_params();
+        let interactive = content.is_interactive();
         let input = self.take_input(window, size, interactive);
         let laid_out = self.panels.lay_out(input, content, now);
-        let output = laid_out.output;
+        let mut output = laid_out.output;
+        if content.hides_pointer {
+            output.platform_output.cursor_icon = CursorIcon::None;
+        }
+        self.pointer_shown = !content.hides_pointer;
         self.input.handle_platform_output(window, output.platform_output);
 
         let mut textures = output.textures_delta;
@@ -181,6 +210,7 @@ impl Overlay {
         self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
         let own = now.checked_add(laid_out.repaint_after);
         let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
+        let goes = content.welcome.as_ref().and_then(|welcome| welcome.next_change(now));
         self.shown = Some(Shown {
             primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
             pixels_per_point,
@@ -188,9 +218,23 @@ impl Overlay {
             // The sliders may have moved.
             fingerprint: content.fingerprint(now),
             interactive,
-            changes_at: own.into_iter().chain(fades).min(),
+            changes_at: own.into_iter().chain(fades).chain(goes).min(),
         });
-        Ok(Painted { params_changed: laid_out.params_changed })
+        Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests })
+    }
+
+    /// Shows the pointer over the picture, or hides it.
+    fn show_pointer(&mut self, window: &Window, shown: bool) {
+        if self.pointer_shown != shown {
+            self.pointer_shown = shown;
+            let cursor_icon = if shown { CursorIcon::Default } else { CursorIcon::None };
+            self.input.handle_platform_output(window, PlatformOutput { cursor_icon, ..Default::default() });
+        }
+    }
+
+    /// Whether the pointer is on a panel, or holds one.
+    pub fn has_pointer(&self) -> bool {
+        self.pointer.is_busy()
     }
 
     /// What egui needs to know: time, size and what the pointer did.

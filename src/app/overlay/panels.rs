@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, Rect, pos2, vec2};
 
 use super::content::{Notice, OverlayContent};
-use super::{help, params, problem, sources, style};
+use super::requests::Request;
+use super::{bar, help, params, problem, sources, style, tracks, welcome};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
@@ -13,6 +14,8 @@ const LINE_WIDTH_MAX: f32 = 0.8;
 const SENTENCE_ROWS_MAX: usize = 4;
 /// Greatest share of the window's height that a problem takes.
 const PROBLEM_HEIGHT_MAX: f32 = 0.75;
+/// Width of a rail below a short text, in points.
+const SHARE_WIDTH: f32 = 180.0;
 /// A problem stays beside the parameters if it has this width there, in points.
 const PROBLEM_WIDTH_MIN: f32 = 420.0;
 
@@ -29,6 +32,8 @@ pub(super) struct LaidOut {
     pub panels: Vec<Rect>,
     /// Whether the user moved a slider.
     pub params_changed: bool,
+    /// What the user asked for.
+    pub requests: Vec<Request>,
     /// When egui wants to be asked again without input; very long if never.
     pub repaint_after: Duration,
 }
@@ -48,25 +53,39 @@ impl Panels {
 
     /// Lays `content` out in the screen that `input` describes.
     pub(super) fn lay_out(&self, input: RawInput, content: &mut OverlayContent<'_>, now: Instant) -> LaidOut {
-        let (mut panels, mut params_changed) = (Vec::new(), false);
+        let (mut panels, mut params_changed, mut requests) = (Vec::new(), false, Vec::new());
         // egui may ask for another pass when it learns sizes.
         let output = self.context.run_pass(input, |context| {
             panels.clear();
-            params_changed |= show(context, content, now, &mut panels);
+            requests.clear();
+            params_changed |= show(context, content, now, &mut panels, &mut requests);
         });
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        LaidOut { output, panels, params_changed, repaint_after }
+        LaidOut { output, panels, params_changed, requests, repaint_after }
     }
 }
 
 /// Shows everything; returns whether the user moved a slider.
-fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panels: &mut Vec<Rect>) -> bool {
+fn show(
+    context: &Context,
+    content: &mut OverlayContent<'_>,
+    now: Instant,
+    panels: &mut Vec<Rect>,
+    requests: &mut Vec<Request>,
+) -> bool {
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
     let front = context.layer_painter(LayerId::new(Order::Foreground, Id::unique("overlay front")));
 
+    // What follows stands above the bar.
+    let mut space = space;
+    if let Some(bar) = &content.bar {
+        let rect = bar::show(context, space, bar, requests);
+        panels.push(rect);
+        space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
+    }
     let mut left = space;
     if let Some(text) = content.corner {
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
@@ -77,16 +96,21 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         let (rect, moved) = params::show(context, space, help, sliders);
         panels.push(rect);
         changed = moved;
-        let beside = rect.left() - style::MARGIN;
-        if beside - left.left() >= PROBLEM_WIDTH_MIN {
-            left.max.x = beside;
-        }
+        leave_beside(&mut left, rect);
+    }
+    if let Some(list) = &content.tracks {
+        let rect = tracks::show(context, space, list, requests);
+        panels.push(rect);
+        leave_beside(&mut left, rect);
     }
     if let Some(problem) = &content.problem {
         left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
+    if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
+        welcome::draw(&back, left, words, now);
+    }
     let mut below = space;
     if let Some(text) = content.hint {
         below.min.y = draw_sentence(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
@@ -95,9 +119,17 @@ fn show(context: &Context, content: &mut OverlayContent<'_>, now: Instant, panel
         below.min.y = draw_notice(&front, below, notice, now).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(list) = &content.sources {
-        sources::draw(&front, below, list);
+        panels.push(sources::show(context, below, list, requests));
     }
     changed
+}
+
+/// Leaves out of `left` what a panel at the right covers, if enough is left.
+fn leave_beside(left: &mut Rect, panel: Rect) {
+    let beside = panel.left() - style::MARGIN;
+    if beside - left.left() >= PROBLEM_WIDTH_MIN {
+        left.max.x = beside;
+    }
 }
 
 /// Draws the line in the lower left corner and returns where it is.
@@ -114,7 +146,24 @@ fn corner(painter: &Painter, space: Rect, text: &str) -> Rect {
 fn draw_notice(painter: &Painter, space: Rect, notice: &Notice<'_>, now: Instant) -> Rect {
     let mut painter = painter.clone();
     painter.set_opacity(notice.opacity(now));
-    draw_sentence(&painter, space, notice.text, style::TEXT)
+    let Some(share) = notice.share else { return draw_sentence(&painter, space, notice.text, style::TEXT) };
+    draw_share(&painter, space, notice.text, share)
+}
+
+/// Draws a short text over a rail that is filled to `share`; returns where they are.
+fn draw_share(painter: &Painter, space: Rect, text: &str, share: f32) -> Rect {
+    let font = style::proportional(style::HEADING_SIZE);
+    let galley = style::line(painter, text, font, style::TEXT, LINE_WIDTH_MAX * space.width());
+    let width = galley.size().x.max(SHARE_WIDTH).min(space.width());
+    let size = vec2(width + 32.0, galley.size().y + 24.0);
+    let rect = Align2::CENTER_TOP.align_size_within_rect(size, space);
+    style::ground(painter, rect);
+    painter.galley(pos2(rect.center().x - 0.5 * galley.size().x, rect.top() + 7.0), galley, style::TEXT);
+    let rail = Rect::from_min_size(pos2(rect.left() + 16.0, rect.bottom() - 12.0), vec2(width, 4.0));
+    painter.rect_filled(rail, 2.0, style::RAIL);
+    let filled = Rect::from_min_size(rail.min, vec2(share.clamp(0.0, 1.0) * width, 4.0));
+    painter.rect_filled(filled, 2.0, style::ACCENT);
+    rect
 }
 
 /// Draws a sentence at the top and returns where it is.

@@ -36,6 +36,11 @@ impl Pointer {
         }
     }
 
+    /// Whether it is on a panel, or was pressed on one and is still held.
+    pub(super) fn is_busy(&self) -> bool {
+        self.held > 0 || self.is_on_panel(self.place)
+    }
+
     fn on_button(&mut self, state: ElementState) -> bool {
         match state {
             ElementState::Pressed if self.held > 0 || self.is_on_panel(self.place) => self.held += 1,

@@ -11,6 +11,8 @@ use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeK
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 /// Less important text.
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
+/// Signs on buttons.
+pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
 /// What is wrong.
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
 /// Hints, and values that are set.

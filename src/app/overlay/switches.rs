@@ -1,11 +1,14 @@
 //! Which panels of the overlay the user has turned on.
 
+use super::requests::Panel;
+
 /// At first there is none: the picture is what the window is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PanelSwitches {
     help: bool,
     sliders: bool,
     corner: bool,
+    open: Option<Panel>,
 }
 
 impl PanelSwitches {
@@ -22,6 +25,22 @@ impl PanelSwitches {
     /// Shows the line about the scene or hides it.
     pub fn toggle_corner(&mut self) {
         self.corner = !self.corner;
+    }
+
+    /// Opens a panel instead of the one that is open, or closes it.
+    pub fn toggle(&mut self, panel: Panel) {
+        self.open = if self.open == Some(panel) { None } else { Some(panel) };
+    }
+
+    /// Closes what is open: the panel, or else the keys. Returns whether there was something.
+    pub fn close(&mut self) -> bool {
+        let closed = self.open.take().is_some();
+        closed || std::mem::take(&mut self.help)
+    }
+
+    /// The panel that is open.
+    pub fn open(self) -> Option<Panel> {
+        self.open
     }
 
     /// Whether the keys are shown.
@@ -57,5 +76,19 @@ mod tests {
         panels.toggle_corner();
         panels.toggle_sliders();
         assert_eq!(state(panels), [false, false, true]);
+    }
+
+    #[test]
+    fn one_panel_at_a_time_is_open_and_closing_takes_them_in_turn() {
+        let mut panels = PanelSwitches::default();
+        panels.toggle(Panel::Tracks);
+        panels.toggle(Panel::Sources);
+        assert_eq!(panels.open(), Some(Panel::Sources));
+        panels.toggle(Panel::Sources);
+        assert_eq!(panels.open(), None);
+        panels.toggle(Panel::Tracks);
+        panels.toggle_help();
+        assert_eq!([panels.close(), panels.close(), panels.close()], [true, true, false]);
+        assert_eq!((panels.open(), panels.help()), (None, false));
     }
 }

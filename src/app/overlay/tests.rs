@@ -81,7 +81,7 @@ fn everything_shows_at_once_and_inside_the_window() {
         let content = OverlayContent {
             corner: Some("speakers · interpreted · 230 clauses"),
             problem: Some(Problem { heading: "a.scene has mistakes", text: &text }),
-            notice: Some(Notice { text: "compiled", since: Instant::now() }),
+            notice: Some(Notice { text: "compiled", share: None, since: Instant::now() }),
             params: Some(&mut sliders),
             help: true,
             hint: Some("no sound from a long name; the monitor of another long name has a signal: press D"),

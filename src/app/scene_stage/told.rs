@@ -3,11 +3,23 @@
 use super::views::ViewsOf;
 use super::{SceneStage, Task};
 use crate::app::overlay::{Notice, OverlayContent, PanelSwitches, Problem};
+use crate::scenes::SceneSource;
 
 impl SceneStage {
     /// The name of the scene on the stage.
     pub(super) fn name(&self) -> Option<String> {
         self.on_stage.as_ref().map(|cast| cast.source.title())
+    }
+
+    /// Where the scene on the stage comes from.
+    pub(crate) fn shown_source(&self) -> Option<&SceneSource> {
+        self.on_stage.as_ref().map(|cast| &cast.source)
+    }
+
+    /// A scene's name with its place among those that the keys go through, such as "terrain, 3 of 17". Reads a folder.
+    pub(crate) fn placed_name(&self, source: &SceneSource) -> String {
+        let (at, count) = self.list.place(source);
+        format!("{}, {} of {count}", source.title(), at + 1)
     }
 
     /// What the title says of the scene: its name, its mode, its view.
@@ -60,7 +72,7 @@ impl SceneStage {
         OverlayContent {
             corner,
             problem: problem.map(|(heading, text)| Problem { heading, text }),
-            notice: notice.map(|(text, since)| Notice { text, since: *since }),
+            notice: notice.map(|(text, since)| Notice { text, share: None, since: *since }),
             params: sliders.filter(|sliders| panels.sliders() && !sliders.is_empty()),
             help: panels.help(),
             ..OverlayContent::default()

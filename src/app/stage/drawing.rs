@@ -1,5 +1,6 @@
 //! Draws the window: the scene's picture if it is to look different, and the overlay over it.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Stage;
@@ -7,12 +8,13 @@ use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
-use crate::app::overlay::OverlayContent;
+use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
 use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::gpu::error::GpuError;
-use mariana_player::Moment;
+use crate::scenes::SceneSource;
+use mariana_player::{ListedTracks, Moment};
 
 impl Stage {
     /// Draws the window, or a part of a picture that takes long. Returns whether it shows its first picture, with
@@ -56,8 +58,18 @@ impl Stage {
         }
         let corner = self.corner_line();
         let is_drawing = self.scene.is_drawing();
+        let tracks = self.listed_tracks();
+        self.note_scene();
+        let awake = self.is_pointer_awake(begun);
         let mut content = self.scene.overlay(corner.as_deref(), self.panels);
-        add_reports(&mut content, &self.listening, &self.reports, begun);
+        let around = Around {
+            panels: self.panels,
+            awake,
+            tracks: tracks.as_deref(),
+            placed: &self.placed_scene,
+            welcomed: self.welcomed,
+        };
+        around.add_to(&mut content, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
@@ -79,7 +91,9 @@ impl Stage {
         if painted.params_changed {
             self.scene.note_moved();
         }
+        self.requests.extend(painted.requests);
         if first {
+            self.welcomed.get_or_insert_with(Instant::now);
             self.listening.follow_wish();
         }
         Ok(first)
@@ -99,9 +113,40 @@ impl Stage {
     /// When the window has to be drawn again because of the overlay.
     pub(super) fn overlay_due(&mut self, now: Instant) -> Option<Instant> {
         let corner = self.corner_line();
+        let tracks = self.listed_tracks();
+        let awake = self.is_pointer_awake(now);
         let mut content = self.scene.overlay(corner.as_deref(), self.panels);
-        add_reports(&mut content, &self.listening, &self.reports, now);
-        self.overlay.due(&content, now)
+        let around = Around {
+            panels: self.panels,
+            awake,
+            tracks: tracks.as_deref(),
+            placed: &self.placed_scene,
+            welcomed: self.welcomed,
+        };
+        around.add_to(&mut content, &self.listening, &self.reports, now);
+        let due = self.overlay.due(&content, now);
+        // The bar goes when the pointer has rested.
+        let goes = self.pointer_rest.falls_asleep().filter(|_| awake);
+        due.into_iter().chain(goes).min()
+    }
+
+    /// Whether the pointer has moved lately or does something with a panel.
+    fn is_pointer_awake(&mut self, now: Instant) -> bool {
+        self.pointer_rest.is_awake(self.overlay.has_pointer(), now)
+    }
+
+    /// The list of tracks, if it shows.
+    fn listed_tracks(&mut self) -> Option<Arc<ListedTracks>> {
+        let shows = self.panels.open() == Some(Panel::Tracks);
+        shows.then(|| self.listening.with_song(|player| player.playlist())).flatten()
+    }
+
+    /// Notes which scene is on the stage, and its place among the others.
+    fn note_scene(&mut self) {
+        let Some(source) = self.scene.shown_source() else { return };
+        if self.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
+            self.placed_scene = Some((source.clone(), self.scene.placed_name(source)));
+        }
     }
 
     fn level(&self, now: Instant) -> Level {
@@ -158,13 +203,42 @@ impl Stage {
     }
 }
 
-/// Adds what there is to report of the sound and the tracks.
-fn add_reports<'a>(
-    content: &mut OverlayContent<'a>,
-    listening: &'a Listening,
-    reports: &'a Reports,
-    now: Instant,
-) {
-    content.add(reports.notice());
-    listening.show_in(content, now);
+/// What the window adds to what the scene shows over the picture.
+struct Around<'a> {
+    panels: PanelSwitches,
+    /// Whether the pointer is awake.
+    awake: bool,
+    tracks: Option<&'a ListedTracks>,
+    placed: &'a Option<(SceneSource, String)>,
+    welcomed: Option<Instant>,
+}
+
+impl<'a> Around<'a> {
+    fn add_to(
+        self,
+        content: &mut OverlayContent<'a>,
+        listening: &'a Listening,
+        reports: &'a Reports,
+        now: Instant,
+    ) {
+        let (open, playing) = (self.panels.open(), reports.playing());
+        let scene = self.placed.as_ref().map_or("", |(_, words)| words);
+        content.add(reports.notice());
+        listening.show_in(content, open == Some(Panel::Sources), now);
+        content.tracks = self.tracks.map(|list| Tracks { list, present: playing.place.0 });
+        content.hides_pointer = !self.awake && open.is_none() && content.params.is_none();
+        if self.awake {
+            content.bar = Some(Bar {
+                now: playing,
+                level: listening.level(),
+                scene,
+                open,
+                help: self.panels.help(),
+                sliders: self.panels.sliders(),
+            });
+        } else if let Some(since) = self.welcomed.filter(|_| content.problem.is_none() && !content.help) {
+            let (title, artist) = (&*playing.title, playing.artist.as_deref());
+            content.welcome = Some(Welcome { title, artist, scene, since });
+        }
+    }
 }

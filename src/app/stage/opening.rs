@@ -14,6 +14,7 @@ use crate::app::error::AppError;
 use crate::app::listening::Listening;
 use crate::app::media_controls::MediaControls;
 use crate::app::overlay::{Overlay, PanelSwitches};
+use crate::app::pointer_rest::PointerRest;
 use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoader, SceneStage};
 use crate::app::sound::{Sound, Start};
@@ -108,6 +109,10 @@ impl Opening<'_> {
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),
             occluded: false,
+            pointer_rest: PointerRest::default(),
+            requests: Vec::new(),
+            placed_scene: None,
+            welcomed: None,
             overlay: Overlay::new(window.gl(), window.window()),
             panels: PanelSwitches::default(),
             window,

@@ -1,0 +1,230 @@
+//! The bar that comes with the pointer: what plays, where in it we are, and a button for everything that is done often.
+//!
+//! Buttons tell in their tooltips which key does the same; words and keys come from the one table of keys.
+
+use std::hash::{Hash, Hasher};
+
+use egui::{
+    Align, Area, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, UiKind, WidgetInfo, pos2, vec2,
+};
+use mariana_player::track::Repeat;
+
+use super::icons::{self, Icon};
+use super::now_playing::{NowPlaying, clock_time};
+use super::requests::{Panel, Request};
+use super::style;
+use crate::app::keys::{Action, binding_of};
+
+/// Widest bar, in points.
+const WIDTH_MAX: f32 = 1100.0;
+/// Height of the rail by which one seeks: what can be hit.
+const RAIL_HEIGHT: f32 = 26.0;
+/// Height of the rail's line where no loudness is known.
+const LINE_HEIGHT: f32 = 4.0;
+/// Width and height of a button.
+const BUTTON: f32 = 30.0;
+/// Height of a sign.
+const SIGN: f32 = 15.0;
+/// Width of the volume's rail.
+const VOLUME_WIDTH: f32 = 84.0;
+
+/// What the bar shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Bar<'a> {
+    /// What plays.
+    pub now: &'a NowPlaying,
+    /// How loud it is at this moment, 0..1.
+    pub level: f32,
+    /// The scene on the stage, such as "speakers, 12 of 17".
+    pub scene: &'a str,
+    /// The panel that is open.
+    pub open: Option<Panel>,
+    /// Whether the keys are shown.
+    pub help: bool,
+    /// Whether the sliders are shown.
+    pub sliders: bool,
+}
+
+/// How finely the level is told apart: the bar is laid out anew for each step.
+const LEVEL_STEPS: f32 = 24.0;
+
+impl Hash for Bar<'_> {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.now, self.scene, self.open, self.help, self.sliders).hash(state);
+        ((self.level * LEVEL_STEPS) as u32).hash(state);
+    }
+}
+
+/// Draws the bar at the bottom of `space`; returns where it is, and adds what was asked for.
+pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests: &mut Vec<Request>) -> Rect {
+    let width = space.width().min(WIDTH_MAX);
+    let area = Area::new(Id::unique("bar"))
+        .kind(UiKind::Window)
+        .order(Order::Middle)
+        .pivot(egui::Align2::CENTER_BOTTOM)
+        .fixed_pos(space.center_bottom())
+        .constrain(false)
+        .fade_in(false);
+    let shown = area.show(context, |ui| {
+        style::frame().show(ui, |ui| {
+            ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
+            ui.spacing_mut().item_spacing = vec2(2.0, 3.0);
+            words(ui, bar);
+            seek_rail(ui, bar, requests);
+            buttons(ui, bar, requests);
+        });
+    });
+    shown.response.rect
+}
+
+/// The line above: title and artist to the left, the scene to the right.
+fn words(ui: &mut Ui, bar: &Bar<'_>) {
+    let full = ui.available_width();
+    let (line, _) = ui.allocate_exact_size(vec2(full, style::TEXT_SIZE * 1.35), Sense::hover());
+    let painter = ui.painter();
+    let font = style::proportional(style::SMALL_SIZE);
+    let scene = style::line(painter, bar.scene, font, style::DIM, 0.4 * full);
+    let left = scene.size().x;
+    painter.galley(pos2(line.right() - left, line.center().y - 0.5 * scene.size().y), scene, style::DIM);
+    let mut text = bar.now.title.clone();
+    if let Some(artist) = &bar.now.artist {
+        text = format!("{text} · {artist}");
+    }
+    if bar.now.place.1 > 1 && !bar.now.live {
+        text = format!("{text} · {} of {}", bar.now.place.0 + 1, bar.now.place.1);
+    }
+    let font = style::proportional(style::TEXT_SIZE);
+    let title = style::line(painter, &text, font, style::TEXT, full - left - 16.0);
+    painter.galley(pos2(line.left(), line.center().y - 0.5 * title.size().y), title, style::TEXT);
+}
+
+/// Where in the track we are, and by a click or a drag where we will be. Of an input it is the level.
+fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
+    let full = ui.available_width();
+    let (place, response) = ui.allocate_exact_size(vec2(full, RAIL_HEIGHT), Sense::click_and_drag());
+    let rail = Rect::from_center_size(place.center(), vec2(full, LINE_HEIGHT));
+    let painter = ui.painter().clone();
+    let Some((duration, share)) = bar.now.duration.zip(bar.now.share()).filter(|_| !bar.now.live) else {
+        draw_share(&painter, rail, if bar.now.live { bar.level.clamp(0.0, 1.0) } else { 0.0 });
+        return;
+    };
+    let share_at = |x: f32| ((x - rail.left()) / rail.width().max(1.0)).clamp(0.0, 1.0);
+    let pointed = response.interact_pointer_pos().or_else(|| response.hover_pos()).map(|at| share_at(at.x));
+    let held = response.dragged() || response.is_pointer_button_down_on();
+    let shown = pointed.filter(|_| held).unwrap_or(share);
+    draw_share(&painter, rail, shown);
+    let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
+    painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
+    response.widget_info(|| WidgetInfo::slider(true, bar.now.position, "position in the track"));
+    let Some(pointed) = pointed else { return };
+    let seconds = f64::from(pointed) * duration;
+    if response.clicked() || response.drag_stopped() {
+        requests.push(Request::SeekTo(seconds));
+    }
+    // The time under the pointer stands above it, within the window.
+    let front = ui.ctx().layer_painter(egui::LayerId::new(Order::Tooltip, Id::unique("hover time")));
+    let font = style::proportional(style::SMALL_SIZE);
+    let galley = style::line(&front, &clock_time(seconds), font, style::TEXT, 200.0);
+    let size = galley.size() + vec2(12.0, 6.0);
+    let x =
+        (rail.left() + pointed * rail.width()).clamp(rail.left() + 0.5 * size.x, rail.right() - 0.5 * size.x);
+    let label = Rect::from_center_size(pos2(x, place.top() - 0.5 * size.y - 2.0), size);
+    style::ground(&front, label);
+    front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
+}
+
+fn draw_share(painter: &Painter, rail: Rect, share: f32) {
+    painter.rect_filled(rail, LINE_HEIGHT / 2.0, style::RAIL);
+    let mut passed = rail;
+    passed.set_width(share * rail.width());
+    painter.rect_filled(passed, LINE_HEIGHT / 2.0, style::ACCENT);
+}
+
+fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
+    let now = bar.now;
+    ui.horizontal(|ui| {
+        let mut act = |ui: &mut Ui, icon, action, lit| key_button(ui, icon, action, lit, requests);
+        if !now.live {
+            act(ui, Icon::Previous, Action::SkipTrack { forward: false }, false);
+        }
+        act(ui, if now.paused { Icon::Play } else { Icon::Pause }, Action::TogglePause, false);
+        if !now.live {
+            act(ui, Icon::Next, Action::SkipTrack { forward: true }, false);
+            act(ui, Icon::Shuffle, Action::ToggleShuffle, now.shuffled);
+            let repeat = if now.repeat == Repeat::One { Icon::RepeatOne } else { Icon::Repeat };
+            act(ui, repeat, Action::ChangeRepeat, now.repeat != Repeat::Off);
+            let sound = if now.muted { Icon::Muted } else { Icon::Volume };
+            act(ui, sound, Action::ToggleMute, false);
+            volume(ui, now, requests);
+            let font = style::proportional(style::SMALL_SIZE);
+            ui.add_space(6.0);
+            let room = ui.available_width() - 7.0 * BUTTON;
+            let times = style::line(ui.painter(), &now.times(), font, style::DIM, room.max(1.0));
+            if room > times.size().x {
+                let (place, _) = ui.allocate_exact_size(vec2(times.size().x, BUTTON), Sense::hover());
+                ui.painter().galley(place.left_center() - vec2(0.0, 0.5 * times.size().y), times, style::DIM);
+            }
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let mut act = |ui: &mut Ui, icon, action, lit| key_button(ui, icon, action, lit, requests);
+            act(ui, Icon::Fullscreen, Action::ToggleFullscreen, false);
+            act(ui, Icon::Keys, Action::ToggleHelp, bar.help);
+            act(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders);
+            act(ui, Icon::Scenes, Action::ChangeScene { forward: true }, false);
+            panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
+            if !now.live {
+                panel_button(ui, Icon::Tracks, Panel::Tracks, bar, requests);
+            }
+        });
+    });
+}
+
+/// A button that does what a key does, and says which.
+fn key_button(ui: &mut Ui, icon: Icon, action: Action, lit: bool, requests: &mut Vec<Request>) {
+    let words = match (action, binding_of(action)) {
+        (_, Some(binding)) => format!("{} ({})", binding.meaning, binding.written),
+        (action, None) => format!("{action:?}"),
+    };
+    if button(ui, icon, &words, lit).clicked() {
+        requests.push(Request::Act(action));
+    }
+}
+
+fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, requests: &mut Vec<Request>) {
+    key_button(ui, icon, Action::TogglePanel(panel), bar.open == Some(panel), requests);
+}
+
+/// A button with a sign, whose words are its tooltip and its name.
+pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lit: bool) -> Response {
+    let (place, response) = ui.allocate_exact_size(vec2(BUTTON, BUTTON), Sense::click());
+    let color = match (response.hovered(), lit) {
+        (_, true) => style::ACCENT,
+        (true, false) => style::TEXT,
+        (false, false) => style::BUTTON,
+    };
+    if response.hovered() {
+        ui.painter().rect_filled(place.shrink(1.0), 5.0, style::RAIL);
+    }
+    icons::draw(ui.painter(), icon, place, SIGN, color);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
+    response.on_hover_text(words)
+}
+
+/// The volume's rail.
+fn volume(ui: &mut Ui, now: &NowPlaying, requests: &mut Vec<Request>) {
+    let (place, response) = ui.allocate_exact_size(vec2(VOLUME_WIDTH, BUTTON), Sense::click_and_drag());
+    let rail = Rect::from_center_size(place.center(), vec2(VOLUME_WIDTH - 14.0, LINE_HEIGHT));
+    let volume = if now.muted { 0.0 } else { now.volume };
+    let mut shown = volume;
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {
+        shown = ((at.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
+        if shown.to_bits() != now.volume.to_bits() || now.muted {
+            requests.push(Request::SetVolume(shown));
+        }
+    }
+    draw_share(ui.painter(), rail, shown);
+    let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
+    ui.painter().circle_filled(knob, if response.hovered() { 6.0 } else { 5.0 }, style::ACCENT);
+    response.widget_info(|| WidgetInfo::slider(true, f64::from(volume), "volume"));
+    response.on_hover_text(format!("volume {:.0} %", 100.0 * shown));
+}

@@ -1,0 +1,209 @@
+//! The signs on buttons, drawn of lines and surfaces so that they are sharp at every scale.
+
+use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
+
+/// What a sign stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Icon {
+    Play,
+    Pause,
+    Previous,
+    Next,
+    Shuffle,
+    Repeat,
+    RepeatOne,
+    Volume,
+    Muted,
+    Tracks,
+    Source,
+    Scenes,
+    Sliders,
+    Keys,
+    Fullscreen,
+    Cross,
+}
+
+/// Draws a sign in the middle of `rect`, `size` points high.
+pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: Color32) {
+    let pen = Pen { painter, middle: rect.center(), unit: 0.5 * size, color };
+    match icon {
+        Icon::Play => pen.surface(&[(-0.6, -0.85), (0.85, 0.0), (-0.6, 0.85)]),
+        Icon::Pause => {
+            pen.block((-0.65, -0.8), (-0.18, 0.8));
+            pen.block((0.18, -0.8), (0.65, 0.8));
+        }
+        Icon::Previous => {
+            pen.block((-0.8, -0.75), (-0.52, 0.75));
+            pen.surface(&[(0.8, -0.75), (0.8, 0.75), (-0.5, 0.0)]);
+        }
+        Icon::Next => {
+            pen.block((0.52, -0.75), (0.8, 0.75));
+            pen.surface(&[(-0.8, -0.75), (0.5, 0.0), (-0.8, 0.75)]);
+        }
+        Icon::Shuffle => {
+            pen.line(&[(-0.9, 0.5), (-0.4, 0.5), (0.3, -0.5), (0.6, -0.5)]);
+            pen.line(&[(-0.9, -0.5), (-0.4, -0.5), (-0.2, -0.22)]);
+            pen.line(&[(0.1, 0.22), (0.3, 0.5), (0.6, 0.5)]);
+            pen.surface(&[(0.55, -0.82), (0.95, -0.5), (0.55, -0.18)]);
+            pen.surface(&[(0.55, 0.18), (0.95, 0.5), (0.55, 0.82)]);
+        }
+        Icon::Repeat | Icon::RepeatOne => {
+            pen.line(&[(-0.85, 0.1), (-0.85, -0.55), (0.4, -0.55)]);
+            pen.line(&[(0.85, -0.1), (0.85, 0.55), (-0.4, 0.55)]);
+            pen.surface(&[(0.35, -0.9), (0.75, -0.55), (0.35, -0.2)]);
+            pen.surface(&[(-0.35, 0.2), (-0.75, 0.55), (-0.35, 0.9)]);
+            if icon == Icon::RepeatOne {
+                pen.line(&[(-0.15, -0.1), (0.03, -0.25), (0.03, 0.28)]);
+            }
+        }
+        Icon::Volume | Icon::Muted => {
+            pen.surface(&[(-0.9, -0.3), (-0.5, -0.3), (-0.5, 0.3), (-0.9, 0.3)]);
+            pen.surface(&[(-0.5, -0.3), (-0.05, -0.75), (-0.05, 0.75), (-0.5, 0.3)]);
+            if icon == Icon::Muted {
+                pen.line(&[(0.3, -0.35), (0.9, 0.35)]);
+                pen.line(&[(0.3, 0.35), (0.9, -0.35)]);
+            } else {
+                pen.arc((-0.05, 0.0), 0.45);
+                pen.arc((-0.05, 0.0), 0.85);
+            }
+        }
+        Icon::Tracks => {
+            for y in [-0.6, 0.0, 0.6] {
+                pen.block((-0.9, y - 0.11), (-0.66, y + 0.11));
+                pen.line(&[(-0.4, y), (0.9, y)]);
+            }
+        }
+        Icon::Source => {
+            pen.rounded((-0.3, -0.9), (0.3, 0.25));
+            pen.line(&[(-0.62, -0.05), (-0.5, 0.38), (0.0, 0.55), (0.5, 0.38), (0.62, -0.05)]);
+            pen.line(&[(0.0, 0.55), (0.0, 0.9)]);
+            pen.line(&[(-0.35, 0.9), (0.35, 0.9)]);
+        }
+        Icon::Scenes => {
+            for (x, y) in [(-0.85, -0.75), (0.1, -0.75), (-0.85, 0.1), (0.1, 0.1)] {
+                pen.frame((x, y), (x + 0.75, y + 0.65));
+            }
+        }
+        Icon::Sliders => {
+            for (y, knob) in [(-0.6, 0.35), (0.0, -0.4), (0.6, 0.1)] {
+                pen.line(&[(-0.9, y), (0.9, y)]);
+                pen.dot((knob, y), 0.24);
+            }
+        }
+        Icon::Keys => {
+            pen.frame((-0.95, -0.6), (0.95, 0.6));
+            for (x, y) in [(-0.6, -0.25), (-0.2, -0.25), (0.2, -0.25), (0.6, -0.25)] {
+                pen.dot((x, y), 0.1);
+            }
+            pen.line(&[(-0.45, 0.25), (0.45, 0.25)]);
+        }
+        Icon::Fullscreen => {
+            for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let (x, y) = (0.8 * x, 0.75 * y);
+                pen.line(&[(x, 0.4 * y), (x, y), (0.4 * x, y)]);
+            }
+        }
+        Icon::Cross => {
+            pen.line(&[(-0.55, -0.55), (0.55, 0.55)]);
+            pen.line(&[(-0.55, 0.55), (0.55, -0.55)]);
+        }
+    }
+}
+
+/// Draws in coordinates of a sign: from -1 to 1, to the right and down.
+struct Pen<'a> {
+    painter: &'a Painter,
+    middle: Pos2,
+    unit: f32,
+    color: Color32,
+}
+
+impl Pen<'_> {
+    fn at(&self, (x, y): (f32, f32)) -> Pos2 {
+        self.middle + self.unit * vec2(x, y)
+    }
+
+    fn stroke(&self) -> Stroke {
+        Stroke::new((0.2 * self.unit).max(1.0), self.color)
+    }
+
+    fn line(&self, points: &[(f32, f32)]) {
+        let points = points.iter().map(|point| self.at(*point)).collect();
+        self.painter.add(Shape::line(points, self.stroke()));
+    }
+
+    /// A convex surface.
+    fn surface(&self, corners: &[(f32, f32)]) {
+        let corners = corners.iter().map(|corner| self.at(*corner)).collect();
+        self.painter.add(Shape::convex_polygon(corners, self.color, Stroke::NONE));
+    }
+
+    fn block(&self, least: (f32, f32), most: (f32, f32)) {
+        self.painter.rect_filled(Rect::from_min_max(self.at(least), self.at(most)), 0.0, self.color);
+    }
+
+    fn frame(&self, least: (f32, f32), most: (f32, f32)) {
+        let rect = Rect::from_min_max(self.at(least), self.at(most));
+        self.painter.rect_stroke(rect, 0.12 * self.unit, self.stroke(), egui::StrokeKind::Inside);
+    }
+
+    fn rounded(&self, least: (f32, f32), most: (f32, f32)) {
+        let rect = Rect::from_min_max(self.at(least), self.at(most));
+        self.painter.rect_filled(rect, 0.3 * self.unit, self.color);
+    }
+
+    fn dot(&self, middle: (f32, f32), radius: f32) {
+        self.painter.circle_filled(self.at(middle), radius * self.unit, self.color);
+    }
+
+    /// A part of a circle, open to the left.
+    fn arc(&self, middle: (f32, f32), radius: f32) {
+        let points = (-4..=4).map(|step| {
+            let angle = step as f32 * 0.2;
+            self.at(middle) + radius * self.unit * Vec2::angled(angle)
+        });
+        self.painter.add(Shape::line(points.collect(), self.stroke()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_sign_stays_in_its_button() {
+        let all = [
+            Icon::Play,
+            Icon::Pause,
+            Icon::Previous,
+            Icon::Next,
+            Icon::Shuffle,
+            Icon::Repeat,
+            Icon::RepeatOne,
+            Icon::Volume,
+            Icon::Muted,
+            Icon::Tracks,
+            Icon::Source,
+            Icon::Scenes,
+            Icon::Sliders,
+            Icon::Keys,
+            Icon::Fullscreen,
+            Icon::Cross,
+        ];
+        for icon in all {
+            let context = egui::Context::default();
+            let rect = Rect::from_min_size(Pos2::new(50.0, 50.0), Vec2::splat(30.0));
+            let mut output = context.run_pass(egui::RawInput::default(), |context| {
+                let painter = context.layer_painter(egui::LayerId::background());
+                draw(&painter, icon, rect, 16.0, Color32::WHITE);
+            });
+            output.textures_delta.clear();
+            let drawn = output
+                .shapes
+                .iter()
+                .fold(Rect::NOTHING, |all, clipped| all | clipped.shape.visual_bounding_rect());
+            assert!(rect.shrink(4.0).contains_rect(drawn), "{icon:?}: {drawn:?}");
+            assert!(drawn.width() > 7.0 && drawn.height() > 7.0, "{icon:?}: {drawn:?}");
+        }
+    }
+}
