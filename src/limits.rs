@@ -37,6 +37,10 @@ pub struct Limits {
     pub kept_program_bytes_max: usize,
     /// Most bytes that all kept programs take on the disk; those that were used longest ago go first.
     pub program_cache_bytes_max: u64,
+    /// Longest time in seconds that drawing a small picture of a scene for the list may take.
+    pub thumbnail_seconds_max: f64,
+    /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
+    pub thumbnails_kept_max: usize,
     /// Time in seconds after which it is told that a driver is still compiling.
     pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
@@ -59,6 +63,8 @@ pub const LIMITS: Limits = Limits {
     region_texels_max: 1 << 22,
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
+    thumbnail_seconds_max: 60.0,
+    thumbnails_kept_max: 2_000,
     program_cache_bytes_max: 1 << 26,
     compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,

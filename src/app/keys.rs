@@ -208,6 +208,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("b")],
+        written: "B",
+        action: Action::TogglePanel(Panel::Scenes),
+        meaning: "all scenes, with pictures",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("c")],
         written: "C",
         action: Action::ToggleMode,

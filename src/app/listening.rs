@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::announcer::{TrackOrder, words_of};
 use super::overlay::OverlayContent;
 use super::sound::Sound;
+use crate::config::Settings;
 use mariana_music::{Tables, TapTempo};
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
@@ -128,6 +129,16 @@ impl Listening {
     /// The curves of the sound at the moment that [`Listening::now`] last returned.
     pub(super) fn curves(&self) -> Tables {
         self.sound.heard().tables
+    }
+
+    /// What is remembered from run to run.
+    pub(super) fn settings(&self) -> &Settings {
+        self.sound.settings()
+    }
+
+    /// Remembers a change of it.
+    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
+        self.sound.remember(change);
     }
 
     /// The state of the song, if it is what is listened to.

@@ -17,6 +17,7 @@ mod pointer;
 mod pointer_rest;
 mod region_builder;
 mod reports;
+pub mod scene_browser;
 mod scene_regions;
 mod scene_stage;
 mod show;

@@ -311,7 +311,13 @@ impl Sound {
         }
     }
 
-    fn remember(&mut self, change: impl Fn(&mut Settings)) {
+    /// What is remembered from run to run.
+    pub(super) fn settings(&self) -> &Settings {
+        self.file.settings()
+    }
+
+    /// Remembers a change of it, here and in the file.
+    pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
         if let Err(error) = self.file.change(change) {
             self.complain(&error.to_string());
         }

@@ -16,13 +16,15 @@ use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
-use super::overlay::{Overlay, Panel, PanelSwitches, Request, TrackRequest};
+use super::overlay::{Overlay, Panel, PanelSwitches, Request, SceneRequest, TrackRequest};
 use super::pointer_rest::PointerRest;
 use super::reports::Reports;
+use super::scene_browser::{Chosen, SceneBrowser, Thumbnails};
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
 use super::window::GlWindowContext;
+use super::window_thread::Waker;
 use crate::config::PlaySettings;
 use crate::gpu::renderer::Renderer;
 use crate::scenes::SceneSource;
@@ -48,6 +50,10 @@ pub(super) struct Stage {
     requests: Vec<Request>,
     /// The scene on the stage, with its place among the others in words.
     placed_scene: Option<(SceneSource, String)>,
+    /// The list of scenes, while it is open, and what finds their pictures.
+    browser: Option<SceneBrowser>,
+    thumbnails: Option<Thumbnails>,
+    waker: Waker,
     /// When the words at the start came up.
     welcomed: Option<Instant>,
     overlay: Overlay,
@@ -106,11 +112,78 @@ impl Stage {
         if self.panels.open() == Some(Panel::Sources) {
             self.listening.show_sources();
         }
+        self.look_through_scenes(self.panels.open() == Some(Panel::Scenes));
     }
 
     /// Whether keys are text at present.
     pub(super) fn takes_text(&self) -> bool {
-        false
+        self.browser.is_some()
+    }
+
+    /// Opens the list of scenes, or closes it.
+    fn look_through_scenes(&mut self, open: bool) {
+        self.browser = None;
+        if !open {
+            return;
+        }
+        if self.thumbnails.is_none() {
+            let waker = self.waker.clone();
+            match Thumbnails::start(move || waker.wake()) {
+                Ok(thumbnails) => self.thumbnails = Some(thumbnails),
+                Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
+            }
+        }
+        let scenes = self.scene.all_sources();
+        let favourites = self.listening.settings().favourite_scenes.clone();
+        let browser = SceneBrowser::new(scenes, self.scene.shown_source(), favourites);
+        if let Some(thumbnails) = &mut self.thumbnails {
+            browser.ask_for_comments(thumbnails);
+        }
+        self.browser = Some(browser);
+    }
+
+    /// Does what was chosen in the list of scenes.
+    fn follow_choice(&mut self, chosen: Chosen) {
+        match chosen {
+            Chosen::Nothing => {}
+            Chosen::Close => self.close_scenes(),
+            Chosen::Show { source, close } => {
+                self.scene.show_source(source);
+                if close {
+                    self.close_scenes();
+                }
+            }
+            Chosen::Marked => {
+                if let Some(favourites) = self.browser.as_ref().map(|browser| browser.favourites().clone()) {
+                    self.listening.remember(move |settings| {
+                        settings.favourite_scenes.clone_from(&favourites);
+                    });
+                }
+            }
+        }
+    }
+
+    fn close_scenes(&mut self) {
+        if self.panels.open() == Some(Panel::Scenes) {
+            self.toggle_panel(Panel::Scenes);
+        }
+    }
+
+    /// Does what the pointer asked of the list of scenes.
+    fn obey_in_scenes(&mut self, request: SceneRequest) {
+        let Some(browser) = &mut self.browser else { return };
+        let chosen = match request {
+            SceneRequest::Show { place, close } => browser.show(place, close),
+            SceneRequest::Mark(place) => browser.mark(place),
+            SceneRequest::Close => Chosen::Close,
+            SceneRequest::Drawn { places, columns } => {
+                if let Some(thumbnails) = &mut self.thumbnails {
+                    browser.note_drawn(places, columns, thumbnails);
+                }
+                Chosen::Nothing
+            }
+        };
+        self.follow_choice(chosen);
     }
 
     /// Closes what is open, or leaves full screen.
@@ -118,6 +191,7 @@ impl Stage {
         if !self.panels.close() {
             self.window.set_fullscreen(false);
         }
+        self.look_through_scenes(false);
     }
 
     /// What the pointer asked for since the last call.
@@ -145,6 +219,7 @@ impl Stage {
                 self.with_song(|player| player.move_entry(from, to));
             }
             Request::Listen(place) => self.listening.choose_source(place),
+            Request::Scenes(request) => return self.obey_in_scenes(request),
         }
         self.hurry_reports();
     }
@@ -203,6 +278,11 @@ impl Stage {
     pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
         self.pointer_rest.take(event, Instant::now());
         if self.overlay.on_event(self.window.window(), event) {
+            return None;
+        }
+        if let (Some(browser), Some((key, held))) = (&mut self.browser, self.input.typed(event)) {
+            let chosen = browser.take_key(key, held.control_key() || held.super_key());
+            self.follow_choice(chosen);
             return None;
         }
         match event {
@@ -288,6 +368,10 @@ impl Stage {
             self.answer(words);
         }
         self.scene.update()?;
+        if let (Some(browser), Some(thumbnails)) = (&mut self.browser, &mut self.thumbnails) {
+            browser.set_present(self.scene.shown_source());
+            browser.take(thumbnails);
+        }
         let now = Instant::now();
         self.reports.update(now);
         if self.scene.is_drawing() {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use winit::event::{ElementState, KeyEvent, WindowEvent};
-use winit::keyboard::ModifiersState;
+use winit::keyboard::{Key, ModifiersState};
 
 use super::keys::{Action, action_of};
 use super::pointer::{Gesture, Pointer};
@@ -52,6 +52,18 @@ impl UserInput {
                 Gesture::Drag(way) => Wish::TurnCamera(way),
                 Gesture::Zoom(notches) => Wish::ZoomCamera(notches),
             }),
+        }
+    }
+
+    /// The key that an event presses, and what is held with it.
+    pub(super) fn typed<'a>(&self, event: &'a WindowEvent) -> Option<(&'a Key, ModifiersState)> {
+        match event {
+            WindowEvent::KeyboardInput {
+                event: KeyEvent { logical_key, state: ElementState::Pressed, .. },
+                is_synthetic: false,
+                ..
+            } => Some((logical_key, self.held)),
+            _ => None,
         }
     }
 

@@ -11,7 +11,7 @@
 //! Devices are remembered by their ids, which are names, not numbers. A file that cannot be read is reported once and
 //! changes nothing else; when a new one is written, the unreadable one is kept beside it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, create_dir_all};
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
@@ -33,6 +33,9 @@ pub struct Settings {
     /// Id of the monitor that `--system` listens to; none is the default output's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
+    /// Names of the scenes that the user has marked.
+    #[serde(skip_serializing_if = "BTreeSet::is_empty")]
+    pub favourite_scenes: BTreeSet<String>,
     /// By a device's id: how much later than the device says the picture is shown, in milliseconds.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub latency_ms: BTreeMap<String, f64>,

@@ -176,6 +176,12 @@ impl SceneSource {
     }
 }
 
+/// The comment with which a scene's text begins, line by line; what it says about the scene.
+pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.lines().map(|line| line.trim().strip_prefix('#').map(str::trim));
+    lines.take_while(Option::is_some).flatten().take_while(|line| !line.is_empty())
+}
+
 /// The names of the shipped scenes, sorted.
 pub fn shipped_names() -> Vec<String> {
     let mut names: Vec<String> = SHIPPED

@@ -34,6 +34,11 @@ impl SceneList {
         round.swap_remove(previous)
     }
 
+    /// All scenes of the cycle, which contains at least `current`. Reads the folder again.
+    pub fn all(&self, current: &SceneSource) -> Vec<SceneSource> {
+        self.round(current).0
+    }
+
     /// The place of `current` in the cycle, from 0, and the length of the cycle. Reads the folder again.
     pub fn place(&self, current: &SceneSource) -> (usize, usize) {
         let (round, at) = self.round(current);

@@ -23,6 +23,10 @@ const RAIL_HEIGHT: f32 = 26.0;
 const LINE_HEIGHT: f32 = 4.0;
 /// Width and height of a button.
 const BUTTON: f32 = 30.0;
+/// Height of the line of words.
+const WORDS: f32 = 19.0;
+/// Between the lines.
+const GAP: f32 = 3.0;
 /// Height of a sign.
 const SIGN: f32 = 15.0;
 /// Width of the volume's rail.
@@ -68,7 +72,7 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(2.0, 3.0);
+            ui.spacing_mut().item_spacing = vec2(2.0, GAP);
             words(ui, bar);
             seek_rail(ui, bar, requests);
             buttons(ui, bar, requests);
@@ -80,7 +84,7 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests
 /// The line above: title and artist to the left, the scene to the right.
 fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let full = ui.available_width();
-    let (line, _) = ui.allocate_exact_size(vec2(full, style::TEXT_SIZE * 1.35), Sense::hover());
+    let (line, _) = ui.allocate_exact_size(vec2(full, WORDS), Sense::hover());
     let painter = ui.painter();
     let font = style::proportional(style::SMALL_SIZE);
     let scene = style::line(painter, bar.scene, font, style::DIM, 0.4 * full);
@@ -166,11 +170,10 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             }
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let mut act = |ui: &mut Ui, icon, action, lit| key_button(ui, icon, action, lit, requests);
-            act(ui, Icon::Fullscreen, Action::ToggleFullscreen, false);
-            act(ui, Icon::Keys, Action::ToggleHelp, bar.help);
-            act(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders);
-            act(ui, Icon::Scenes, Action::ChangeScene { forward: true }, false);
+            key_button(ui, Icon::Fullscreen, Action::ToggleFullscreen, false, requests);
+            key_button(ui, Icon::Keys, Action::ToggleHelp, bar.help, requests);
+            key_button(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders, requests);
+            panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
             panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
             if !now.live {
                 panel_button(ui, Icon::Tracks, Panel::Tracks, bar, requests);
@@ -181,12 +184,20 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
 
 /// A button that does what a key does, and says which.
 fn key_button(ui: &mut Ui, icon: Icon, action: Action, lit: bool, requests: &mut Vec<Request>) {
-    let words = match (action, binding_of(action)) {
-        (_, Some(binding)) => format!("{} ({})", binding.meaning, binding.written),
-        (action, None) => format!("{action:?}"),
-    };
-    if button(ui, icon, &words, lit).clicked() {
+    if button(ui, icon, &words_of(action), lit).clicked() {
         requests.push(Request::Act(action));
+    }
+}
+
+/// What a button does, and the key for it.
+pub(super) fn words_of(action: Action) -> String {
+    match (action, binding_of(action)) {
+        (_, Some(binding)) => format!("{} ({})", binding.meaning, binding.written),
+        (Action::TogglePanel(Panel::Sources), None) => {
+            let key = binding_of(Action::ChangeSource).map_or("", |binding| binding.written);
+            format!("what is listened to ({key} goes to the next)")
+        }
+        (_, None) => String::new(),
     }
 }
 

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
+use crate::app::scene_browser::SceneBrowser;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
 #[derive(Debug, Default)]
@@ -30,6 +31,8 @@ pub struct OverlayContent<'a> {
     pub bar: Option<Bar<'a>>,
     /// The list of tracks.
     pub tracks: Option<Tracks<'a>>,
+    /// The list of scenes.
+    pub scenes: Option<&'a SceneBrowser>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -160,6 +163,7 @@ impl OverlayContent<'_> {
             && self.sources.is_none()
             && self.bar.is_none()
             && self.tracks.is_none()
+            && self.scenes.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -171,7 +175,11 @@ impl OverlayContent<'_> {
 
     /// Whether the pointer can move or press something.
     pub(super) fn is_interactive(&self) -> bool {
-        self.has_params() || self.bar.is_some() || self.tracks.is_some() || self.sources.is_some()
+        self.has_params()
+            || self.bar.is_some()
+            || self.tracks.is_some()
+            || self.sources.is_some()
+            || self.scenes.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -184,6 +192,7 @@ impl OverlayContent<'_> {
         notice.and_then(|notice| notice.share).map(f32::to_bits).hash(&mut hasher);
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer).hash(&mut hasher);
+        self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

@@ -21,6 +21,7 @@ pub(super) enum Icon {
     Keys,
     Fullscreen,
     Cross,
+    Star,
 }
 
 /// Draws a sign in the middle of `rect`, `size` points high.
@@ -101,6 +102,16 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
             for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
                 let (x, y) = (0.8 * x, 0.75 * y);
                 pen.line(&[(x, 0.4 * y), (x, y), (0.4 * x, y)]);
+            }
+        }
+        Icon::Star => {
+            let tip = |turn: f32| (turn.sin(), -turn.cos());
+            let fifth = std::f32::consts::TAU / 5.0;
+            for point in 0..5 {
+                let turn = point as f32 * fifth;
+                let (a, b, c) = (tip(turn), tip(turn + 0.5 * fifth), tip(turn - 0.5 * fifth));
+                let inner = |(x, y): (f32, f32)| (0.42 * x, 0.42 * y);
+                pen.surface(&[(0.0, 0.0), inner(c), a, inner(b)]);
             }
         }
         Icon::Cross => {
@@ -189,6 +200,7 @@ mod tests {
             Icon::Keys,
             Icon::Fullscreen,
             Icon::Cross,
+            Icon::Star,
         ];
         for icon in all {
             let context = egui::Context::default();

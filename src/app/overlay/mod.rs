@@ -9,6 +9,7 @@
 //! belong to the show, whatever was clicked last. A click that begins on a panel belongs to the overlay.
 
 mod bar;
+mod browser;
 mod content;
 mod help;
 mod icons;
@@ -38,7 +39,7 @@ pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
 pub use now_playing::NowPlaying;
 use panels::Panels;
 use pointer::Pointer;
-pub use requests::{Panel, Request, TrackRequest};
+pub use requests::{Panel, Request, SceneRequest, TrackRequest};
 pub use switches::PanelSwitches;
 pub use tracks::Tracks;
 pub use welcome::Welcome;

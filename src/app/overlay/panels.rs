@@ -4,9 +4,10 @@ use std::time::{Duration, Instant};
 
 use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, Rect, pos2, vec2};
 
+use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
 use super::requests::Request;
-use super::{bar, help, params, problem, sources, style, tracks, welcome};
+use super::{bar, browser, help, params, problem, sources, style, tracks, welcome};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
@@ -22,6 +23,7 @@ const PROBLEM_WIDTH_MIN: f32 = 420.0;
 /// egui, and how the panels look.
 pub(super) struct Panels {
     context: Context,
+    pictures: TilePictures,
 }
 
 /// What was laid out.
@@ -43,7 +45,7 @@ impl Panels {
     pub(super) fn new() -> Self {
         let context = Context::default();
         style::apply(&context);
-        Self { context }
+        Self { context, pictures: TilePictures::default() }
     }
 
     /// egui's context.
@@ -52,13 +54,19 @@ impl Panels {
     }
 
     /// Lays `content` out in the screen that `input` describes.
-    pub(super) fn lay_out(&self, input: RawInput, content: &mut OverlayContent<'_>, now: Instant) -> LaidOut {
+    pub(super) fn lay_out(
+        &mut self,
+        input: RawInput,
+        content: &mut OverlayContent<'_>,
+        now: Instant,
+    ) -> LaidOut {
         let (mut panels, mut params_changed, mut requests) = (Vec::new(), false, Vec::new());
         // egui may ask for another pass when it learns sizes.
+        let pictures = &mut self.pictures;
         let output = self.context.run_pass(input, |context| {
             panels.clear();
             requests.clear();
-            params_changed |= show(context, content, now, &mut panels, &mut requests);
+            params_changed |= show(context, content, now, &mut panels, &mut requests, pictures);
         });
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
@@ -73,6 +81,7 @@ fn show(
     now: Instant,
     panels: &mut Vec<Rect>,
     requests: &mut Vec<Request>,
+    pictures: &mut TilePictures,
 ) -> bool {
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
@@ -108,6 +117,10 @@ fn show(
         panels.push(problem::draw(&back, left, problem));
     }
     panels.extend(help);
+    match content.scenes {
+        Some(scenes) => panels.push(browser::show(context, space, scenes, pictures, requests)),
+        None => pictures.clear(),
+    }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);
     }

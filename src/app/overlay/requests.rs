@@ -1,5 +1,7 @@
 //! What the pointer asks for in the panels.
 
+use std::ops::Range;
+
 use crate::app::keys::Action;
 
 /// A panel that opens from the bar; one at a time is open.
@@ -9,6 +11,8 @@ pub enum Panel {
     Tracks,
     /// What can be listened to.
     Sources,
+    /// The scenes.
+    Scenes,
 }
 
 /// What the user asked for with the pointer.
@@ -24,6 +28,8 @@ pub enum Request {
     Tracks(TrackRequest),
     /// To listen to the source at this place of the list that is shown.
     Listen(usize),
+    /// Something with the list of scenes.
+    Scenes(SceneRequest),
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.
@@ -40,4 +46,27 @@ pub enum TrackRequest {
         /// Where it will be.
         to: usize,
     },
+}
+
+/// What is asked of the list of scenes; places are those among the scenes that were found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SceneRequest {
+    /// To show the scene at a place.
+    Show {
+        /// The place.
+        place: usize,
+        /// Whether the list closes.
+        close: bool,
+    },
+    /// To mark the scene at a place, or to take its mark away.
+    Mark(usize),
+    /// Nothing: these places were drawn, so many side by side.
+    Drawn {
+        /// The places.
+        places: Range<usize>,
+        /// Tiles side by side.
+        columns: usize,
+    },
+    /// To close the list.
+    Close,
 }

@@ -5,7 +5,12 @@ use std::time::Instant;
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
-use super::{Notice, OverlayContent, Problem, Slider, SourceList, style};
+use super::{
+    Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, Slider, SourceList, TrackRequest,
+    Tracks, style,
+};
+use crate::app::keys::Action;
+use mariana_player::{ListedTrack, ListedTracks};
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
@@ -86,11 +91,12 @@ fn everything_shows_at_once_and_inside_the_window() {
             help: true,
             hint: Some("no sound from a long name; the monitor of another long name has a signal: press D"),
             sources: Some(SourceList { names: vec!["the song".into(), "Mic".into()], present: Some(1) }),
+            ..OverlayContent::default()
         };
         let mut stage = Stage::new(screen);
         let laid_out = stage.frame(Vec::new(), content);
         let (bounds, texts) = drawn(&laid_out);
-        assert_eq!(laid_out.panels.len(), 3, "{:?}", laid_out.panels);
+        assert_eq!(laid_out.panels.len(), 4, "{:?}", laid_out.panels);
         if screen.y > 100.0 {
             assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
             for panel in &laid_out.panels {
@@ -144,6 +150,123 @@ fn a_slider_follows_the_pointer_and_a_double_click_resets_it() {
     assert_eq!([sliders[0].value, sliders[1].value], [1.0, 1.0]);
     // Beside the panel nothing moves.
     assert!(!stage.click(Pos2::new(panel.left() - 20.0, rail_y), &mut sliders));
+}
+
+/// Everything that plays, in the middle of a track of 100 s.
+fn playing() -> NowPlaying {
+    NowPlaying {
+        title: "a title".into(),
+        artist: Some("an artist".into()),
+        place: (2, 7),
+        position: 50.0,
+        duration: Some(100.0),
+        volume: 0.5,
+        ..NowPlaying::default()
+    }
+}
+
+fn bar(now: &NowPlaying) -> Bar<'_> {
+    Bar { now, level: 0.5, scene: "city, 2 of 17", open: None, help: false, sliders: false }
+}
+
+/// Moves the pointer to `place` and clicks; returns what was asked for.
+fn asked(stage: &mut Stage, place: Pos2, content: impl Fn() -> OverlayContent<'static>) -> Vec<Request> {
+    let button = |pressed| Event::PointerButton {
+        pos: place,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let mut all = Vec::new();
+    for events in [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)], vec![]] {
+        all.extend(stage.frame(events, content()).requests);
+    }
+    all
+}
+
+#[test]
+fn the_bar_is_inside_the_window_and_seeks_where_it_is_clicked() {
+    let now: &'static NowPlaying = Box::leak(Box::new(playing()));
+    let content = || OverlayContent { bar: Some(bar(now)), ..Default::default() };
+    for screen in [SCREEN, Vec2::new(560.0, 315.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
+        let mut stage = Stage::new(screen);
+        // In its first frame egui finds out how large the bar is.
+        stage.frame(Vec::new(), content());
+        let laid_out = stage.frame(Vec::new(), content());
+        let rect = laid_out.panels[0];
+        if screen.y < 100.0 {
+            continue;
+        }
+        assert!(stage.screen.contains_rect(rect), "{screen:?}: {rect:?}");
+        let (bounds, texts) = drawn(&laid_out);
+        assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
+        let words = place_of(&texts, "a title · an artist · 3 of 7");
+        // The rail is below the words. A quarter from its left end is at 25 s.
+        let inner = rect.shrink2(style::PADDING);
+        let place = Pos2::new(inner.left() + 0.25 * inner.width(), words.bottom() + 18.0);
+        let requests = asked(&mut stage, place, content);
+        let [Request::SeekTo(seconds)] = requests[..] else { panic!("{screen:?}: {requests:?}") };
+        assert!((seconds - 25.0).abs() < 1.0, "{screen:?}: {seconds} s");
+    }
+}
+
+#[test]
+fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
+    let now: &'static NowPlaying = Box::leak(Box::new(playing()));
+    let content = || OverlayContent { bar: Some(bar(now)), ..Default::default() };
+    let mut stage = Stage::new(SCREEN);
+    stage.frame(Vec::new(), content());
+    let rect = stage.frame(Vec::new(), content()).panels[0];
+    let mut met = Vec::new();
+    let y = rect.bottom() - style::PADDING.y - 15.0;
+    let mut x = rect.left() + style::PADDING.x + 15.0;
+    while x < rect.right() - style::PADDING.x {
+        for request in asked(&mut stage, Pos2::new(x, y), content) {
+            if !met.contains(&request) && !matches!(request, Request::SetVolume(_)) {
+                met.push(request);
+            }
+        }
+        x += 8.0;
+        stage.seconds += 1.0;
+    }
+    let act = Request::Act;
+    let expected = [
+        act(Action::SkipTrack { forward: false }),
+        act(Action::TogglePause),
+        act(Action::SkipTrack { forward: true }),
+        act(Action::ToggleShuffle),
+        act(Action::ChangeRepeat),
+        act(Action::ToggleMute),
+        act(Action::TogglePanel(Panel::Tracks)),
+        act(Action::TogglePanel(Panel::Sources)),
+        act(Action::TogglePanel(Panel::Scenes)),
+        act(Action::ToggleSliders),
+        act(Action::ToggleHelp),
+        act(Action::ToggleFullscreen),
+    ];
+    assert_eq!(met, expected);
+    for request in expected {
+        let Request::Act(action) = request else { continue };
+        assert!(!super::bar::words_of(action).is_empty(), "{action:?} has no words");
+    }
+}
+
+#[test]
+fn ten_thousand_tracks_cost_the_rows_that_show_and_a_click_plays_one() {
+    let entry = |i| ListedTrack { name: format!("track {i}"), duration: Some(60.0), file: None, start: None };
+    let list = ListedTracks { revision: 1, entries: (0..10_000).map(entry).collect() };
+    let list: &'static ListedTracks = Box::leak(Box::new(list));
+    let content = || OverlayContent { tracks: Some(Tracks { list, present: 1 }), ..Default::default() };
+    let mut stage = Stage::new(SCREEN);
+    stage.frame(Vec::new(), content());
+    let laid_out = stage.frame(Vec::new(), content());
+    assert!(stage.screen.contains_rect(laid_out.panels[0]), "{:?}", laid_out.panels);
+    let (_, texts) = drawn(&laid_out);
+    assert!(texts.len() < 200, "{} texts are laid out", texts.len());
+    let third = place_of(&texts, "track 2").center();
+    assert_eq!(asked(&mut stage, third, content), [Request::Tracks(TrackRequest::Play(2))]);
+    let cross = Pos2::new(laid_out.panels[0].right() - style::PADDING.x - 10.0 - 12.0, third.y);
+    assert_eq!(asked(&mut stage, cross, content), [Request::Tracks(TrackRequest::Remove(2))]);
 }
 
 #[test]

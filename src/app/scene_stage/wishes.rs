@@ -3,6 +3,7 @@
 use super::SceneStage;
 use crate::config::SdfChoice;
 use crate::gpu::scene_program::Mode;
+use crate::scenes::SceneSource;
 
 impl SceneStage {
     /// Changes between interpreted and compiled. A missing program is made; until then the picture stays.
@@ -48,6 +49,18 @@ impl SceneStage {
         self.tell(next.title());
         self.source = next.clone();
         self.loader.request(next);
+    }
+
+    /// Asks for a scene.
+    pub(crate) fn show_source(&mut self, source: SceneSource) {
+        self.tell(source.title());
+        self.source = source.clone();
+        self.loader.request(source);
+    }
+
+    /// All scenes that the keys go through. Reads a folder.
+    pub(crate) fn all_sources(&self) -> Vec<SceneSource> {
+        self.list.all(&self.source)
     }
 
     /// Uses the cells of regions from now on, or the whole tape everywhere.

@@ -10,6 +10,7 @@ use crate::app::error::AppError;
 use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
+use crate::app::scene_browser::SceneBrowser;
 use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::gpu::error::GpuError;
@@ -68,6 +69,7 @@ impl Stage {
             tracks: tracks.as_deref(),
             placed: &self.placed_scene,
             welcomed: self.welcomed,
+            browser: self.browser.as_ref(),
         };
         around.add_to(&mut content, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
@@ -122,6 +124,7 @@ impl Stage {
             tracks: tracks.as_deref(),
             placed: &self.placed_scene,
             welcomed: self.welcomed,
+            browser: self.browser.as_ref(),
         };
         around.add_to(&mut content, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
@@ -211,6 +214,7 @@ struct Around<'a> {
     tracks: Option<&'a ListedTracks>,
     placed: &'a Option<(SceneSource, String)>,
     welcomed: Option<Instant>,
+    browser: Option<&'a SceneBrowser>,
 }
 
 impl<'a> Around<'a> {
@@ -225,6 +229,7 @@ impl<'a> Around<'a> {
         let scene = self.placed.as_ref().map_or("", |(_, words)| words);
         content.add(reports.notice());
         listening.show_in(content, open == Some(Panel::Sources), now);
+        content.scenes = self.browser;
         content.tracks = self.tracks.map(|list| Tracks { list, present: playing.place.0 });
         content.hides_pointer = !self.awake && open.is_none() && content.params.is_none();
         if self.awake {
