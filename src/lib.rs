@@ -19,4 +19,5 @@ pub mod limits;
 pub mod program_cache;
 pub mod scenes;
 pub mod srgb;
+pub mod thumbnails;
 pub mod view;

@@ -37,6 +37,8 @@ pub struct Limits {
     pub kept_program_bytes_max: usize,
     /// Most bytes that all kept programs take on the disk; those that were used longest ago go first.
     pub program_cache_bytes_max: u64,
+    /// Most entries of a folder that are listed in the window.
+    pub folder_entries_max: usize,
     /// Longest time in seconds that drawing a small picture of a scene for the list may take.
     pub thumbnail_seconds_max: f64,
     /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
@@ -63,6 +65,7 @@ pub const LIMITS: Limits = Limits {
     region_texels_max: 1 << 22,
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
+    folder_entries_max: 20_000,
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
     program_cache_bytes_max: 1 << 26,

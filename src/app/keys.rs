@@ -194,6 +194,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("o")],
+        written: "O",
+        action: Action::TogglePanel(Panel::Files),
+        meaning: "open music, folders, lists, scenes",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("n")],
         written: "N",
         action: Action::ChangeScene { forward: true },

@@ -3,21 +3,16 @@
 //!
 //! It is a plain value: the overlay draws it, keys and pointer change it, and [`Thumbnails`] finds the pictures.
 
-mod thumbnails;
-
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
 
-use egui::ColorImage;
+use image::RgbaImage;
 use winit::keyboard::{Key, NamedKey};
 
+use super::text_query::TextQuery;
 use crate::scenes::SceneSource;
-pub(super) use thumbnails::Thumbnails;
-use thumbnails::{About, Looked};
-
-/// Longest text that is searched for, in characters.
-const QUERY_MAX: usize = 60;
+use crate::thumbnails::{About, Looked, Thumbnails};
 
 /// A scene in the list.
 #[derive(Debug, Clone)]
@@ -41,7 +36,7 @@ pub enum TilePicture {
     /// It is being looked for, or drawn.
     Coming,
     /// Here it is.
-    There(Arc<ColorImage>),
+    There(Arc<RgbaImage>),
     /// There is none; why.
     Missing(String),
 }
@@ -70,7 +65,7 @@ pub struct SceneBrowser {
     tiles: Vec<Tile>,
     /// Indices of the tiles that match what was typed, marked ones first.
     found: Vec<usize>,
-    query: String,
+    query: TextQuery,
     /// Index in `found`.
     selected: usize,
     /// Index in `tiles` of the scene on the stage.
@@ -99,7 +94,7 @@ impl SceneBrowser {
         let tiles: Vec<Tile> = scenes.into_iter().map(tile).collect();
         let mut browser = Self {
             found: Vec::new(),
-            query: String::new(),
+            query: TextQuery::default(),
             selected: 0,
             present: None,
             columns: 1,
@@ -139,7 +134,7 @@ impl SceneBrowser {
 
     /// What was typed.
     pub fn query(&self) -> &str {
-        &self.query
+        self.query.text()
     }
 
     /// The place of the selected tile among those found.
@@ -194,7 +189,7 @@ impl SceneBrowser {
             }
             self.revision += 1;
         }
-        if described && !self.query.is_empty() {
+        if described && !self.query().is_empty() {
             let selected = self.found.get(self.selected).copied();
             self.search();
             self.selected = selected.and_then(|at| self.place_of(at)).unwrap_or(0);
@@ -205,8 +200,7 @@ impl SceneBrowser {
     pub(super) fn take_key(&mut self, key: &Key, command: bool) -> Chosen {
         self.revision += 1;
         match key {
-            Key::Named(NamedKey::Escape) if self.query.is_empty() => return Chosen::Close,
-            Key::Named(NamedKey::Escape) => self.set_query(String::new()),
+            Key::Named(NamedKey::Escape) if self.query().is_empty() => return Chosen::Close,
             Key::Named(NamedKey::Enter) => return self.show(self.selected, true),
             Key::Named(NamedKey::Tab) => return self.mark(self.selected),
             Key::Named(NamedKey::ArrowLeft) => self.select(self.selected.saturating_sub(1)),
@@ -215,14 +209,12 @@ impl SceneBrowser {
             Key::Named(NamedKey::ArrowDown) => self.select(self.selected + self.columns),
             Key::Named(NamedKey::Home) => self.select(0),
             Key::Named(NamedKey::End) => self.select(usize::MAX),
-            Key::Named(NamedKey::Backspace) => {
-                let mut query = self.query.clone();
-                query.pop();
-                self.set_query(query);
+            key => {
+                if self.query.take_key(key, command) {
+                    self.search();
+                    self.selected = 0;
+                }
             }
-            Key::Named(NamedKey::Space) if !self.query.is_empty() => self.add_to_query(" "),
-            Key::Character(text) if !command => self.add_to_query(text),
-            _ => {}
         }
         Chosen::Nothing
     }
@@ -260,36 +252,13 @@ impl SceneBrowser {
         self.revision += 1;
     }
 
-    fn add_to_query(&mut self, text: &str) {
-        let mut query = self.query.clone();
-        query.extend(text.chars().filter(|c| !c.is_control()));
-        if query.chars().count() <= QUERY_MAX {
-            self.set_query(query);
-        }
-    }
-
-    fn set_query(&mut self, query: String) {
-        self.query = query;
-        self.search();
-        self.selected = 0;
-    }
-
     /// Finds the tiles that hold every word that was typed. Names that begin with it come first, then marked ones.
     fn search(&mut self) {
-        let query = self.query.to_lowercase();
-        let words: Vec<&str> = query.split_whitespace().collect();
-        let matches = |tile: &Tile| {
-            let text = format!("{} {}", tile.name, tile.comment).to_lowercase();
-            words.iter().all(|word| text.contains(word))
-        };
+        let matches = |tile: &Tile| self.query.fits(&format!("{} {}", tile.name, tile.comment));
         let mut found: Vec<usize> =
             self.tiles.iter().enumerate().filter(|(_, tile)| matches(tile)).map(|(at, _)| at).collect();
-        let rank = |at: &usize| {
-            self.tiles.get(*at).map(|tile| {
-                let begins = !words.is_empty() && tile.name.to_lowercase().starts_with(query.trim());
-                (!begins, !tile.favourite)
-            })
-        };
+        let rank =
+            |at: &usize| self.tiles.get(*at).map(|tile| (!self.query.begins(&tile.name), !tile.favourite));
         found.sort_by_key(rank);
         self.found = found;
         self.revision += 1;

@@ -3,6 +3,7 @@
 mod drawing;
 mod opening;
 
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
@@ -12,14 +13,15 @@ pub(super) use opening::{Opening, renewed};
 use super::announcer::TrackOrder;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
+use super::file_browser::{FileBrowser, Picked};
 use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
-use super::overlay::{Overlay, Panel, PanelSwitches, Request, SceneRequest, TrackRequest};
+use super::overlay::{FileRequest, Overlay, Panel, PanelSwitches, Request, SceneRequest, TrackRequest};
 use super::pointer_rest::PointerRest;
 use super::reports::Reports;
-use super::scene_browser::{Chosen, SceneBrowser, Thumbnails};
+use super::scene_browser::{Chosen, SceneBrowser};
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
@@ -27,7 +29,8 @@ use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::config::PlaySettings;
 use crate::gpu::renderer::Renderer;
-use crate::scenes::SceneSource;
+use crate::scenes::{SceneSource, is_scene_file};
+use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
 
 /// How often a show that stands still looks for changes.
@@ -53,6 +56,9 @@ pub(super) struct Stage {
     /// The list of scenes, while it is open, and what finds their pictures.
     browser: Option<SceneBrowser>,
     thumbnails: Option<Thumbnails>,
+    /// The list of files, while it is open, and the folder in which something was last picked.
+    files: Option<FileBrowser>,
+    last_folder: Option<PathBuf>,
     waker: Waker,
     /// When the words at the start came up.
     welcomed: Option<Instant>,
@@ -113,11 +119,71 @@ impl Stage {
             self.listening.show_sources();
         }
         self.look_through_scenes(self.panels.open() == Some(Panel::Scenes));
+        self.look_through_files(self.panels.open() == Some(Panel::Files));
     }
 
     /// Whether keys are text at present.
     pub(super) fn takes_text(&self) -> bool {
-        self.browser.is_some()
+        self.browser.is_some() || self.files.is_some()
+    }
+
+    /// Opens the list of files, or closes it.
+    fn look_through_files(&mut self, open: bool) {
+        self.files = None;
+        if !open {
+            return;
+        }
+        let waker = self.waker.clone();
+        match FileBrowser::start(self.last_folder.clone(), move || waker.wake()) {
+            Ok(files) => self.files = Some(files),
+            Err(error) => self.reports.answer(format!("folders cannot be read: {error}")),
+        }
+    }
+
+    /// Does what was picked in the list of files.
+    fn follow_pick(&mut self, picked: Picked) {
+        match picked {
+            Picked::Nothing => return,
+            Picked::Close => {}
+            Picked::Open { path, append } => {
+                self.last_folder = path.parent().map(Path::to_owned);
+                self.open_files(vec![path], append);
+            }
+        }
+        if self.panels.open() == Some(Panel::Files) {
+            self.toggle_panel(Panel::Files);
+        }
+    }
+
+    /// Does what the pointer asked of the list of files.
+    fn obey_in_files(&mut self, request: FileRequest) {
+        let Some(files) = &mut self.files else { return };
+        let picked = match request {
+            FileRequest::Open { place, append } => files.open(place, append),
+            FileRequest::OpenFolder { append } => files.open_folder(append),
+            FileRequest::EnterPlace(place) => {
+                files.enter_place(place);
+                Picked::Nothing
+            }
+            FileRequest::Up => {
+                files.go_up();
+                Picked::Nothing
+            }
+            FileRequest::Close => Picked::Close,
+        };
+        self.follow_pick(picked);
+    }
+
+    /// Shows the last scene among these files, and plays the others or adds them to the tracks.
+    fn open_files(&mut self, files: Vec<PathBuf>, append: bool) {
+        let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
+        if let Some(scene) = scenes.into_iter().next_back() {
+            self.scene.show_source(SceneSource::File(scene));
+        }
+        if !music.is_empty() {
+            let words = self.listening.play_files(music, append);
+            self.answer(words);
+        }
     }
 
     /// Opens the list of scenes, or closes it.
@@ -192,6 +258,7 @@ impl Stage {
             self.window.set_fullscreen(false);
         }
         self.look_through_scenes(false);
+        self.look_through_files(false);
     }
 
     /// What the pointer asked for since the last call.
@@ -220,6 +287,7 @@ impl Stage {
             }
             Request::Listen(place) => self.listening.choose_source(place),
             Request::Scenes(request) => return self.obey_in_scenes(request),
+            Request::Files(request) => self.obey_in_files(request),
         }
         self.hurry_reports();
     }
@@ -283,6 +351,11 @@ impl Stage {
         if let (Some(browser), Some((key, held))) = (&mut self.browser, self.input.typed(event)) {
             let chosen = browser.take_key(key, held.control_key() || held.super_key());
             self.follow_choice(chosen);
+            return None;
+        }
+        if let (Some(files), Some((key, held))) = (&mut self.files, self.input.typed(event)) {
+            let picked = files.take_key(key, held.shift_key(), held.control_key() || held.super_key());
+            self.follow_pick(picked);
             return None;
         }
         match event {
@@ -364,13 +437,15 @@ impl Stage {
         let dropped = self.input.take_dropped();
         if !dropped.is_empty() {
             let append = self.input.shift_held() || self.panels.open() == Some(Panel::Tracks);
-            let words = self.listening.play_files(dropped, append);
-            self.answer(words);
+            self.open_files(dropped, append);
         }
         self.scene.update()?;
         if let (Some(browser), Some(thumbnails)) = (&mut self.browser, &mut self.thumbnails) {
             browser.set_present(self.scene.shown_source());
             browser.take(thumbnails);
+        }
+        if let Some(files) = &mut self.files {
+            files.update();
         }
         let now = Instant::now();
         self.reports.update(now);

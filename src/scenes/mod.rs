@@ -176,6 +176,11 @@ impl SceneSource {
     }
 }
 
+/// Whether a path is that of a scene, by its ending.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == ENDING)
+}
+
 /// The comment with which a scene's text begins, line by line; what it says about the scene.
 pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
     let lines = text.lines().map(|line| line.trim().strip_prefix('#').map(str::trim));

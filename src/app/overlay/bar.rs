@@ -162,7 +162,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             volume(ui, now, requests);
             let font = style::proportional(style::SMALL_SIZE);
             ui.add_space(6.0);
-            let room = ui.available_width() - 7.0 * BUTTON;
+            let room = ui.available_width() - 8.0 * BUTTON;
             let times = style::line(ui.painter(), &now.times(), font, style::DIM, room.max(1.0));
             if room > times.size().x {
                 let (place, _) = ui.allocate_exact_size(vec2(times.size().x, BUTTON), Sense::hover());
@@ -178,6 +178,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             if !now.live {
                 panel_button(ui, Icon::Tracks, Panel::Tracks, bar, requests);
             }
+            panel_button(ui, Icon::Folder, Panel::Files, bar, requests);
         });
     });
 }

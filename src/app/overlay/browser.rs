@@ -12,6 +12,8 @@ use egui::{
 use super::icons::{self, Icon};
 use super::requests::{Request, SceneRequest};
 use super::style;
+use image::RgbaImage;
+
 use crate::app::scene_browser::{SceneBrowser, Tile, TilePicture};
 
 /// Narrowest tile, in points; as many stand side by side as fit.
@@ -28,17 +30,19 @@ const WIDTH_MAX: f32 = 1180.0;
 /// Pictures that the GPU has, by the place of their bytes in memory; only of tiles that are seen.
 #[derive(Default)]
 pub(super) struct TilePictures {
-    textures: HashMap<usize, (Arc<ColorImage>, TextureHandle)>,
+    textures: HashMap<usize, (Arc<RgbaImage>, TextureHandle)>,
     /// The selected tile when it was last drawn: when it changes it is scrolled to.
     selected: Option<usize>,
 }
 
 impl TilePictures {
-    fn texture(&mut self, context: &egui::Context, image: &Arc<ColorImage>) -> egui::TextureId {
+    fn texture(&mut self, context: &egui::Context, image: &Arc<RgbaImage>) -> egui::TextureId {
         let key = Arc::as_ptr(image) as usize;
         let made = || {
             let options = TextureOptions::LINEAR;
-            (image.clone(), context.load_texture("tile", egui::ImageData::Color(image.clone()), options))
+            let size = [image.width() as usize, image.height() as usize];
+            let pixels = ColorImage::from_rgba_unmultiplied(size, image);
+            (image.clone(), context.load_texture("tile", pixels, options))
         };
         self.textures.entry(key).or_insert_with(made).1.id()
     }
@@ -149,7 +153,7 @@ fn tiles(
             }
         }
     });
-    let kept = |image: &Arc<ColorImage>| {
+    let kept = |image: &Arc<RgbaImage>| {
         let mut shown = seen.clone().filter_map(|place| browser.tile(place));
         shown.any(|tile| matches!(&tile.picture, TilePicture::There(of) if Arc::ptr_eq(of, image)))
     };

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
+use crate::app::file_browser::FileBrowser;
 use crate::app::scene_browser::SceneBrowser;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
@@ -33,6 +34,8 @@ pub struct OverlayContent<'a> {
     pub tracks: Option<Tracks<'a>>,
     /// The list of scenes.
     pub scenes: Option<&'a SceneBrowser>,
+    /// The list of files.
+    pub files: Option<&'a FileBrowser>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -164,6 +167,7 @@ impl OverlayContent<'_> {
             && self.bar.is_none()
             && self.tracks.is_none()
             && self.scenes.is_none()
+            && self.files.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -180,6 +184,7 @@ impl OverlayContent<'_> {
             || self.tracks.is_some()
             || self.sources.is_some()
             || self.scenes.is_some()
+            || self.files.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -193,6 +198,7 @@ impl OverlayContent<'_> {
         self.welcome.filter(|welcome| !welcome.is_gone(now)).hash(&mut hasher);
         (self.bar, self.hides_pointer).hash(&mut hasher);
         self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
+        self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

@@ -22,6 +22,7 @@ pub(super) enum Icon {
     Fullscreen,
     Cross,
     Star,
+    Folder,
 }
 
 /// Draws a sign in the middle of `rect`, `size` points high.
@@ -103,6 +104,18 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
                 let (x, y) = (0.8 * x, 0.75 * y);
                 pen.line(&[(x, 0.4 * y), (x, y), (0.4 * x, y)]);
             }
+        }
+        Icon::Folder => {
+            pen.line(&[
+                (-0.85, 0.7),
+                (-0.85, -0.65),
+                (-0.3, -0.65),
+                (-0.1, -0.4),
+                (0.85, -0.4),
+                (0.85, 0.7),
+                (-0.95, 0.7),
+            ]);
+            pen.line(&[(-0.85, -0.05), (0.85, -0.05)]);
         }
         Icon::Star => {
             let tip = |turn: f32| (turn.sin(), -turn.cos());
@@ -201,6 +214,7 @@ mod tests {
             Icon::Fullscreen,
             Icon::Cross,
             Icon::Star,
+            Icon::Folder,
         ];
         for icon in all {
             let context = egui::Context::default();

@@ -11,6 +11,7 @@
 mod bar;
 mod browser;
 mod content;
+mod files;
 mod help;
 mod icons;
 mod now_playing;
@@ -39,7 +40,7 @@ pub use content::{Notice, OverlayContent, Problem, Slider, SourceList};
 pub use now_playing::NowPlaying;
 use panels::Panels;
 use pointer::Pointer;
-pub use requests::{Panel, Request, SceneRequest, TrackRequest};
+pub use requests::{FileRequest, Panel, Request, SceneRequest, TrackRequest};
 pub use switches::PanelSwitches;
 pub use tracks::Tracks;
 pub use welcome::Welcome;

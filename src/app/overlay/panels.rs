@@ -7,7 +7,7 @@ use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, R
 use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
 use super::requests::Request;
-use super::{bar, browser, help, params, problem, sources, style, tracks, welcome};
+use super::{bar, browser, files, help, params, problem, sources, style, tracks, welcome};
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
@@ -23,7 +23,15 @@ const PROBLEM_WIDTH_MIN: f32 = 420.0;
 /// egui, and how the panels look.
 pub(super) struct Panels {
     context: Context,
+    kept: Kept,
+}
+
+/// What is kept from one layout to the next.
+#[derive(Default)]
+struct Kept {
     pictures: TilePictures,
+    /// The file that was selected when the list was last drawn.
+    selected_file: Option<usize>,
 }
 
 /// What was laid out.
@@ -45,7 +53,7 @@ impl Panels {
     pub(super) fn new() -> Self {
         let context = Context::default();
         style::apply(&context);
-        Self { context, pictures: TilePictures::default() }
+        Self { context, kept: Kept::default() }
     }
 
     /// egui's context.
@@ -62,11 +70,11 @@ impl Panels {
     ) -> LaidOut {
         let (mut panels, mut params_changed, mut requests) = (Vec::new(), false, Vec::new());
         // egui may ask for another pass when it learns sizes.
-        let pictures = &mut self.pictures;
+        let kept = &mut self.kept;
         let output = self.context.run_pass(input, |context| {
             panels.clear();
             requests.clear();
-            params_changed |= show(context, content, now, &mut panels, &mut requests, pictures);
+            params_changed |= show(context, content, now, &mut panels, &mut requests, kept);
         });
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
@@ -81,7 +89,7 @@ fn show(
     now: Instant,
     panels: &mut Vec<Rect>,
     requests: &mut Vec<Request>,
-    pictures: &mut TilePictures,
+    kept: &mut Kept,
 ) -> bool {
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
@@ -118,8 +126,12 @@ fn show(
     }
     panels.extend(help);
     match content.scenes {
-        Some(scenes) => panels.push(browser::show(context, space, scenes, pictures, requests)),
-        None => pictures.clear(),
+        Some(scenes) => panels.push(browser::show(context, space, scenes, &mut kept.pictures, requests)),
+        None => kept.pictures.clear(),
+    }
+    match content.files {
+        Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, requests)),
+        None => kept.selected_file = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);

@@ -13,6 +13,8 @@ pub enum Panel {
     Sources,
     /// The scenes.
     Scenes,
+    /// Files to open.
+    Files,
 }
 
 /// What the user asked for with the pointer.
@@ -30,6 +32,8 @@ pub enum Request {
     Listen(usize),
     /// Something with the list of scenes.
     Scenes(SceneRequest),
+    /// Something with the list of files.
+    Files(FileRequest),
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.
@@ -67,6 +71,29 @@ pub enum SceneRequest {
         /// Tiles side by side.
         columns: usize,
     },
+    /// To close the list.
+    Close,
+}
+
+/// What is asked of the list of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileRequest {
+    /// To open the entry at a place among those that match.
+    Open {
+        /// The place.
+        place: usize,
+        /// Whether a file follows the tracks that are there.
+        append: bool,
+    },
+    /// To open the folder with everything in it.
+    OpenFolder {
+        /// Whether it follows the tracks that are there.
+        append: bool,
+    },
+    /// To go to one of the places to begin with.
+    EnterPlace(usize),
+    /// To go to the folder above.
+    Up,
     /// To close the list.
     Close,
 }

@@ -237,6 +237,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
         act(Action::ToggleShuffle),
         act(Action::ChangeRepeat),
         act(Action::ToggleMute),
+        act(Action::TogglePanel(Panel::Files)),
         act(Action::TogglePanel(Panel::Tracks)),
         act(Action::TogglePanel(Panel::Sources)),
         act(Action::TogglePanel(Panel::Scenes)),

@@ -7,6 +7,7 @@ use super::Stage;
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
+use crate::app::file_browser::FileBrowser;
 use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
@@ -70,6 +71,7 @@ impl Stage {
             placed: &self.placed_scene,
             welcomed: self.welcomed,
             browser: self.browser.as_ref(),
+            files: self.files.as_ref(),
         };
         around.add_to(&mut content, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
@@ -125,6 +127,7 @@ impl Stage {
             placed: &self.placed_scene,
             welcomed: self.welcomed,
             browser: self.browser.as_ref(),
+            files: self.files.as_ref(),
         };
         around.add_to(&mut content, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
@@ -215,6 +218,7 @@ struct Around<'a> {
     placed: &'a Option<(SceneSource, String)>,
     welcomed: Option<Instant>,
     browser: Option<&'a SceneBrowser>,
+    files: Option<&'a FileBrowser>,
 }
 
 impl<'a> Around<'a> {
@@ -230,6 +234,7 @@ impl<'a> Around<'a> {
         content.add(reports.notice());
         listening.show_in(content, open == Some(Panel::Sources), now);
         content.scenes = self.browser;
+        content.files = self.files;
         content.tracks = self.tracks.map(|list| Tracks { list, present: playing.place.0 });
         content.hides_pointer = !self.awake && open.is_none() && content.params.is_none();
         if self.awake {

@@ -114,6 +114,8 @@ impl Opening<'_> {
             placed_scene: None,
             browser: None,
             thumbnails: None,
+            files: None,
+            last_folder: None,
             waker: waker.clone(),
             welcomed: None,
             overlay: Overlay::new(window.gl(), window.window()),

@@ -17,8 +17,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use directories::ProjectDirs;
-use egui::ColorImage;
-use image::ImageReader;
+use image::{ImageReader, RgbaImage};
 
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
@@ -35,25 +34,27 @@ const INTERVAL: Duration = Duration::from_millis(20);
 
 /// What was found out about a scene.
 #[derive(Debug)]
-pub(super) struct Looked {
+pub struct Looked {
+    /// The scene.
     pub source: SceneSource,
+    /// What was found out.
     pub about: About,
 }
 
 /// See [`Looked`].
 #[derive(Debug)]
-pub(super) enum About {
+pub enum About {
     /// What it says about itself.
     Comment(String),
     /// Its picture.
-    Picture(Arc<ColorImage>),
+    Picture(Arc<RgbaImage>),
     /// Why there is no picture.
     NoPicture(String),
 }
 
 /// See the module. Dropping it ends the process that draws.
 #[derive(Debug)]
-pub(in crate::app) struct Thumbnails {
+pub struct Thumbnails {
     wishes: Arc<Wishes>,
     looked: Receiver<Looked>,
 }
@@ -93,7 +94,7 @@ impl Thumbnails {
     ///
     /// # Errors
     /// There is no thread.
-    pub(in crate::app) fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+    pub fn start(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         let wishes = Arc::new(Wishes::default());
         let (sender, looked) = channel();
         let of_thread = wishes.clone();
@@ -121,19 +122,19 @@ impl Thumbnails {
     }
 
     /// Wants to know what scenes say about themselves. That takes little, so it comes before all pictures.
-    pub(super) fn ask_for_comments<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
+    pub fn ask_for_comments<'a>(&mut self, sources: impl DoubleEndedIterator<Item = &'a SceneSource>) {
         self.wishes.lock().extend(sources.rev().cloned().map(Wish::Comment));
         self.wishes.changed.notify_one();
     }
 
     /// Wants pictures: the first of these first, before those that were wanted earlier.
-    pub(super) fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
+    pub fn ask_for_pictures(&mut self, sources: Vec<SceneSource>) {
         self.wishes.lock().extend(sources.into_iter().rev().map(Wish::Picture));
         self.wishes.changed.notify_one();
     }
 
     /// What was found out next, if anything.
-    pub(super) fn poll(&mut self) -> Option<Looked> {
+    pub fn poll(&mut self) -> Option<Looked> {
         self.looked.try_recv().ok()
     }
 }
@@ -152,7 +153,7 @@ fn comment_of(source: &SceneSource) -> About {
 
 /// The picture of a scene: the one that is kept, or a new one.
 fn picture_of(source: &SceneSource, folder: Option<&Path>, wishes: &Wishes) -> About {
-    let found = || -> Result<ColorImage, String> {
+    let found = || -> Result<RgbaImage, String> {
         let text = source.text().map_err(|error| error.to_string())?;
         let key = key_of(source, &text)?;
         let kept = folder.map(|folder| folder.join(format!("{key:016x}.png")));
@@ -248,20 +249,18 @@ fn lower_priority(child: &Child) {
 #[cfg(not(target_os = "linux"))]
 fn lower_priority(_: &Child) {}
 
-fn read_png(path: &Path) -> image::ImageResult<ColorImage> {
+fn read_png(path: &Path) -> image::ImageResult<RgbaImage> {
     decode(&fs::read(path)?)
 }
 
 /// A picture of exactly the size that is drawn here: what lies in the folder may be anything.
-fn decode(bytes: &[u8]) -> image::ImageResult<ColorImage> {
+fn decode(bytes: &[u8]) -> image::ImageResult<RgbaImage> {
     let mut reader = ImageReader::new(io::Cursor::new(bytes));
     reader.set_format(image::ImageFormat::Png);
     let mut limits = image::Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(SIZE.0), Some(SIZE.1));
     reader.limits(limits);
-    let image = reader.decode()?.into_rgba8();
-    let size = [image.width() as usize, image.height() as usize];
-    Ok(ColorImage::from_rgba_unmultiplied(size, &image))
+    Ok(reader.decode()?.into_rgba8())
 }
 
 /// Keeps a picture for the next run. One that cannot be kept is drawn again then.
@@ -319,7 +318,7 @@ mod tests {
             image::RgbaImage::new(width, height).write_to(&mut bytes, image::ImageFormat::Png).unwrap();
             bytes.into_inner()
         };
-        assert_eq!(decode(&encoded(SIZE.0, SIZE.1)).unwrap().size, [320, 180]);
+        assert_eq!(decode(&encoded(SIZE.0, SIZE.1)).unwrap().dimensions(), SIZE);
         assert!(decode(&encoded(5_000, 10)).is_err(), "larger than any that was kept");
     }
 
