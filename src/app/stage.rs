@@ -60,6 +60,8 @@ pub(super) struct Stage {
     files: Option<FileBrowser>,
     last_folder: Option<PathBuf>,
     waker: Waker,
+    /// Whether nothing shows over the picture but what was asked for and what is wrong.
+    clean: bool,
     /// When the words at the start came up.
     welcomed: Option<Instant>,
     overlay: Overlay,

@@ -72,6 +72,8 @@ pub struct PlaySettings {
     pub program_cache: ProgramCache,
     /// Start in full screen.
     pub fullscreen: bool,
+    /// Show nothing over the picture but what was asked for and what is wrong.
+    pub clean: bool,
     /// Size of the window in pixels at the start.
     pub size: (u32, u32),
     /// Print the OpenGL version and driver, and end.

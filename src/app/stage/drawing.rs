@@ -72,6 +72,7 @@ impl Stage {
             welcomed: self.welcomed,
             browser: self.browser.as_ref(),
             files: self.files.as_ref(),
+            clean: self.clean,
         };
         around.add_to(&mut content, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
@@ -128,6 +129,7 @@ impl Stage {
             welcomed: self.welcomed,
             browser: self.browser.as_ref(),
             files: self.files.as_ref(),
+            clean: self.clean,
         };
         around.add_to(&mut content, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
@@ -219,6 +221,8 @@ struct Around<'a> {
     welcomed: Option<Instant>,
     browser: Option<&'a SceneBrowser>,
     files: Option<&'a FileBrowser>,
+    /// Whether nothing shows but what was asked for and what is wrong.
+    clean: bool,
 }
 
 impl<'a> Around<'a> {
@@ -236,8 +240,10 @@ impl<'a> Around<'a> {
         content.scenes = self.browser;
         content.files = self.files;
         content.tracks = self.tracks.map(|list| Tracks { list, present: playing.place.0 });
-        content.hides_pointer = !self.awake && open.is_none() && content.params.is_none();
-        if self.awake {
+        content.hides_pointer = (self.clean || !self.awake) && open.is_none() && content.params.is_none();
+        if self.clean {
+            content.notice = None;
+        } else if self.awake {
             content.bar = Some(Bar {
                 now: playing,
                 level: listening.level(),

@@ -117,6 +117,7 @@ impl Opening<'_> {
             files: None,
             last_folder: None,
             waker: waker.clone(),
+            clean: settings.clean,
             welcomed: None,
             overlay: Overlay::new(window.gl(), window.window()),
             panels: PanelSwitches::default(),
