@@ -185,7 +185,7 @@ mod tests {
             "0.02*(length(p)-1)",
             "3*(length(p)-1)",
             // Small beside something without end, and the same number away from both.
-            "min(length(p.xy - vec2(0, 15)) - 0.2, -log(exp(-60*(length(p)-0.3)) + exp(-60*abs(x)))/30)",
+            "min(length(p.xy - vec2(0, 15)) - 0.2, -log(exp(-60*(length(p)-0.3)) + exp(-60*(length(p.xz)-0.2+abs(y))))/30)",
         ] {
             assert!(world_of(text).steep, "{text}");
         }
