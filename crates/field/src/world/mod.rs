@@ -181,10 +181,9 @@ impl World {
             let tape = Tape::build(&scene.graph, &roots.distance[..1], &options).map_err(tape_error)?;
             let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
             bounds = bounds::find(&tape, &any);
-            let around = |inputs: &FrameInputs| {
-                bounds.unwrap_or_else(|| {
-                    Bounds::around(frame_tape.values(inputs).camera.target, steepness::AROUND)
-                })
+            let around = |inputs: &FrameInputs| match bounds {
+                Some(bounds) => vec![bounds],
+                None => steepness::around(frame_tape.values(inputs).camera.target),
             };
             let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
             steep = steepness::is_steep(&tape, frames);

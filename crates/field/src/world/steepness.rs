@@ -20,8 +20,9 @@ const STEEP_SHARE: f32 = 0.01;
 /// If half of the surface is flatter than this, steps by the value are far too short, and the points that count as a
 /// hit form a fat block around the surface.
 const FLATTEST: f32 = 0.2;
-/// Distance from the camera's target within which a scene without bounds is sampled.
-pub(super) const AROUND: f32 = 30.0;
+/// Distances from the camera's target within which a scene without bounds is sampled, in turn: what is small in a world
+/// without end is hardly met by samples from all over it.
+const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
 /// Frames that are sampled: silence at the start, then random ones.
 const FRAMES: usize = 4;
 /// Most points with which a frame begins.
@@ -42,22 +43,27 @@ struct Slopes {
 }
 
 /// Whether the value of the tape's first output is not a distance: it is steeper than 1 in too many samples, or much
-/// flatter at its surfaces. `frames` are the frames to sample, each with its box.
-pub(super) fn is_steep(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> bool {
+/// flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its points begin in turn.
+pub(super) fn is_steep(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> bool {
     let slopes = slopes(tape, frames);
     let steep = slopes.outside.iter().filter(|slope| **slope > STEEPEST).count();
     let flat = slopes.surface.iter().filter(|slope| **slope < FLATTEST).count();
     steep as f32 > STEEP_SHARE * slopes.outside.len() as f32 || 2 * flat > slopes.surface.len()
 }
 
-fn slopes(tape: &Tape, frames: impl Iterator<Item = (Bounds, FrameInputs)>) -> Slopes {
+/// The boxes in which a scene without bounds is sampled around the camera's target.
+pub(super) fn around(target: [f32; 3]) -> Vec<Bounds> {
+    AROUND.map(|reach| Bounds::around(target, reach)).to_vec()
+}
+
+fn slopes(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> Slopes {
     let mut found = Slopes::default();
     let affordable = CLAUSES_MAX / (tape.clauses().len().max(1) * (STEPS + 1) * FRAMES);
     let points = affordable.clamp(POINTS_MIN, POINTS_MAX);
-    for (frame, (region, inputs)) in frames.enumerate() {
+    for (frame, (regions, inputs)) in frames.enumerate() {
         let mut gradients = GradientEvaluator::new(tape, &inputs);
-        let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
-        for number in 0..points {
+        for (number, region) in regions.iter().cycle().take(points).enumerate() {
+            let size = (0..3).map(|axis| region.high[axis] - region.low[axis]).fold(0.0, f32::max);
             let random = |axis: usize| cell_hash((number + frame * POINTS_MAX) as f32, axis as f32);
             let mut at = [0, 1, 2]
                 .map(|axis| region.low[axis] + random(axis) * (region.high[axis] - region.low[axis]));
@@ -178,6 +184,8 @@ mod tests {
             "y-0.5*sin(x)",
             "0.02*(length(p)-1)",
             "3*(length(p)-1)",
+            // Small beside something without end, and the same number away from both.
+            "min(length(p.xy - vec2(0, 15)) - 0.2, -log(exp(-60*(length(p)-0.3)) + exp(-60*(length(p.xz)-0.2+abs(y))))/30)",
         ] {
             assert!(world_of(text).steep, "{text}");
         }
