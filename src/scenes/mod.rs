@@ -55,7 +55,7 @@ impl SceneSource {
     /// [`SceneError::Unknown`] for a single word that is none of these.
     pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
         let path = Path::new(argument);
-        if path.exists() || path.extension().is_some_and(|ending| ending == ENDING) {
+        if path.exists() || is_scene_file(path) {
             return Ok(Self::File(path.to_owned()));
         }
         // Names and formulas are text; an argument that is not text can only be a missing file.
@@ -174,6 +174,17 @@ impl SceneSource {
             }
         }
     }
+}
+
+/// Whether a path is that of a scene, by its ending.
+pub fn is_scene_file(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending == ENDING)
+}
+
+/// The comment with which a scene's text begins, line by line; what it says about the scene.
+pub fn first_comment(text: &str) -> impl Iterator<Item = &str> {
+    let lines = text.lines().map(|line| line.trim().strip_prefix('#').map(str::trim));
+    lines.take_while(Option::is_some).flatten().take_while(|line| !line.is_empty())
 }
 
 /// The names of the shipped scenes, sorted.
