@@ -23,6 +23,7 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::ending;
+use crate::export::ExportError;
 use crate::export::print::print_line;
 use crate::scenes::SceneError;
 use common::colors;
@@ -145,12 +146,16 @@ fn misspelt(first: Option<OsString>) -> Option<(String, String)> {
 
 /// A scene's mistakes in colour, if they are printed on a terminal.
 fn colored_on_a_terminal(error: anyhow::Error) -> anyhow::Error {
-    let mistakes = error.chain().find_map(|cause| match cause.downcast_ref() {
+    let found = error.chain().find_map(|cause| match cause.downcast_ref() {
+        Some(ExportError::Scene(error)) => Some(error),
+        _ => cause.downcast_ref(),
+    });
+    let mistakes = match found {
         Some(SceneError::Mistakes { name, colored, .. }) => {
             Some(format!("{name} has mistakes: correct what is underlined\n{}", colored.trim_end()))
         }
         _ => None,
-    });
+    };
     match mistakes {
         Some(text) if colors(&std::io::stderr()) => anyhow::Error::msg(text),
         _ => error,

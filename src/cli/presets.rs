@@ -52,3 +52,29 @@ pub(super) fn preset(place: Option<Place>) -> Preset {
         Some(Place::Loop) => Preset { duration: Some(8.0), sound: false, seam: Some(1.0), ..upright },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_documentation_has_a_row_for_each_place() {
+        let page = include_str!("../../docs/videos.md");
+        for place in Place::value_variants() {
+            let Preset { size: (width, height), fps, duration, sound, sound_rate, seam } =
+                preset(Some(*place));
+            let name = place.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+            let length = match (duration, seam) {
+                (None, _) => "the song's".to_owned(),
+                (Some(seconds), None) => format!("at most {seconds} s"),
+                (Some(seconds), Some(_)) => format!("{seconds} s"),
+            };
+            let sound = match sound_rate.filter(|_| sound) {
+                Some(rate) => format!("{} kHz", rate / 1000),
+                None => "none".to_owned(),
+            };
+            let row = format!("| `{name}` | {width}x{height} | {fps} | {length} | {sound} |");
+            assert!(page.contains(&row), "docs/videos.md should have the row\n{row}");
+        }
+    }
+}

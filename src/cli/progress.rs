@@ -1,6 +1,7 @@
 //! How far a job is: a bar on a terminal, otherwise a line every ten seconds.
 
-use std::fmt::Write;
+use std::fmt;
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -19,19 +20,27 @@ pub(super) enum Progress {
     /// On a terminal.
     Bar { bar: ProgressBar, has_length: bool },
     /// Elsewhere.
-    Lines { begun: Instant, told: Instant },
+    Lines { since: Option<Since> },
     /// To nobody.
     Quiet,
+}
+
+/// When the first frame was done.
+pub(super) struct Since {
+    begun: Instant,
+    /// How many were done then.
+    done: u64,
+    /// When the last line was told.
+    told: Instant,
 }
 
 impl Progress {
     /// Begins, on standard error.
     pub(super) fn begin(quiet: bool) -> Self {
-        let now = Instant::now();
         let target = ProgressDrawTarget::stderr();
         match (quiet, target.is_hidden()) {
             (true, _) => Self::Quiet,
-            (false, true) => Self::Lines { begun: now, told: now },
+            (false, true) => Self::Lines { since: None },
             (false, false) => {
                 let bar = ProgressBar::with_draw_target(None, target).with_style(style(COUNT));
                 Self::Bar { bar, has_length: false }
@@ -51,11 +60,16 @@ impl Progress {
                 }
                 bar.set_position(done);
             }
-            Self::Lines { begun, told } if told.elapsed() >= LINE_PERIOD => {
-                *told = Instant::now();
-                tell(&line(done, of, begun.elapsed().as_secs_f64()));
+            Self::Lines { since } => {
+                // Before the first frame shaders are compiled, which says nothing about the others.
+                let now = Instant::now();
+                let since = since.get_or_insert(Since { begun: now, done, told: now });
+                if since.told.elapsed() >= LINE_PERIOD {
+                    since.told = now;
+                    let rate = (done - since.done) as f64 / since.begun.elapsed().as_secs_f64();
+                    tell(&line(done, of, rate));
+                }
             }
-            Self::Lines { .. } => {}
         }
     }
 
@@ -63,13 +77,14 @@ impl Progress {
     pub(super) fn end(self) {
         if let Self::Bar { bar, .. } = self {
             bar.abandon();
+            // A terminal that is gone is no reason to stop.
+            let _ = writeln!(std::io::stderr());
         }
     }
 }
 
-/// A line about how far it is after so many seconds.
-fn line(done: u64, of: Option<u64>, seconds: f64) -> String {
-    let rate = done as f64 / seconds.max(1e-3);
+/// A line about how far it is, at so many frames a second.
+fn line(done: u64, of: Option<u64>, rate: f64) -> String {
     match of.filter(|of| *of > 0) {
         Some(of) => format!(
             "frame {done} of {of}, {} %, {rate:.1} a second, {} left",
@@ -88,10 +103,10 @@ fn clock(seconds: f64) -> String {
 }
 
 fn style(template: &str) -> ProgressStyle {
-    let rate = |state: &ProgressState, to: &mut dyn Write| {
+    let rate = |state: &ProgressState, to: &mut dyn fmt::Write| {
         let _ = write!(to, "{:.1}", state.per_sec());
     };
-    let left = |state: &ProgressState, to: &mut dyn Write| {
+    let left = |state: &ProgressState, to: &mut dyn fmt::Write| {
         let _ = to.write_str(&clock(state.eta().as_secs_f64()));
     };
     // The templates are those above.
@@ -105,8 +120,8 @@ mod tests {
 
     #[test]
     fn a_line_tells_share_rate_and_time_left() {
-        assert_eq!(line(120, Some(900), 10.0), "frame 120 of 900, 13 %, 12.0 a second, 1:05 left");
-        assert_eq!(line(5, None, 10.0), "frame 5, 0.5 a second");
+        assert_eq!(line(120, Some(900), 12.0), "frame 120 of 900, 13 %, 12.0 a second, 1:05 left");
+        assert_eq!(line(5, None, 0.5), "frame 5, 0.5 a second");
         assert_eq!(line(1, Some(8000), 1.0), "frame 1 of 8000, 0 %, 1.0 a second, 2:13:19 left");
     }
 

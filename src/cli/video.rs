@@ -44,6 +44,9 @@ pub(super) struct VideoArguments {
     /// How much of the picture the encoding keeps
     #[arg(long, value_name = "HOW", default_value = "high")]
     quality: EncodingChoice,
+    /// Show the song's title and artist over the first five seconds
+    #[arg(long)]
+    title_card: bool,
     /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
@@ -94,6 +97,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         quality: arguments.quality.into(),
         sound: preset.sound,
         sound_rate: preset.sound_rate,
+        title_card: arguments.title_card,
         seam: preset.seam,
     };
     let mut progress = Progress::begin(arguments.quiet);

@@ -108,6 +108,19 @@ pub enum ExportError {
     /// A picture that the encoder refuses.
     #[error("the picture could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
+    /// A codec that the video's format cannot hold.
+    #[error(
+        "{} cannot hold {codec}: choose one of {takes} by --codec, or give -o a name that ends in .mp4 or .mkv",
+        .path.display()
+    )]
+    CodecFormat {
+        /// The output.
+        path: PathBuf,
+        /// The codec that was asked for.
+        codec: &'static str,
+        /// What the format can hold.
+        takes: &'static str,
+    },
     /// ffmpeg is not installed.
     #[error(
         "a video needs ffmpeg, which was not found ({0}): install it, or give -o a folder that ends in '/' to write stills"

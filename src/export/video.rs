@@ -5,6 +5,7 @@ mod encoding;
 mod seam;
 mod sink;
 mod timeline;
+mod title_card;
 mod y4m;
 
 use super::error::ExportError;
@@ -21,6 +22,7 @@ pub use timeline::TimedScene;
 use seam::Seam;
 use sink::{FrameWriter, Sink};
 use timeline::Timeline;
+use title_card::TitleCard;
 
 /// Which video to make.
 #[derive(Debug, Clone)]
@@ -54,6 +56,8 @@ pub struct VideoRequest {
     pub sound: bool,
     /// The rate of the sound, in hertz; none is the song's, or what the format has instead.
     pub sound_rate: Option<u32>,
+    /// Whether title and artist are seen over the first seconds.
+    pub title_card: bool,
     /// If the last picture is followed by the first again: how long the end fades into the beginning, in seconds. Takes
     /// a duration.
     pub seam: Option<f64>,
@@ -70,6 +74,7 @@ pub fn write_video(
 ) -> Result<u64, ExportError> {
     if let Output::Path(path) = &request.output {
         refuse_the_song(&request.song, path)?;
+        encoding::require_fit(request.codec, path)?;
     }
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;
@@ -89,6 +94,7 @@ pub fn write_video(
     if seam.is_some() && expected < asked {
         return Err(too_long(expected.unwrap_or(0)));
     }
+    let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
     let mut scenes = Timeline::open(request)?;
     let writer = FrameWriter::start(Sink::open(request)?)?;
     let (mut drawn, mut written) = (0, 0);
@@ -104,7 +110,10 @@ pub fn write_video(
             Some(seam) => seam.pass(picture)?,
             None => Some(picture),
         };
-        if let Some(picture) = next {
+        if let Some(mut picture) = next {
+            if let Some(card) = &card {
+                card.draw_over(&mut picture, written as f64 / request.fps);
+            }
             if !writer.take(picture) {
                 break;
             }

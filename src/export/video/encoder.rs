@@ -2,11 +2,13 @@
 
 use std::ffi::{OsStr, OsString};
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+
+use image::{ImageFormat, ImageReader};
 
 use super::VideoRequest;
 use super::encoding::{arguments_of, is_mp4};
@@ -188,10 +190,12 @@ fn cover_file(
 ) -> Option<(PathBuf, CoverKind)> {
     let can = is_mp4(output) || output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("mkv"));
     let Cover { kind, bytes } = decoder.cover().ok()?.filter(|_| can)?;
-    let ending = match kind {
-        CoverKind::Jpeg => ".jpg",
-        CoverKind::Png => ".png",
+    let (ending, format) = match kind {
+        CoverKind::Jpeg => (".jpg", ImageFormat::Jpeg),
+        CoverKind::Png => (".png", ImageFormat::Png),
     };
+    // Nor does ffmpeg go on with one that it cannot read.
+    ImageReader::with_format(Cursor::new(&bytes), format).decode().ok()?;
     // A video without its cover is better than none.
     Some((keep(&bytes, ending, inputs).ok()?, kind))
 }

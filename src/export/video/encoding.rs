@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::VideoRequest;
+use crate::export::error::ExportError;
 
 /// The codecs of a video's pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +52,20 @@ pub(super) fn is_mp4(path: &Path) -> bool {
 fn ends_in(path: &Path, endings: &[&str]) -> bool {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     ending.is_some_and(|ending| endings.contains(&ending.as_str()))
+}
+
+/// Refuses a codec that the format of the video at `path` cannot hold.
+pub(super) fn require_fit(codec: Option<Codec>, path: &Path) -> Result<(), ExportError> {
+    let refused = |codec: &'static str, takes: &'static str| {
+        Err(ExportError::CodecFormat { path: path.to_owned(), codec, takes })
+    };
+    match codec {
+        Some(Codec::H264) if ends_in(path, &["webm"]) => refused("h264", "vp9 and av1"),
+        Some(Codec::H265) if ends_in(path, &["webm"]) => refused("h265", "vp9 and av1"),
+        Some(Codec::Vp9) if ends_in(path, &["mov"]) => refused("vp9", "h264 and h265"),
+        Some(Codec::Av1) if ends_in(path, &["mov"]) => refused("av1", "h264 and h265"),
+        _ => Ok(()),
+    }
 }
 
 /// What is said about the pictures and the sound of the video at `path`.
