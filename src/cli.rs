@@ -64,7 +64,7 @@ Press H in the window to see the keys.";
 
 #[derive(Subcommand)]
 enum Command {
-    /// Render one moment of a song to a PNG, JPEG or WebP, without a window and without a sound card
+    /// Render one moment of a song to a PNG, JPEG or WebP, without a window or a sound card
     #[command(after_help = "Examples:\n  mariana still song.flac --at 12.5 --size 1280x720 -o frame.png\n  \
                             mariana still --at 30 -o demo.png       of the demo track\n  \
                             mariana still --scene orb --set volume.x=0.5 -o - > orb.png")]
