@@ -18,6 +18,8 @@ pub struct Limits {
     pub fps_max: f64,
     /// Longest time that `--at`, `--start` and `--duration` take, in seconds (a day).
     pub seconds_max: f64,
+    /// Most bytes of a song that comes by standard input (1 GiB).
+    pub standard_input_bytes_max: u64,
     /// Most bytes of the settings file.
     pub settings_bytes_max: usize,
     /// Largest shader source after its includes were resolved, in bytes.
@@ -57,6 +59,7 @@ pub const LIMITS: Limits = Limits {
     fps_min: 1.0,
     fps_max: 1_000.0,
     seconds_max: 86_400.0,
+    standard_input_bytes_max: 1 << 30,
     settings_bytes_max: 1 << 20,
     shader_bytes_max: 1 << 20,
     texture_bytes_max: 1 << 25,

@@ -1,6 +1,7 @@
 //! What the command line chooses from, and what that means.
 
 use crate::config::{QualityChoice, SdfChoice};
+use crate::export::video::{Codec, EncodingQuality};
 use crate::gpu::scene_resources::CellUse;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
@@ -107,6 +108,53 @@ impl From<Quality> for QualityChoice {
             Quality::Medium => QualityChoice::Medium,
             Quality::High => QualityChoice::High,
             Quality::Best => QualityChoice::Best,
+        }
+    }
+}
+
+/// See [`Codec`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum CodecChoice {
+    /// What everything plays
+    H264,
+    /// Half of the bytes
+    H265,
+    /// For webm
+    Vp9,
+    /// The smallest, and the slowest to make
+    Av1,
+}
+
+impl From<CodecChoice> for Codec {
+    fn from(choice: CodecChoice) -> Self {
+        match choice {
+            CodecChoice::H264 => Self::H264,
+            CodecChoice::H265 => Self::H265,
+            CodecChoice::Vp9 => Self::Vp9,
+            CodecChoice::Av1 => Self::Av1,
+        }
+    }
+}
+
+/// See [`EncodingQuality`].
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum EncodingChoice {
+    /// A small preview
+    Low,
+    Medium,
+    /// Hardly a difference is seen
+    High,
+    /// For services that encode it once more
+    Best,
+}
+
+impl From<EncodingChoice> for EncodingQuality {
+    fn from(choice: EncodingChoice) -> Self {
+        match choice {
+            EncodingChoice::Low => Self::Low,
+            EncodingChoice::Medium => Self::Medium,
+            EncodingChoice::High => Self::High,
+            EncodingChoice::Best => Self::Best,
         }
     }
 }

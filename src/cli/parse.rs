@@ -38,6 +38,23 @@ fn within(value: f64, low: f64, high: f64, unit: &str) -> Result<f64, String> {
     }
 }
 
+/// A whole number of something.
+fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, String> {
+    let value: i64 = text.trim().parse().map_err(|_| format!("'{text}' is not a whole number"))?;
+    let value = u16::try_from(value).ok().filter(|value| (low..=high).contains(value));
+    value.ok_or_else(|| format!("it must be from {low} to {high} {unit}"))
+}
+
+/// A volume.
+pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
+    Ok(parse_whole(text, 0, 100, "percent")? as u8)
+}
+
+/// How many frames are timed.
+pub(super) fn parse_frames(text: &str) -> Result<u16, String> {
+    parse_whole(text, 1, 10_000, "frames")
+}
+
 /// A time in a song: `80`, `1:20`, `1:20.5`, `1:02:03`. Only the largest unit counts on beyond 59.
 pub(super) fn parse_seconds(text: &str) -> Result<f64, String> {
     let whole = |text: &str| text.parse::<u32>().ok().map(f64::from);

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::atomic_file::Unwritable;
+use crate::frame::held_inputs::OutOfRange;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
 use mariana_field::world::WorldError;
@@ -41,9 +42,9 @@ pub enum ExportError {
         /// What the system said.
         reason: String,
     },
-    /// ffmpeg's temporary input, or the file of its messages, cannot be written.
+    /// ffmpeg's temporary input, the file of its messages or the frames of a loop's seam cannot be written.
     #[error(
-        "files for ffmpeg cannot be written in {} ({reason}): set TMPDIR to a folder with enough space",
+        "temporary files cannot be written in {} ({reason}): set TMPDIR to a folder with enough space",
         .folder.display()
     )]
     Temporary {
@@ -59,14 +60,67 @@ pub enum ExportError {
         path: PathBuf,
     },
     /// A still in a format that is not written.
-    #[error("{} cannot be written: stills are PNGs or JPEGs, so give -o a name that ends in .png or .jpg", .path.display())]
+    #[error(
+        "{} cannot be written: stills are PNGs, JPEGs or WebPs, so give -o a name that ends in .png or .jpg or .webp",
+        .path.display()
+    )]
     StillFormat {
         /// The output.
         path: PathBuf,
     },
+    /// An input that no scene has.
+    #[error("there is no input '{name}' to --set: choose one of {inputs}")]
+    NoInput {
+        /// The name that was given.
+        name: String,
+        /// The names that there are.
+        inputs: String,
+    },
+    /// A value that an input cannot have.
+    #[error(transparent)]
+    OutOfRange(#[from] OutOfRange),
+    /// Nothing was asked to be shown at the start.
+    #[error(
+        "the first scene begins at {from} s, but the video at {start} s: give that scene an earlier time, or none"
+    )]
+    NothingAtFirst {
+        /// When the first scene begins, in seconds.
+        from: f64,
+        /// When the video begins, in seconds.
+        start: f64,
+    },
+    /// Too little sound for a loop.
+    #[error(
+        "a loop of {length} s and its seam take {needed:.2} s of the song, but only {left:.2} s are left: choose an \
+         earlier --start or a shorter --duration"
+    )]
+    LoopTooLong {
+        /// How long the loop should be, in seconds.
+        length: f64,
+        /// How much of the song it takes, in seconds.
+        needed: f64,
+        /// How much of the song there is from its start, in seconds.
+        left: f64,
+    },
+    /// The system has no thread for the work.
+    #[error("no thread can be started ({0}): end other programs")]
+    Thread(std::io::Error),
     /// A picture that the encoder refuses.
     #[error("the picture could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
+    /// A codec that the video's format cannot hold.
+    #[error(
+        "{} cannot hold {codec}: choose one of {takes} by --codec, or give -o a name that ends in .mp4 or .mkv",
+        .path.display()
+    )]
+    CodecFormat {
+        /// The output.
+        path: PathBuf,
+        /// The codec that was asked for.
+        codec: &'static str,
+        /// What the format can hold.
+        takes: &'static str,
+    },
     /// ffmpeg is not installed.
     #[error(
         "a video needs ffmpeg, which was not found ({0}): install it, or give -o a folder that ends in '/' to write stills"

@@ -3,6 +3,7 @@
 pub mod analyze;
 pub mod bench;
 pub mod error;
+pub mod output;
 pub mod painter;
 pub mod print;
 pub mod song_features;

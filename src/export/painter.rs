@@ -3,6 +3,7 @@
 use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
+use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
@@ -17,6 +18,7 @@ use crate::scenes::{ReadyScene, SceneSource};
 use crate::view::ViewChoice;
 use crate::view::legend::LegendPainter;
 use crate::view::setup::ViewSetup;
+use mariana_field::lang::Scene;
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{TapeBuffers, ToneMap, World};
 use mariana_music::Sound;
@@ -62,6 +64,7 @@ pub struct Painter {
     resources: SceneResources,
     mode: Mode,
     view: Option<(ViewChoice, LegendPainter)>,
+    held: HeldInputs,
     // Last: what it holds is dropped first.
     context: Headless,
 }
@@ -74,7 +77,15 @@ impl Painter {
     /// # Errors
     /// The scene or the driver refuses.
     pub fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
-        let ReadyScene { world, buffers, plan, .. } = choice.source.ready()?;
+        Self::of_ready(choice, choice.source.ready()?)
+    }
+
+    /// The same for the choice's source as it was read before.
+    ///
+    /// # Errors
+    /// The driver refuses.
+    pub fn of_ready(choice: &SceneChoice, ready: ReadyScene) -> Result<Self, ExportError> {
+        let ReadyScene { world, buffers, plan, .. } = ready;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
         let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
@@ -96,7 +107,18 @@ impl Painter {
         };
         resources.set_cells(resources.uses_cells(wish, mode));
         let view = choice.view.map(|view| (view, LegendPainter::default()));
-        Ok(Self { renderer, program, resources, mode, view, context })
+        Ok(Self { renderer, program, resources, mode, view, held: HeldInputs::default(), context })
+    }
+
+    /// Holds inputs of the scene from now on; those that it does not have are passed over.
+    ///
+    /// # Errors
+    /// A value outside its input's range.
+    pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
+        for setting in set {
+            self.held.hold(&self.resources.world().scene, setting)?;
+        }
+        Ok(())
     }
 
     /// Draws the scene at `time` seconds with the sound of that moment, `size` pixels large.
@@ -104,7 +126,7 @@ impl Painter {
     /// # Errors
     /// What the driver refuses.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let frame = Frame::new(self.resources.world(), time, sound, size);
+        let frame = Frame::holding(self.resources.world(), time, sound, size, &self.held);
         let Some((view, legends)) = &mut self.view else {
             return Ok(self.renderer.draw(&frame, &self.resources, &self.program)?);
         };
@@ -149,6 +171,24 @@ impl Painter {
     pub fn gl(&self) -> &Gl {
         self.context.gl()
     }
+}
+
+/// Refuses settings that none of the scenes has an input for, and values outside an input's range.
+///
+/// # Errors
+/// [`ExportError::NoInput`] and [`ExportError::OutOfRange`].
+pub fn require_inputs(scenes: &[&Scene], set: &[Setting]) -> Result<(), ExportError> {
+    for setting in set {
+        let mut known = false;
+        for scene in scenes {
+            known |= HeldInputs::default().hold(scene, setting)?;
+        }
+        if !known {
+            let (name, inputs) = (setting.name.clone(), InputNames(scenes).to_string());
+            return Err(ExportError::NoInput { name, inputs });
+        }
+    }
+    Ok(())
 }
 
 /// How a [`Painter`] draws a scene on a driver.

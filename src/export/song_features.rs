@@ -83,7 +83,7 @@ impl SongFeatures {
     }
 
     /// Whether the song is known to end at or before a time.
-    fn is_over(&self, time: f64) -> bool {
+    pub fn is_over(&self, time: f64) -> bool {
         self.ended && time >= self.decoded()
     }
 

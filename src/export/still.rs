@@ -1,15 +1,18 @@
 //! One moment of a song as a picture.
 
 use std::io::Cursor;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
+use image::codecs::webp::WebPEncoder;
 use image::{ColorType, ExtendedColorType, ImageFormat};
 
 use super::error::ExportError;
-use super::painter::{Painter, SceneChoice};
+use super::output::{Output, write_standard};
+use super::painter::{Painter, SceneChoice, require_inputs};
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
+use crate::frame::held_inputs::Setting;
 use mariana_music::Gain;
 use mariana_player::song::Song;
 
@@ -24,10 +27,12 @@ pub struct StillRequest {
     pub size: (u32, u32),
     /// Whether quiet and loud sound move the picture alike.
     pub gain: Gain,
-    /// The picture: a PNG or, if it is called so, a JPEG.
-    pub output: PathBuf,
+    /// The picture: a PNG or, if it is called so, a JPEG or a WebP.
+    pub output: Output,
     /// The scene.
     pub scene: SceneChoice,
+    /// Inputs of the scene that are held.
+    pub set: Vec<Setting>,
 }
 
 /// Makes the still: the same bytes in every run on one machine.
@@ -36,18 +41,30 @@ pub struct StillRequest {
 /// The song, the driver or the output is refused.
 pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     // The output is opened first, because one that cannot be written should cost no work.
-    let format = StillFormat::of(&request.output)?;
-    refuse_the_song(&request.song, &request.output)?;
-    let file = AtomicFile::create(&request.output)?;
+    let (format, file) = match &request.output {
+        Output::Path(path) => {
+            let format = StillFormat::of(path)?;
+            refuse_the_song(&request.song, path)?;
+            (format, Some(AtomicFile::create(path)?))
+        }
+        Output::Standard => (StillFormat::Png, None),
+    };
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
-    let mut painter = Painter::open(&request.scene)?;
+    let ready = request.scene.source.ready()?;
+    require_inputs(&[&ready.world.scene], &request.set)?;
+    let mut painter = Painter::of_ready(&request.scene, ready)?;
+    painter.hold(&request.set)?;
     painter.draw(request.at, sound, request.size)?;
     let rgba = painter.read();
     let bytes = match format {
         StillFormat::Png => png(&rgba, request.size)?,
         StillFormat::Jpeg => jpeg(&rgba, request.size)?,
+        StillFormat::WebP => webp(&rgba, request.size)?,
     };
-    Ok(file.write(&bytes)?)
+    match file {
+        Some(file) => Ok(file.write(&bytes)?),
+        None => write_standard(&bytes).map(|_| ()),
+    }
 }
 
 /// The formats of stills.
@@ -55,6 +72,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
 enum StillFormat {
     Png,
     Jpeg,
+    WebP,
 }
 
 /// Of 1 to 100: no difference is seen at the size at which a picture is made.
@@ -67,6 +85,7 @@ impl StillFormat {
         match ending.to_string_lossy().to_lowercase().as_str() {
             "png" => Ok(Self::Png),
             "jpg" | "jpeg" => Ok(Self::Jpeg),
+            "webp" => Ok(Self::WebP),
             _ => Err(ExportError::StillFormat { path: path.to_owned() }),
         }
     }
@@ -107,6 +126,14 @@ pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
 fn jpeg(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
     let mut bytes = Vec::new();
     let mut encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    encoder.encode(&opaque(rgba), size.0, size.1, ExtendedColorType::Rgb8)?;
+    Ok(bytes)
+}
+
+/// The same as a WebP without loss.
+fn webp(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
+    let mut bytes = Vec::new();
+    let encoder = WebPEncoder::new_lossless(&mut bytes);
     encoder.encode(&opaque(rgba), size.0, size.1, ExtendedColorType::Rgb8)?;
     Ok(bytes)
 }

@@ -1,21 +1,28 @@
-//! A stretch of a song as a video (made with ffmpeg) or as numbered stills.
+//! A stretch of a song as a video (made with ffmpeg), as numbered stills or as a stream of pictures.
 
-use std::ffi::OsString;
-use std::fs::File;
-use std::io::{Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+mod encoder;
+mod encoding;
+mod seam;
+mod sink;
+mod timeline;
+mod title_card;
+mod y4m;
 
 use super::error::ExportError;
-use super::painter::{Painter, SceneChoice};
+use super::output::Output;
 use super::song_features::SongFeatures;
-use super::still::{refuse_the_song, write_png};
-use crate::atomic_file::{AtomicFile, Unfinished, without_path};
-use crate::ending::{self, Undo};
+use super::still::refuse_the_song;
+use crate::frame::held_inputs::Setting;
 use mariana_music::Gain;
 use mariana_player::song::Song;
+
+pub use encoding::{Codec, EncodingQuality};
+pub use timeline::TimedScene;
+
+use seam::Seam;
+use sink::{FrameWriter, Sink};
+use timeline::Timeline;
+use title_card::TitleCard;
 
 /// Which video to make.
 #[derive(Debug, Clone)]
@@ -34,13 +41,29 @@ pub struct VideoRequest {
     pub gain: Gain,
     /// Whether more than three flashes a second are dimmed.
     pub limit_flashes: bool,
-    /// The video; or, if it ends in a slash or is a folder, where numbered stills go.
-    pub output: PathBuf,
-    /// The scene.
-    pub scene: SceneChoice,
+    /// The video; or, if it ends in a slash or is a folder, where numbered stills go. Standard output gets the pictures
+    /// alone, as YUV4MPEG2.
+    pub output: Output,
+    /// The scenes, and from when on each is shown.
+    pub scenes: Vec<TimedScene>,
+    /// Inputs of the scenes that are held.
+    pub set: Vec<Setting>,
+    /// How the pictures are encoded; none is as the output's name says.
+    pub codec: Option<Codec>,
+    /// How much of the pictures the encoding keeps.
+    pub quality: EncodingQuality,
+    /// Whether the song is heard.
+    pub sound: bool,
+    /// The rate of the sound, in hertz; none is the song's, or what the format has instead.
+    pub sound_rate: Option<u32>,
+    /// Whether title and artist are seen over the first seconds.
+    pub title_card: bool,
+    /// If the last picture is followed by the first again: how long the end fades into the beginning, in seconds. Takes
+    /// a duration.
+    pub seam: Option<f64>,
 }
 
-/// Makes the video or the stills and returns the number of frames. `progress` gets the number of frames done and, if
+/// Makes the video or the stills and returns the number of frames. `progress` gets the number of frames drawn and, if
 /// the length is known, the total.
 ///
 /// # Errors
@@ -49,226 +72,69 @@ pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<u64, ExportError> {
-    refuse_the_song(&request.song, &request.output)?;
+    if let Output::Path(path) = &request.output {
+        refuse_the_song(&request.song, path)?;
+        encoding::require_fit(request.codec, path)?;
+    }
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;
-    let length = match (request.duration, song.duration()) {
-        (Some(asked), Some(song)) => Some(asked.min(song - request.start)),
-        (asked, song) => asked.or(song.map(|song| song - request.start)),
+    let asked = request.duration.map(|seconds| frames_in(seconds, request.fps));
+    let left = song.duration().map(|seconds| frames_in(seconds - request.start, request.fps));
+    let mut seam = match (request.seam, asked) {
+        (Some(seconds), Some(frames)) => Some(Seam::new(frames, frames_in(seconds, request.fps))?),
+        _ => None,
     };
-    let expected = length.map(|seconds| (seconds * request.fps).ceil() as u64);
-    let mut painter = Painter::open(&request.scene)?;
-    if request.limit_flashes {
-        painter.add_flash_limiter(&request.scene.shaders)?;
+    let asked = seam.as_ref().map(Seam::needed).or(asked);
+    let expected = asked.into_iter().chain(left).min();
+    let too_long = |left: u64| {
+        let seconds = |frames: u64| frames as f64 / request.fps;
+        let (length, needed) = (request.duration.unwrap_or(0.0), asked.map_or(0.0, seconds));
+        ExportError::LoopTooLong { length, needed, left: seconds(left) }
+    };
+    if seam.is_some() && expected < asked {
+        return Err(too_long(expected.unwrap_or(0)));
     }
-    let mut sink = Sink::open(request)?;
-    let mut frames = 0;
-    loop {
-        let offset = frames as f64 / request.fps;
-        if request.duration.is_some_and(|duration| offset >= duration) {
-            break;
-        }
-        let time = request.start + offset;
+    let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
+    let mut scenes = Timeline::open(request)?;
+    let writer = FrameWriter::start(Sink::open(request)?)?;
+    let (mut drawn, mut written) = (0, 0);
+    while asked.is_none_or(|asked| drawn < asked) {
+        let time = request.start + drawn as f64 / request.fps;
         let Some(sound) = song.sound_at(time)? else { break };
+        let Some(painter) = scenes.painter_at(time)? else { break };
         painter.draw(time, sound, request.size)?;
         painter.limit_flashes(1.0 / request.fps)?;
-        sink.take(frames, &painter.read())?;
-        frames += 1;
-        progress(frames, expected);
-    }
-    sink.finish()?;
-    Ok(frames)
-}
-
-/// Where the frames go.
-enum Sink<'a> {
-    Stills { folder: &'a Path, size: (u32, u32) },
-    Encoder(Box<Encoder>),
-}
-
-impl<'a> Sink<'a> {
-    fn open(request: &'a VideoRequest) -> Result<Self, ExportError> {
-        let output = &request.output;
-        let wants_stills = output.is_dir() || output.to_string_lossy().ends_with(['/', '\\']);
-        if wants_stills {
-            std::fs::create_dir_all(output).map_err(|error| ExportError::Unwritable {
-                path: output.clone(),
-                reason: error.to_string(),
-            })?;
-            return Ok(Sink::Stills { folder: output, size: request.size });
-        }
-        Ok(Sink::Encoder(Box::new(Encoder::start(request)?)))
-    }
-
-    fn take(&mut self, index: u64, rgba: &[u8]) -> Result<(), ExportError> {
-        match self {
-            Sink::Stills { folder, size } => {
-                write_png(&folder.join(format!("frame-{index:05}.png")), rgba, *size)
-            }
-            Sink::Encoder(encoder) => encoder.take(rgba),
-        }
-    }
-
-    fn finish(self) -> Result<(), ExportError> {
-        match self {
-            Sink::Stills { .. } => Ok(()),
-            Sink::Encoder(encoder) => encoder.finish(),
-        }
-    }
-}
-
-/// How much of the end of ffmpeg's messages is read.
-const COMPLAINT_BYTES: u64 = 4096;
-
-/// Extensions for which ffmpeg writes a list and further files beside it, named after the list's temporary name.
-const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
-
-/// What happens to the pictures: most players take 4:2:0 only, which needs even sides; and the colours become those of
-/// [`COLORS`].
-const PICTURES: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
-/// The colours that a video's header tells. Players take BT.709 for large pictures and BT.601 for small ones unless they
-/// are told, and ffmpeg makes BT.601 of RGB unless it is told.
-const COLORS: [[&str; 2]; 4] = [
-    ["-colorspace", "bt709"],
-    ["-color_primaries", "bt709"],
-    ["-color_trc", "bt709"],
-    ["-color_range", "tv"],
-];
-
-/// How often to check whether ffmpeg has ended.
-const LOOK_PERIOD: Duration = Duration::from_millis(5);
-
-/// ffmpeg, fed with raw frames.
-struct Encoder {
-    child: Arc<Mutex<Child>>,
-    /// None once ffmpeg has all frames.
-    frames: Option<ChildStdin>,
-    /// Taken when the output is put in its place.
-    output: Option<AtomicFile>,
-    path: PathBuf,
-    /// ffmpeg's messages. A file, because a pipe that nobody reads would stop ffmpeg.
-    complaints: File,
-    /// Keeps the demo track's file for as long as ffmpeg reads it.
-    _sound: Option<Unfinished>,
-    /// Ends ffmpeg with this process.
-    _end: Undo,
-}
-
-impl Encoder {
-    fn start(request: &VideoRequest) -> Result<Self, ExportError> {
-        let folder = std::env::temp_dir();
-        let no_room = |error: std::io::Error| ExportError::Temporary {
-            folder: folder.clone(),
-            reason: without_path(error).to_string(),
+        drawn += 1;
+        let picture = painter.read();
+        let next = match &mut seam {
+            Some(seam) => seam.pass(picture)?,
+            None => Some(picture),
         };
-        if SEVERAL_FILES
-            .iter()
-            .any(|end| request.output.extension().is_some_and(|e| e.eq_ignore_ascii_case(end)))
-        {
-            let message =
-                "that format consists of several files, which cannot be put in place at once".to_owned();
-            return Err(ExportError::Encoder { path: request.output.clone(), message });
-        }
-        let output = AtomicFile::create(&request.output)?;
-        let (sound_path, sound) = match &request.song {
-            Song::File(path) => (path.clone(), None),
-            Song::Embedded { bytes, .. } => {
-                let mut file = Unfinished::create(&folder, ".ogg".as_ref()).map_err(no_room)?;
-                file.write_all(bytes).map_err(no_room)?;
-                (file.path().to_owned(), Some(file))
+        if let Some(mut picture) = next {
+            if let Some(card) = &card {
+                card.draw_over(&mut picture, written as f64 / request.fps);
             }
-        };
-        let (width, height) = request.size;
-        let mut command = Command::new("ffmpeg");
-        command.args(["-v", "error", "-nostdin", "-y"]);
-        command.args(["-f", "rawvideo", "-pix_fmt", "rgba", "-s", &format!("{width}x{height}")]);
-        command.args(["-r", &request.fps.to_string(), "-i", "pipe:0"]);
-        // Whatever the song says, no other file and no network address is opened.
-        command.args(["-protocol_whitelist", "file", "-ss", &request.start.to_string()]);
-        command.arg("-i").arg(file_url(&sound_path));
-        command.args(["-map", "0:v", "-map", "1:a:0", "-shortest"]);
-        command.args(["-vf", PICTURES, "-pix_fmt", "yuv420p", "-crf", "18"]);
-        command.args(COLORS.as_flattened());
-        command.arg(file_url(output.temporary()));
-        let complaints = tempfile::tempfile().map_err(no_room)?;
-        let heard = complaints.try_clone().map_err(no_room)?;
-        command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(heard);
-        // Ctrl-C goes to this process, which ends ffmpeg: otherwise both would race to end first.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
-        let (child, end) = ending::begin(|| {
-            let child = Arc::new(Mutex::new(command.spawn()?));
-            let its = child.clone();
-            Ok((child, move || end_child(&mut lock(&its))))
-        })
-        .map_err(ExportError::NoEncoder)?;
-        let frames = lock(&child).stdin.take();
-        let path = request.output.clone();
-        Ok(Self { child, frames, output: Some(output), path, complaints, _sound: sound, _end: end })
-    }
-
-    fn take(&mut self, rgba: &[u8]) -> Result<(), ExportError> {
-        let written = self.frames.as_mut().map_or(Ok(()), |pipe| pipe.write_all(rgba));
-        written.map_err(|_| self.last_words())
-    }
-
-    fn finish(mut self) -> Result<(), ExportError> {
-        match self.wait() {
-            Ok(status) if status.success() => Ok(self.output.take().map_or(Ok(()), AtomicFile::commit)?),
-            _ => Err(self.last_words()),
-        }
-    }
-
-    /// Waits for ffmpeg's end without locking it, so that a signal can end it.
-    fn wait(&mut self) -> std::io::Result<ExitStatus> {
-        self.frames = None;
-        loop {
-            if let Some(status) = lock(&self.child).try_wait()? {
-                return Ok(status);
+            if !writer.take(picture) {
+                break;
             }
-            std::thread::sleep(LOOK_PERIOD);
+            written += 1;
         }
+        progress(drawn, expected);
     }
-
-    /// What ffmpeg complained of.
-    fn last_words(&mut self) -> ExportError {
-        let _ = self.wait();
-        let mut tail = Vec::new();
-        // Whatever can be read is the best information there is.
-        let length = self.complaints.seek(SeekFrom::End(0)).unwrap_or(0);
-        let _ = self.complaints.seek(SeekFrom::Start(length.saturating_sub(COMPLAINT_BYTES)));
-        let _ = self.complaints.read_to_end(&mut tail);
-        let mut tail = String::from_utf8_lossy(&tail).into_owned();
-        if let Some(output) = &self.output {
-            // ffmpeg's message names the temporary file that it writes.
-            let url = file_url(output.temporary());
-            tail = tail.replace(&format!("{}: ", url.to_string_lossy()), "");
-        }
-        let message = tail.lines().last().unwrap_or("it ended without a message").to_owned();
-        ExportError::Encoder { path: self.path.clone(), message }
+    if let (Some(_), Some(asked)) = (&seam, asked)
+        && song.is_over(request.start + drawn as f64 / request.fps)
+        && drawn < asked
+    {
+        return Err(too_long(drawn));
     }
+    writer.finish()?;
+    Ok(written)
 }
 
-fn lock(child: &Mutex<Child>) -> MutexGuard<'_, Child> {
-    child.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn end_child(child: &mut Child) {
-    // An error means that it has ended already.
-    let _ = child.kill();
-    let _ = child.wait();
-}
-
-/// A path in a form in which ffmpeg gives no meaning to a colon or a hyphen.
-fn file_url(path: &Path) -> OsString {
-    let mut url = OsString::from("file:");
-    url.push(path);
-    url
-}
-
-impl Drop for Encoder {
-    fn drop(&mut self) {
-        // After an error nobody wants what ffmpeg has written.
-        end_child(&mut lock(&self.child));
-    }
+/// How many frames begin within so many seconds.
+fn frames_in(seconds: f64, fps: f64) -> u64 {
+    let frames = (seconds * fps).ceil() as u64;
+    // 1.1 · 10 is a little more than 11.
+    let last_begins = frames.saturating_sub(1) as f64 / fps;
+    if last_begins < seconds { frames } else { frames.saturating_sub(1) }
 }

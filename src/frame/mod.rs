@@ -4,6 +4,7 @@
 
 pub mod block;
 pub mod camera;
+pub mod held_inputs;
 pub mod orbit_controls;
 pub mod picture;
 pub mod sound_tables;
@@ -11,6 +12,7 @@ pub mod sound_tables;
 pub(crate) mod testing;
 
 use camera::Camera;
+use held_inputs::HeldInputs;
 use mariana_field::graph::SoundInputs;
 use mariana_field::graph::{FrameInputs, TableData};
 use mariana_field::world::{FrameValues, World};
@@ -42,8 +44,7 @@ impl Frame {
     /// The frame of a world at `time` seconds with the sound that is audible then; its parameters are as the scene's
     /// text sets them.
     pub fn new(world: &World, time: f64, sound: impl Into<Sound>, size: (u32, u32)) -> Self {
-        let params: Vec<f32> = world.scene.params.iter().map(|param| param.default).collect();
-        Self::with_params(world, time, sound, size, &params)
+        Self::with_params(world, time, sound, size, &[])
     }
 
     /// The same with other parameters; missing ones are as the scene's text sets them.
@@ -54,26 +55,18 @@ impl Frame {
         size: (u32, u32),
         params: &[f32],
     ) -> Self {
-        let Sound { features, tables } = sound.into();
+        Self::of_inputs(world, inputs_of(world, time, sound.into(), params), size)
+    }
+
+    /// The same as [`Frame::new`] with some inputs held at other values.
+    pub fn holding(world: &World, time: f64, sound: Sound, size: (u32, u32), held: &HeldInputs) -> Self {
+        let mut inputs = inputs_of(world, time, sound, &[]);
+        held.apply(&mut inputs);
+        Self::of_inputs(world, inputs, size)
+    }
+
+    fn of_inputs(world: &World, inputs: FrameInputs, size: (u32, u32)) -> Self {
         let size = (size.0.max(1), size.1.max(1));
-        let declared = world.scene.params.iter().enumerate();
-        let inputs = FrameInputs {
-            time: finite(time as f32),
-            sound: SoundInputs::each(|input| input.clamp(features.number(input.name()).unwrap_or(0.0))),
-            bands: features.bands.map(unit),
-            spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
-            waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
-            history: tables.history.map_or(TableData::EMPTY, |rows| {
-                TableData::scrolling(rows, HISTORY_POINTS, tables.history_offset, tables.history_span)
-            }),
-            params: declared
-                .map(|(index, param)| {
-                    let value = params.get(index).copied().filter(|value| value.is_finite());
-                    value.unwrap_or(param.default).clamp(param.min, param.max)
-                })
-                .collect(),
-            ..FrameInputs::default()
-        };
         let values = world.frame_tape.values(&inputs);
         let camera = Camera::of(&values.camera, aspect(size));
         let picture = Picture::of(&values, &camera, world.traits.lens);
@@ -81,6 +74,29 @@ impl Frame {
             Self { size, inputs, camera, values, quality: 1.0, picture, hand: OrbitControls::OFF };
         frame.see_from(world, aspect(size), OrbitControls::OFF);
         frame
+    }
+}
+
+/// What a world's expressions read; missing parameters are as the scene's text sets them.
+fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
+    let Sound { features, tables } = sound;
+    let declared = world.scene.params.iter().enumerate();
+    FrameInputs {
+        time: finite(time as f32),
+        sound: SoundInputs::each(|input| input.clamp(features.number(input.name()).unwrap_or(0.0))),
+        bands: features.bands.map(unit),
+        spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
+        waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
+        history: tables.history.map_or(TableData::EMPTY, |rows| {
+            TableData::scrolling(rows, HISTORY_POINTS, tables.history_offset, tables.history_span)
+        }),
+        params: declared
+            .map(|(index, param)| {
+                let value = params.get(index).copied().filter(|value| value.is_finite());
+                value.unwrap_or(param.default).clamp(param.min, param.max)
+            })
+            .collect(),
+        ..FrameInputs::default()
     }
 }
 

@@ -55,7 +55,7 @@ impl SceneSource {
     /// [`SceneError::Unknown`] for a single word that is none of these.
     pub fn find(argument: &(impl AsRef<OsStr> + ?Sized)) -> Result<Self, SceneError> {
         let path = Path::new(argument);
-        if path.exists() || path.extension().is_some_and(|ending| ending == ENDING) {
+        if path.exists() || is_scene_file(path) {
             return Ok(Self::File(path.to_owned()));
         }
         // Names and formulas are text; an argument that is not text can only be a missing file.

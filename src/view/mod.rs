@@ -10,6 +10,7 @@
 //! tone-mapped normal, would mean nothing. Its legend is drawn by the processor and put over it, with the same bytes
 //! in a window, a still and a video; shaders and legends take their colours from one table (`view::scale`).
 
+pub mod caption;
 pub mod legend;
 mod letters;
 pub mod scale;

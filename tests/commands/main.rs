@@ -7,6 +7,8 @@ mod playlists;
 mod scene_commands;
 mod scene_reload;
 mod scene_textures;
+mod standard_streams;
+mod videos;
 
 #[path = "../support/mod.rs"]
 mod support;

@@ -16,8 +16,19 @@ use super::error::DecodeError;
 use super::gapless::{TrackEdit, track_edits};
 use super::{contained, sniff};
 
-/// Longest text tag that is read, in bytes.
-const TAG_BYTES_MAX: usize = 1 << 16;
+/// The longest tags that are read; longer ones are passed over.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TagBytes {
+    /// Bytes of a text.
+    pub(super) text: usize,
+    /// Bytes of a picture.
+    pub(super) picture: usize,
+}
+
+impl TagBytes {
+    /// What is needed to decode.
+    const FOR_SOUND: Self = Self { text: 1 << 16, picture: 0 };
+}
 
 /// A stream of bytes that can be opened again and again.
 #[derive(Debug, Clone)]
@@ -100,13 +111,18 @@ impl Input {
 
     /// Finds the container and reads its headers.
     pub(super) fn open(&self) -> Result<Opened, DecodeError> {
+        self.open_with(TagBytes::FOR_SOUND)
+    }
+
+    /// The same with longer tags.
+    pub(super) fn open_with(&self, tags: TagBytes) -> Result<Opened, DecodeError> {
         match self {
-            Self::File { file, .. } => self.probe(from_start(file).map_err(|e| self.read_error(e))?),
-            Self::Bytes { bytes, .. } => self.probe(Cursor::new(*bytes)),
+            Self::File { file, .. } => self.probe(from_start(file).map_err(|e| self.read_error(e))?, tags),
+            Self::Bytes { bytes, .. } => self.probe(Cursor::new(*bytes), tags),
         }
     }
 
-    fn probe(&self, mut source: impl MediaSource + 'static) -> Result<Opened, DecodeError> {
+    fn probe(&self, mut source: impl MediaSource + 'static, tags: TagBytes) -> Result<Opened, DecodeError> {
         let name = self.name();
         let mut head = Vec::new();
         source
@@ -132,8 +148,8 @@ impl Input {
             hint.with_extension(extension);
         }
         let metadata = MetadataOptions::default()
-            .limit_tag_bytes(Limit::Maximum(TAG_BYTES_MAX))
-            .limit_visual_bytes(Limit::Maximum(0));
+            .limit_tag_bytes(Limit::Maximum(tags.text))
+            .limit_visual_bytes(Limit::Maximum(tags.picture));
         let stream = MediaSourceStream::new(Box::new(source), Default::default());
         let probe = |stream| {
             contained(&name, || {

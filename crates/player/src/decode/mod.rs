@@ -21,6 +21,7 @@
 mod clock;
 mod codecs;
 mod containment;
+mod cover;
 mod downmix;
 mod error;
 mod gapless;
@@ -38,6 +39,7 @@ use mariana_music::StereoFrame;
 
 use containment::contained;
 pub use containment::quiet_contained_panics;
+pub use cover::{Cover, CoverKind};
 pub use error::DecodeError;
 use input::Input;
 use packets::{Block, PacketReader};
@@ -114,6 +116,14 @@ impl Decoder {
     /// Opens a file that is part of the program.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
         Self::start(Input::Bytes { name: name.into(), bytes })
+    }
+
+    /// The picture that the file brings along, if it has one.
+    ///
+    /// # Errors
+    /// What the demuxer says about the file.
+    pub fn cover(&self) -> Result<Option<Cover>, DecodeError> {
+        cover::of(&self.input)
     }
 
     fn start(input: Input) -> Result<Self, DecodeError> {

@@ -1,0 +1,62 @@
+//! The picture that a file of music brings along.
+
+use symphonia::core::meta::{StandardVisualKey, Visual};
+
+use super::error::DecodeError;
+use super::input::{Input, TagBytes};
+use crate::limits::LIMITS;
+
+/// A cover, as it lies in the file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cover {
+    /// How it is encoded.
+    pub kind: CoverKind,
+    /// Its encoded bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// The encodings of covers, by their first bytes. Others are passed over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CoverKind {
+    /// JPEG.
+    Jpeg,
+    /// PNG.
+    Png,
+}
+
+impl Cover {
+    fn of(visual: &Visual) -> Option<Self> {
+        let bytes = visual.data.to_vec();
+        let kind = match &bytes[..] {
+            [0xff, 0xd8, 0xff, ..] => CoverKind::Jpeg,
+            [0x89, b'P', b'N', b'G', ..] => CoverKind::Png,
+            _ => return None,
+        };
+        (bytes.len() <= LIMITS.cover_bytes_max).then_some(Self { kind, bytes })
+    }
+}
+
+/// The front cover, or the first picture if none is called so.
+pub(super) fn of(input: &Input) -> Result<Option<Cover>, DecodeError> {
+    // In base64 where a comment holds it.
+    let limits = TagBytes { text: 2 * LIMITS.cover_bytes_max, picture: LIMITS.cover_bytes_max };
+    let mut opened = input.open_with(limits)?;
+    let mut metadata = opened.format.metadata();
+    let mut first = None;
+    loop {
+        let visuals = metadata.current().into_iter().flat_map(|revision| {
+            let of_tracks = revision.per_track.iter().flat_map(|track| &track.metadata.visuals);
+            revision.media.visuals.iter().chain(of_tracks)
+        });
+        for visual in visuals {
+            let cover = Cover::of(visual);
+            if cover.is_some() && visual.usage == Some(StandardVisualKey::FrontCover) {
+                return Ok(cover);
+            }
+            first = first.or(cover);
+        }
+        if metadata.pop().is_none() {
+            return Ok(first);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The subcommand `bench`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::common::{CommonArguments, OneScene};
+use super::files::Files;
+use super::parse::{parse_frames, parse_seconds, parse_size};
+use super::print_json;
+use crate::export::bench::{AllRequest, BenchRequest, measure, measure_all};
+use crate::export::print::{print_line, tell};
+
+#[derive(Args)]
+pub(super) struct BenchArguments {
+    /// The song that drives the picture, or '-' for standard input; if none is given, the built-in demo track. A .scene
+    /// is shown
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The moment that is drawn, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    at: f64,
+    /// Size in pixels
+    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = parse_size, allow_hyphen_values = true)]
+    size: (u32, u32),
+    /// Frames to time
+    #[arg(long, default_value = "60", value_parser = parse_frames, allow_negative_numbers = true)]
+    frames: u16,
+    /// Measure all shipped scenes
+    #[arg(long, conflicts_with = "scene")]
+    all: bool,
+    /// With --all: only the scenes whose names contain this; may be given several times
+    #[arg(long, value_name = "PART", requires = "all")]
+    only: Vec<String>,
+    /// Also compare the picture at edges with one of 64 samples per pixel; slow
+    #[arg(long)]
+    edges: bool,
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    scene: OneScene,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+pub(super) fn run(arguments: BenchArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
+    if arguments.all
+        && let Some(scene) = &scene
+    {
+        anyhow::bail!("--all measures the shipped scenes: give no {}", scene.display());
+    }
+    let request = BenchRequest {
+        song,
+        at: arguments.at,
+        size: arguments.size,
+        frames: arguments.frames.into(),
+        gain: common.gain.into(),
+        scene: arguments.scene.choose(scene, &common)?,
+        both: common.regions.is_none(),
+        edges: arguments.edges,
+    };
+    if arguments.all {
+        let request = AllRequest { each: request, only: arguments.only };
+        let report = measure_all(&request, &mut |scene, number, count| {
+            tell(&format!("{scene}, {number} of {count}"));
+        });
+        return if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) };
+    }
+    let report = measure(&request)?;
+    if arguments.json { print_json(&report) } else { Ok(print_line(&report.to_string())?) }
+}

@@ -1,0 +1,192 @@
+//! The subcommand `check`: the mistakes of scenes, or what they cost.
+
+use std::path::Path;
+
+use anyhow::bail;
+use clap::Args;
+use serde::Serialize;
+
+use super::common::colors;
+use crate::export::print::print_line;
+use crate::scenes::{SceneError, SceneSource};
+use mariana_field::graph::{Graph, Input, NodeId, Op};
+use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
+use mariana_field::tape::{Tape, TapeOptions};
+
+#[derive(Args)]
+pub(super) struct CheckArguments {
+    /// Scenes: files, names of shipped ones, or formulas
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Print a JSON object for each mistake, one a line: file, line, column, end, severity, message, hint
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
+    if arguments.json {
+        return run_json(&arguments.scenes);
+    }
+    let mut wrong = 0;
+    for argument in &arguments.scenes {
+        let source = SceneSource::find(argument)?;
+        match compile(&source)? {
+            Ok(scene) => print_line(&format!("{}: {}", source.name(), cost(&scene)?))?,
+            Err(Mistakes { diagnostics, sources }) => {
+                let text = render_all(&diagnostics, &sources, colors(&std::io::stdout()));
+                print_line(text.trim_end())?;
+                wrong += 1;
+            }
+        }
+    }
+    match wrong {
+        0 => Ok(()),
+        1 => bail!("a scene has mistakes: correct what is underlined above"),
+        _ => bail!("{wrong} scenes have mistakes: correct what is underlined above"),
+    }
+}
+
+/// Prints every mistake as an object. A scene that cannot be read has one in its first column.
+fn run_json(scenes: &[String]) -> anyhow::Result<()> {
+    let mut wrong = 0;
+    for argument in scenes {
+        let mistakes = match SceneSource::find(argument).map(|source| (compile(&source), source)) {
+            Ok((Ok(Ok(_)), _)) => continue,
+            Ok((Ok(Err(mistakes)), source)) => {
+                mistakes.diagnostics.iter().map(|one| mistake(one, &mistakes.sources, &source)).collect()
+            }
+            Ok((Err(error), _)) | Err(error) => {
+                let (start, message) = (Position { line: 1, column: 1 }, error.to_string());
+                let file = argument.clone();
+                vec![Mistake { file, start, end: start, severity: "error", message, hint: None }]
+            }
+        };
+        for mistake in mistakes {
+            print_line(&serde_json::to_string(&mistake)?)?;
+        }
+        wrong += 1;
+    }
+    match wrong {
+        0 => Ok(()),
+        1 => bail!("a scene has mistakes: correct what is listed"),
+        _ => bail!("{wrong} scenes have mistakes: correct what is listed"),
+    }
+}
+
+/// A mistake for editors.
+#[derive(Serialize)]
+struct Mistake {
+    /// Path of the file, from where the program was started.
+    file: String,
+    #[serde(flatten)]
+    start: Position,
+    /// Behind the last character.
+    end: Position,
+    severity: &'static str,
+    message: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hint: Option<String>,
+}
+
+/// A place in a text, counted in lines and characters from 1.
+#[derive(Clone, Copy, Serialize)]
+struct Position {
+    line: usize,
+    column: usize,
+}
+
+fn mistake(one: &Diagnostic, sources: &Sources, scene: &SceneSource) -> Mistake {
+    let place = sources.place(one.span.start);
+    let position = |offset: u32| {
+        let place = sources.place(offset);
+        place.map_or(Position { line: 1, column: 1 }, |place| Position {
+            line: place.line,
+            column: place.column,
+        })
+    };
+    let name = place.map_or_else(|| scene.name(), |place| place.file.name.clone());
+    // Included files are named from the scene's folder.
+    let included = scene.file().filter(|file| name != file.display().to_string()).and_then(Path::parent);
+    Mistake {
+        file: included.map_or(name.clone(), |folder| folder.join(&name).display().to_string()),
+        start: position(one.span.start),
+        end: position(one.span.end),
+        severity: "error",
+        message: one.message.clone(),
+        hint: one.hint.clone(),
+    }
+}
+
+/// Everything that is wrong with a scene.
+struct Mistakes {
+    diagnostics: Vec<Diagnostic>,
+    sources: Sources,
+}
+
+/// The scene, or its mistakes.
+fn compile(source: &SceneSource) -> Result<Result<Scene, Mistakes>, SceneError> {
+    let Compiled { scene, diagnostics, sources, .. } = source.compile()?;
+    let Some(scene) = scene else { return Ok(Err(Mistakes { diagnostics, sources })) };
+    // Missing pictures are mistakes too.
+    Ok(match source.textures(&scene) {
+        Ok(_) => Ok(scene),
+        Err(diagnostics) => Err(Mistakes { diagnostics, sources }),
+    })
+}
+
+/// What a scene costs, and what it listens to.
+fn cost(scene: &Scene) -> anyhow::Result<String> {
+    let tape = Tape::build(&scene.graph, &[scene.distance], &TapeOptions::default())?;
+    let mut roots = vec![scene.distance];
+    roots.extend(scene.objects.iter().filter_map(|object| object.bound));
+    for material in &scene.materials {
+        roots.extend(material.numbers());
+    }
+    let constants = tape
+        .table()
+        .iter()
+        .filter(|entry| matches!(entry, mariana_field::tape::TableEntry::Constant(_)))
+        .count();
+    Ok(format!(
+        "{} clauses, {constants} constants, {} registers for the distance; {}, {}, {}; listens to {}",
+        tape.clauses().len(),
+        tape.registers(),
+        count(scene.objects.len(), "object"),
+        count(scene.materials.len(), "material"),
+        count(scene.lights.len(), "light"),
+        inputs(scene, &scene.graph, &roots)?
+    ))
+}
+
+fn count(number: usize, what: &str) -> String {
+    if number == 1 { format!("1 {what}") } else { format!("{number} {what}s") }
+}
+
+/// The inputs that the roots read, other than the point, as the language writes them.
+fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<String> {
+    let used = graph.inputs_used(roots)?;
+    let mut names: Vec<String> = used
+        .inputs
+        .iter()
+        .filter(|input| input.of_point().is_none())
+        .map(|input| name_of(scene, *input))
+        .collect();
+    // Tables that are read at a computed index.
+    names.extend(used.tables.iter().map(|table| match table {
+        Op::Band => "bands".to_owned(),
+        other => other.name().to_lowercase(),
+    }));
+    names.dedup();
+    Ok(if names.is_empty() { "nothing".into() } else { names.join(", ") })
+}
+
+/// An input as the language writes it.
+fn name_of(scene: &Scene, input: Input) -> String {
+    match input {
+        Input::Param(number) => scene
+            .params
+            .get(usize::from(number))
+            .map_or_else(|| input.to_string().to_lowercase(), |param| param.name.clone()),
+        _ => input.to_string().to_lowercase(),
+    }
+}

@@ -1,0 +1,141 @@
+//! What several subcommands take and do.
+
+use std::ffi::{OsStr, OsString};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::prelude::*;
+
+use super::choices::{GainChoice, Sdf, Switch, ToneMapChoice};
+use crate::ending::{self, Signal};
+use crate::export::output::Output;
+use crate::export::painter::SceneChoice;
+use crate::export::print::tell;
+use crate::frame::held_inputs::Setting;
+use crate::gpu::scene_resources::CellUse;
+use crate::gpu::shader_source::ShaderLibrary;
+use crate::scenes::SceneSource;
+
+#[derive(Args)]
+pub(super) struct CommonArguments {
+    /// How the scene's formulas are run; auto interprets at once and compiles in the background
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    sdf: Sdf,
+    /// Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where
+    /// that costs less; bench measures both]
+    #[arg(long, value_name = "ON-OFF")]
+    pub(super) regions: Option<Switch>,
+    /// How light is turned into screen colours [default: as the scene says, otherwise agx]
+    #[arg(long, value_name = "MAP")]
+    tone_map: Option<ToneMapChoice>,
+    /// Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way
+    #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
+    pub(super) gain: GainChoice,
+    /// Read the shaders from this folder, to work on them
+    #[arg(long, value_name = "DIR")]
+    shaders: Option<PathBuf>,
+    /// Log what happens; twice for more
+    #[arg(short, long, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+/// The scene that is shown by default.
+pub(super) const DEFAULT_SCENE: &str = "speakers";
+
+#[derive(Args)]
+pub(super) struct OneScene {
+    /// The scene to show: a file, the name of a shipped scene ('mariana scenes' lists them), or a formula such as
+    /// "length(p) - 1" [default: speakers]
+    #[arg(long, value_name = "SCENE", allow_hyphen_values = true)]
+    scene: Option<OsString>,
+}
+
+impl OneScene {
+    /// The scene that was named, with the flag or as a file beside the songs.
+    pub(super) fn choose(
+        &self,
+        file: Option<PathBuf>,
+        common: &CommonArguments,
+    ) -> anyhow::Result<SceneChoice> {
+        match (&self.scene, file) {
+            (Some(scene), Some(file)) => {
+                bail!("two scenes are named, {} and {}: give one of them", scene.display(), file.display())
+            }
+            (Some(scene), None) => common.scene(scene),
+            (None, Some(file)) => common.scene(file.as_os_str()),
+            (None, None) => common.scene(DEFAULT_SCENE.as_ref()),
+        }
+    }
+}
+
+#[derive(Args)]
+pub(super) struct SetArguments {
+    /// Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than
+    /// once
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub(super) set: Vec<Setting>,
+}
+
+/// Whether text on a stream is coloured: on a terminal, unless the variable NO_COLOR is set (no-color.org).
+pub(super) fn colors(stream: &impl IsTerminal) -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) && stream.is_terminal()
+}
+
+/// Pictures on a terminal are of no use to anybody.
+pub(super) fn refuse_a_terminal(output: &Output, example: &str) -> anyhow::Result<()> {
+    if *output == Output::Standard && std::io::stdout().is_terminal() {
+        bail!("standard output is a terminal: send it to a program or a file, such as '{example}'");
+    }
+    Ok(())
+}
+
+/// Lets Ctrl-C and similar signals end a job that writes files.
+pub(super) fn end_by_signals() {
+    let answer = |signal: Signal| {
+        ending::end_now(signal, || {
+            if std::io::stderr().is_terminal() {
+                // After the number of the frame.
+                let _ = writeln!(std::io::stderr());
+            }
+            tell(&format!("{signal} ended the work: unfinished files are removed"));
+        })
+    };
+    if let Err(error) = ending::watch(answer) {
+        tracing::warn!("signals cannot be caught; the next run removes what they leave unfinished ({error})");
+    }
+}
+
+impl CommonArguments {
+    /// Starts the log on standard error: the program's own warnings; with -v what happens, and other libraries'
+    /// warnings; with -vv details.
+    pub(super) fn start_log(self) -> Self {
+        let (own, others) = match self.verbose {
+            0 => (LevelFilter::WARN, LevelFilter::OFF),
+            1 => (LevelFilter::INFO, LevelFilter::WARN),
+            _ => (LevelFilter::DEBUG, LevelFilter::INFO),
+        };
+        let filter = Targets::new().with_default(others).with_target(env!("CARGO_CRATE_NAME"), own);
+        let lines = tracing_subscriber::fmt::layer()
+            .with_writer(std::io::stderr)
+            .with_ansi(colors(&std::io::stderr()))
+            .without_time();
+        tracing_subscriber::registry().with(lines.with_filter(filter)).init();
+        self
+    }
+
+    /// A scene, drawn as the flags say.
+    pub(super) fn scene(&self, scene: &OsStr) -> anyhow::Result<SceneChoice> {
+        Ok(SceneChoice {
+            source: SceneSource::find(scene)?,
+            sdf: self.sdf.into(),
+            shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
+            cells: self.regions.map_or(CellUse::WhereTheyPay, Into::into),
+            view: None,
+            tone_map: self.tone_map.map(Into::into),
+            verbose: self.verbose > 0,
+        })
+    }
+}

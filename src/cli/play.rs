@@ -1,0 +1,168 @@
+//! Without a subcommand: the window.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::choices::{Quality, RepeatChoice, Switch};
+use super::common::{CommonArguments, OneScene};
+use super::files::{Files, is_standard, song_or_demo};
+use super::parse::{parse_fps, parse_latency, parse_percent, parse_size};
+use super::view::ViewArguments;
+use crate::app;
+use crate::config::{ListenChoice, PlaySettings};
+use crate::demo_track::DEMO_TRACK;
+use crate::export::painter::SceneChoice;
+use crate::program_cache::ProgramCache;
+use mariana_player::playlist::{Opened, Playlist};
+use mariana_player::track::Repeat;
+
+#[derive(Args)]
+pub(super) struct PlayArguments {
+    /// Songs, folders and lists (m3u, m3u8, pls, cue), and a .scene to show; '-' is standard input. Without a song the
+    /// built-in demo track plays
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Show what a microphone or another input hears, instead of a song
+    #[arg(long, conflicts_with_all = ["files", "system", "silent", "once"])]
+    mic: bool,
+    /// Show what the computer plays, instead of a song
+    #[arg(long, conflicts_with_all = ["files", "silent", "once"])]
+    system: bool,
+    /// Play the tracks in random order
+    #[arg(long)]
+    shuffle: bool,
+    /// Which tracks are repeated
+    #[arg(long, value_name = "WHAT", default_value = "all")]
+    repeat: RepeatChoice,
+    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or part of one
+    #[arg(long, value_name = "NAME", conflicts_with = "silent")]
+    device: Option<String>,
+    /// Play without sound, in real time
+    #[arg(long)]
+    silent: bool,
+    /// End with the last track instead of starting over
+    #[arg(long, conflicts_with = "repeat")]
+    once: bool,
+    /// Volume at the start, in percent
+    #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = parse_percent, allow_negative_numbers = true)]
+    volume: u8,
+    /// How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]
+    #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
+    latency: Option<f64>,
+    /// Maximum frames per second [default: the monitor's rate]
+    #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
+    fps_cap: Option<f64>,
+    /// How good the picture is; auto draws fewer pixels if frames take too long
+    #[arg(long, value_name = "HOW", default_value = "auto")]
+    quality: Quality,
+    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    flash_limiter: Switch,
+    /// Whether programs that the driver has compiled are kept, in the user's folder for caches
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    program_cache: Switch,
+    /// Start in full screen
+    #[arg(long)]
+    fullscreen: bool,
+    /// Size of the window in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
+    size: (u32, u32),
+    /// Print which OpenGL is available, and exit
+    #[arg(long)]
+    gl_info: bool,
+    #[command(flatten)]
+    scene: OneScene,
+    #[command(flatten)]
+    view: ViewArguments,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+/// Scale factors at which a window is still readable.
+const SCALE_FACTORS: std::ops::RangeInclusive<f64> = 0.1..=20.0;
+
+/// Refuses values at which winit, which reads this variable on X11, or egui panics.
+fn check_scale_factor() -> anyhow::Result<()> {
+    const NAME: &str = "WINIT_X11_SCALE_FACTOR";
+    let value = std::env::var(NAME).unwrap_or_default();
+    let is_number = value.parse().is_ok_and(|factor: f64| SCALE_FACTORS.contains(&factor));
+    if value.is_empty() || value.eq_ignore_ascii_case("randr") || is_number {
+        return Ok(());
+    }
+    let (least, most) = (SCALE_FACTORS.start(), SCALE_FACTORS.end());
+    anyhow::bail!(
+        "the variable {NAME} is '{value}': set it to a number from {least} to {most} or to randr, or unset it"
+    )
+}
+
+pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    check_scale_factor()?;
+    let listen = match (arguments.mic, arguments.system) {
+        (true, _) => Some(ListenChoice::Microphone),
+        (false, true) => Some(ListenChoice::System),
+        (false, false) => None,
+    };
+    let settings = PlaySettings {
+        device: arguments.device,
+        silent: arguments.silent,
+        once: arguments.once,
+        volume: f32::from(arguments.volume) / 100.0,
+        latency: arguments.latency.map(|milliseconds| milliseconds / 1000.0),
+        gain: common.gain.into(),
+        listen,
+        fps_cap: arguments.fps_cap,
+        quality: arguments.quality.into(),
+        limit_flashes: arguments.flash_limiter == Switch::On,
+        program_cache: match arguments.program_cache {
+            Switch::On => ProgramCache::of_user(),
+            Switch::Off => ProgramCache::off(),
+        },
+        fullscreen: arguments.fullscreen,
+        size: arguments.size,
+        gl_info: arguments.gl_info,
+    };
+    let repeat = match arguments.repeat {
+        _ if arguments.once => Repeat::Off,
+        RepeatChoice::All => Repeat::All,
+        RepeatChoice::One => Repeat::One,
+        RepeatChoice::Off => Repeat::Off,
+    };
+    let Files { songs, scene } = Files::of(arguments.files)?;
+    let scene = SceneChoice { view: arguments.view.view, ..arguments.scene.choose(scene, &common)? };
+    let tracks = match listen {
+        Some(_) => None,
+        None => Some(open_songs(&songs, repeat, arguments.shuffle)?),
+    };
+    app::run(tracks, settings, scene)
+}
+
+/// The list of the songs that were named.
+fn open_songs(songs: &[PathBuf], repeat: Repeat, shuffle: bool) -> anyhow::Result<Opened> {
+    let missing: Vec<String> = songs
+        .iter()
+        .filter(|song| !is_standard(song) && !song.exists())
+        .map(|song| song.display().to_string())
+        .collect();
+    match &missing[..] {
+        [] => {}
+        [one] => anyhow::bail!("{one} does not exist; check the spelling of the path"),
+        several => {
+            anyhow::bail!("these do not exist; check the spelling of their paths: {}", several.join(", "))
+        }
+    }
+    match songs {
+        [] => Ok(Playlist::of_song(DEMO_TRACK, repeat)),
+        [one] if is_standard(one) => {
+            let song = song_or_demo(Some(one.clone()))?;
+            // For a single song its complete error is reported.
+            song.open()?;
+            Ok(Playlist::of_song(song, repeat))
+        }
+        several if several.iter().any(|song| is_standard(song)) => {
+            anyhow::bail!("standard input ('-') plays alone: give no other songs, or save it to a file")
+        }
+        files => Ok(Playlist::open(files, repeat, shuffle)?),
+    }
+}

@@ -1,0 +1,134 @@
+//! How far a job is: a bar on a terminal, otherwise a line every ten seconds.
+
+use std::fmt;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+use crate::export::print::tell;
+
+/// Where there is no terminal, so often a line tells how far it is.
+const LINE_PERIOD: Duration = Duration::from_secs(10);
+
+const BAR: &str = "{bar:32} {percent:>3} %  frame {pos} of {len}, {rate} a second, {left} left";
+/// Where the number of frames is not known.
+const COUNT: &str = "frame {pos}, {rate} a second";
+
+/// Tells how many frames are done.
+pub(super) enum Progress {
+    /// On a terminal.
+    Bar { bar: ProgressBar, has_length: bool },
+    /// Elsewhere.
+    Lines { since: Option<Since> },
+    /// To nobody.
+    Quiet,
+}
+
+/// When the first frame was done.
+pub(super) struct Since {
+    begun: Instant,
+    /// How many were done then.
+    done: u64,
+    /// When the last line was told.
+    told: Instant,
+}
+
+impl Progress {
+    /// Begins, on standard error.
+    pub(super) fn begin(quiet: bool) -> Self {
+        let target = ProgressDrawTarget::stderr();
+        match (quiet, target.is_hidden()) {
+            (true, _) => Self::Quiet,
+            (false, true) => Self::Lines { since: None },
+            (false, false) => {
+                let bar = ProgressBar::with_draw_target(None, target).with_style(style(COUNT));
+                Self::Bar { bar, has_length: false }
+            }
+        }
+    }
+
+    /// So many frames are done, of so many if that is known.
+    pub(super) fn reach(&mut self, done: u64, of: Option<u64>) {
+        match self {
+            Self::Quiet => {}
+            Self::Bar { bar, has_length } => {
+                if let (Some(of), false) = (of, *has_length) {
+                    bar.set_length(of);
+                    bar.set_style(style(BAR));
+                    *has_length = true;
+                }
+                bar.set_position(done);
+            }
+            Self::Lines { since } => {
+                // Before the first frame shaders are compiled, which says nothing about the others.
+                let now = Instant::now();
+                let since = since.get_or_insert(Since { begun: now, done, told: now });
+                if since.told.elapsed() >= LINE_PERIOD {
+                    since.told = now;
+                    let rate = (done - since.done) as f64 / since.begun.elapsed().as_secs_f64();
+                    tell(&line(done, of, rate));
+                }
+            }
+        }
+    }
+
+    /// The job is over, done or not.
+    pub(super) fn end(self) {
+        if let Self::Bar { bar, .. } = self {
+            bar.abandon();
+            // A terminal that is gone is no reason to stop.
+            let _ = writeln!(std::io::stderr());
+        }
+    }
+}
+
+/// A line about how far it is, at so many frames a second.
+fn line(done: u64, of: Option<u64>, rate: f64) -> String {
+    match of.filter(|of| *of > 0) {
+        Some(of) => format!(
+            "frame {done} of {of}, {} %, {rate:.1} a second, {} left",
+            100 * done / of,
+            clock(of.saturating_sub(done) as f64 / rate.max(1e-3))
+        ),
+        None => format!("frame {done}, {rate:.1} a second"),
+    }
+}
+
+/// Seconds as 1:20 or 1:02:03.
+fn clock(seconds: f64) -> String {
+    let seconds = seconds.round() as u64;
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if hours > 0 { format!("{hours}:{minutes:02}:{seconds:02}") } else { format!("{minutes}:{seconds:02}") }
+}
+
+fn style(template: &str) -> ProgressStyle {
+    let rate = |state: &ProgressState, to: &mut dyn fmt::Write| {
+        let _ = write!(to, "{:.1}", state.per_sec());
+    };
+    let left = |state: &ProgressState, to: &mut dyn fmt::Write| {
+        let _ = to.write_str(&clock(state.eta().as_secs_f64()));
+    };
+    // The templates are those above.
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.with_key("rate", rate).with_key("left", left).progress_chars("=> ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_tells_share_rate_and_time_left() {
+        assert_eq!(line(120, Some(900), 12.0), "frame 120 of 900, 13 %, 12.0 a second, 1:05 left");
+        assert_eq!(line(5, None, 0.5), "frame 5, 0.5 a second");
+        assert_eq!(line(1, Some(8000), 1.0), "frame 1 of 8000, 0 %, 1.0 a second, 2:13:19 left");
+    }
+
+    #[test]
+    fn the_bars_have_no_mistakes() {
+        for template in [BAR, COUNT] {
+            assert!(ProgressStyle::with_template(template).is_ok(), "{template}");
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! The subcommand `still`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
+use super::files::Files;
+use super::parse::{parse_seconds, parse_size};
+use super::view::ViewArguments;
+use crate::export::output::Output;
+use crate::export::painter::SceneChoice;
+use crate::export::still::{StillRequest, write_still};
+
+#[derive(Args)]
+pub(super) struct StillArguments {
+    /// The song, or '-' for standard input; if none is given, the built-in demo track. A .scene is shown
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// The moment, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    at: f64,
+    /// Size in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
+    size: (u32, u32),
+    /// The PNG, JPEG or WebP file to write, or '-' for a PNG on standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    #[command(flatten)]
+    scene: OneScene,
+    #[command(flatten)]
+    set: SetArguments,
+    #[command(flatten)]
+    view: ViewArguments,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    end_by_signals();
+    let output = Output::from(arguments.output);
+    refuse_a_terminal(&output, "mariana still -o - > frame.png")?;
+    let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
+    Ok(write_still(&StillRequest {
+        song,
+        at: arguments.at,
+        size: arguments.size,
+        gain: common.gain.into(),
+        output,
+        scene: SceneChoice { view: arguments.view.view, ..arguments.scene.choose(scene, &common)? },
+        set: arguments.set.set,
+    })?)
+}

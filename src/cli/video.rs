@@ -1,0 +1,169 @@
+//! The subcommand `video`.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use clap::Args;
+
+use super::choices::{CodecChoice, EncodingChoice, Switch};
+use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
+use super::files::Files;
+use super::parse::{parse_duration, parse_fps, parse_seconds, parse_size};
+use super::presets::{Place, preset};
+use super::progress::Progress;
+use super::view::ViewArguments;
+use crate::export::output::Output;
+use crate::export::painter::SceneChoice;
+use crate::export::print::print_line;
+use crate::export::video::{TimedScene, VideoRequest, write_video};
+
+#[derive(Args)]
+pub(super) struct VideoArguments {
+    /// The song, or '-' for standard input; if none is given, the built-in demo track. A .scene is shown
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Make it as a place wants it: its size, rate and length; other flags still count
+    #[arg(long = "for", value_name = "PLACE")]
+    place: Option<Place>,
+    /// Where to start, as 80 or 1:20.5
+    #[arg(long, value_name = "TIME", default_value = "0", value_parser = parse_seconds, allow_negative_numbers = true)]
+    start: f64,
+    /// Length, as 80 or 1:20.5 [default: to the end, or as --for says]
+    #[arg(long, value_name = "TIME", value_parser = parse_duration, allow_negative_numbers = true)]
+    duration: Option<f64>,
+    /// Frames per second [default: 30, or as --for says]
+    #[arg(long, value_parser = parse_fps, allow_negative_numbers = true)]
+    fps: Option<f64>,
+    /// Size in pixels [default: 1280x720, or as --for says]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
+    size: Option<(u32, u32)>,
+    /// How the picture is encoded [default: as the ending of the file's name says]
+    #[arg(long, value_name = "CODEC")]
+    codec: Option<CodecChoice>,
+    /// How much of the picture the encoding keeps
+    #[arg(long, value_name = "HOW", default_value = "high")]
+    quality: EncodingChoice,
+    /// Show the song's title and artist over the first five seconds
+    #[arg(long)]
+    title_card: bool,
+    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
+    #[arg(long, value_name = "ON-OFF", default_value = "on")]
+    flash_limiter: Switch,
+    /// The scene to show, as for 'still'; several with the time in the song from which on each is shown, such as
+    /// --scene orb --scene city@1:20 [default: speakers]
+    #[arg(long, value_name = "SCENE[@TIME]", allow_hyphen_values = true)]
+    scene: Vec<OsString>,
+    #[command(flatten)]
+    set: SetArguments,
+    /// The video to write (mp4, mkv, mov, webm), a folder ending in '/' for numbered PNGs, or '-' for y4m without sound
+    /// on standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Tell nothing but mistakes
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    view: ViewArguments,
+    #[command(flatten)]
+    common: CommonArguments,
+}
+
+pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
+    let common = arguments.common.start_log();
+    end_by_signals();
+    let output = Output::from(arguments.output);
+    refuse_a_terminal(&output, "mariana video -o - | mpv -")?;
+    let Files { songs, scene } = Files::of(arguments.files)?;
+    let (song, _) = Files { songs, scene: None }.song_and_scene()?;
+    let preset = preset(arguments.place);
+    let mut scenes = Vec::new();
+    for (from, scene) in timed(&arguments.scene, scene.as_deref())? {
+        let scene = SceneChoice { view: arguments.view.view, ..common.scene(&scene)? };
+        scenes.push(TimedScene { from, scene });
+    }
+    let request = VideoRequest {
+        song,
+        start: arguments.start,
+        duration: arguments.duration.or(preset.duration),
+        fps: arguments.fps.unwrap_or(preset.fps),
+        size: arguments.size.unwrap_or(preset.size),
+        gain: common.gain.into(),
+        limit_flashes: arguments.flash_limiter == Switch::On,
+        output,
+        scenes,
+        set: arguments.set.set,
+        codec: arguments.codec.map(Into::into),
+        quality: arguments.quality.into(),
+        sound: preset.sound,
+        sound_rate: preset.sound_rate,
+        title_card: arguments.title_card,
+        seam: preset.seam,
+    };
+    let mut progress = Progress::begin(arguments.quiet);
+    let written = write_video(&request, &mut |done, of| progress.reach(done, of));
+    progress.end();
+    let written = written?;
+    if arguments.quiet || request.output == Output::Standard {
+        return Ok(());
+    }
+    Ok(print_line(&format!("{written} frames in {}", request.output))?)
+}
+
+/// The scenes and when each begins, in seconds, in their order.
+fn timed(flags: &[OsString], file: Option<&Path>) -> anyhow::Result<Vec<(f64, OsString)>> {
+    let mut scenes: Vec<(f64, OsString)> = flags.iter().map(|flag| with_time(flag)).collect();
+    if let (Some(file), [(_, first), ..]) = (file, &scenes[..]) {
+        bail!(
+            "two scenes are named, {} and {}: give each by --scene, with its time",
+            first.display(),
+            file.display()
+        );
+    }
+    if scenes.is_empty() {
+        let scene = file.map_or(OsStr::new(DEFAULT_SCENE), Path::as_os_str);
+        scenes.push((0.0, scene.to_owned()));
+    }
+    scenes.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    if let Some([(time, first), (_, second)]) = scenes.array_windows().find(|[(a, _), (b, _)]| a == b) {
+        bail!(
+            "the scenes {} and {} both begin at {time} s: give one of them a time, such as --scene {}@1:20",
+            first.display(),
+            second.display(),
+            second.display()
+        );
+    }
+    Ok(scenes)
+}
+
+/// A scene and when it begins. A file may have an @ in its name.
+fn with_time(flag: &OsStr) -> (f64, OsString) {
+    let parts = flag.to_str().and_then(|text| text.rsplit_once('@'));
+    let timed = parts.and_then(|(scene, time)| Some((parse_seconds(time).ok()?, scene.into())));
+    timed.filter(|_| !Path::new(flag).exists()).unwrap_or_else(|| (0.0, flag.to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(flags: &[&str], file: Option<&str>) -> Result<Vec<(f64, String)>, String> {
+        let flags: Vec<OsString> = flags.iter().map(Into::into).collect();
+        let scenes = timed(&flags, file.map(Path::new)).map_err(|error| error.to_string())?;
+        Ok(scenes.into_iter().map(|(from, scene)| (from, scene.to_string_lossy().into_owned())).collect())
+    }
+
+    #[test]
+    fn scenes_are_in_the_order_of_their_times() {
+        let wanted = vec![(0.0, "orb".to_owned()), (80.5, "city".to_owned())];
+        assert_eq!(names(&["city@1:20.5", "orb"], None), Ok(wanted));
+        assert_eq!(names(&[], None), Ok(vec![(0.0, "speakers".into())]));
+        assert_eq!(names(&[], Some("my.scene")), Ok(vec![(0.0, "my.scene".into())]));
+    }
+
+    #[test]
+    fn two_scenes_at_one_time_are_refused() {
+        assert!(names(&["city", "orb"], None).unwrap_err().contains("both begin at 0 s"));
+        assert!(names(&["city@3"], Some("my.scene")).unwrap_err().contains("my.scene"));
+    }
+}

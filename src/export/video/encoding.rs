@@ -1,0 +1,127 @@
+//! How a video is encoded: what ffmpeg is told of codecs, quality and colours.
+
+use std::path::Path;
+
+use super::VideoRequest;
+use crate::export::error::ExportError;
+
+/// The codecs of a video's pictures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Codec {
+    /// H.264, which everything plays.
+    H264,
+    /// H.265, for half of the bytes.
+    H265,
+    /// VP9, for webm.
+    Vp9,
+    /// AV1, the smallest and the slowest.
+    Av1,
+}
+
+/// How much of the picture is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EncodingQuality {
+    /// A preview.
+    Low,
+    /// Differences are seen where one looks for them.
+    Medium,
+    /// Hardly a difference is seen.
+    #[default]
+    High,
+    /// For services that encode it once more.
+    Best,
+}
+
+/// What happens to the pictures: most players take 4:2:0 only, which needs even sides; and the colours become those of
+/// [`COLORS`].
+const PICTURES: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+/// The colours that a video's header tells. Players take BT.709 for large pictures and BT.601 for small ones unless they
+/// are told, and ffmpeg makes BT.601 of RGB unless it is told.
+const COLORS: [[&str; 2]; 4] = [
+    ["-colorspace:v:0", "bt709"],
+    ["-color_primaries:v:0", "bt709"],
+    ["-color_trc:v:0", "bt709"],
+    ["-color_range:v:0", "tv"],
+];
+
+/// Whether a path's ending is that of an MPEG-4 file, which takes covers.
+pub(super) fn is_mp4(path: &Path) -> bool {
+    ends_in(path, &["mp4", "m4v"])
+}
+
+fn ends_in(path: &Path, endings: &[&str]) -> bool {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| endings.contains(&ending.as_str()))
+}
+
+/// Refuses a codec that the format of the video at `path` cannot hold.
+pub(super) fn require_fit(codec: Option<Codec>, path: &Path) -> Result<(), ExportError> {
+    let refused = |codec: &'static str, takes: &'static str| {
+        Err(ExportError::CodecFormat { path: path.to_owned(), codec, takes })
+    };
+    match codec {
+        Some(Codec::H264) if ends_in(path, &["webm"]) => refused("h264", "vp9 and av1"),
+        Some(Codec::H265) if ends_in(path, &["webm"]) => refused("h265", "vp9 and av1"),
+        Some(Codec::Vp9) if ends_in(path, &["mov"]) => refused("vp9", "h264 and h265"),
+        Some(Codec::Av1) if ends_in(path, &["mov"]) => refused("av1", "h264 and h265"),
+        _ => Ok(()),
+    }
+}
+
+/// What is said about the pictures and the sound of the video at `path`.
+pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
+    let mut arguments: Vec<String> = Vec::new();
+    let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
+    let webm = ends_in(path, &["webm"]);
+    let codec = request.codec.or(webm.then_some(Codec::Vp9));
+    match codec {
+        Some(Codec::H264) => say(&["-c:v:0", "libx264", "-profile:v:0", "high"]),
+        // Apple's players know it by this tag.
+        Some(Codec::H265) => {
+            say(&["-c:v:0", "libx265", "-x265-params", "log-level=error"]);
+            if ends_in(path, &["mp4", "m4v", "mov"]) {
+                say(&["-tag:v:0", "hvc1"]);
+            }
+        }
+        Some(Codec::Vp9) => say(&["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1"]),
+        Some(Codec::Av1) => say(&["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"]),
+        // As the ending of the file's name says.
+        None => {}
+    }
+    say(&[
+        "-crf:v:0",
+        rate_factor(codec, request.quality),
+        "-filter:v:0",
+        PICTURES,
+        "-pix_fmt:v:0",
+        "yuv420p",
+    ]);
+    say(COLORS.as_flattened());
+    if ends_in(path, &["mp4", "m4v", "mov"]) {
+        // It can be shown while it is being fetched.
+        say(&["-movflags", "+faststart"]);
+        if request.sound {
+            say(&["-c:a", "aac", "-b:a", "256k"]);
+        }
+    }
+    if let Some(rate) = request.sound_rate.filter(|_| request.sound) {
+        say(&["-ar", &rate.to_string()]);
+    }
+    arguments
+}
+
+/// The constant rate factor: larger for fewer bytes. About the same of a picture is kept in one row.
+fn rate_factor(codec: Option<Codec>, quality: EncodingQuality) -> &'static str {
+    let of = |[h264, h265, vp9, av1]: [&'static str; 4]| match codec {
+        None | Some(Codec::H264) => h264,
+        Some(Codec::H265) => h265,
+        Some(Codec::Vp9) => vp9,
+        Some(Codec::Av1) => av1,
+    };
+    match quality {
+        EncodingQuality::Low => of(["28", "31", "42", "45"]),
+        EncodingQuality::Medium => of(["23", "26", "33", "35"]),
+        EncodingQuality::High => of(["18", "21", "24", "25"]),
+        EncodingQuality::Best => of(["12", "15", "15", "15"]),
+    }
+}

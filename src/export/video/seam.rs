@@ -1,0 +1,80 @@
+//! The seam of a loop: what follows its last picture fades into what its first pictures would have been.
+//!
+//! A loop of n pictures with a seam of m is drawn as n + m pictures of the song. The first m are put aside; at the end,
+//! the last m fade into them. So the loop begins with picture m, and ends with the one before it.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+
+use crate::export::error::ExportError;
+
+/// Passes pictures on, in the order of a loop.
+pub(super) struct Seam {
+    /// The pictures that were put aside: on the disk, because they may be hundreds of megabytes.
+    aside: File,
+    /// How many pictures the loop has, and how many of them its seam.
+    loop_frames: u64,
+    seam_frames: u64,
+    drawn: u64,
+}
+
+impl Seam {
+    /// A loop of that many pictures with a seam of so many, at most half of it.
+    pub(super) fn new(loop_frames: u64, seam_frames: u64) -> Result<Self, ExportError> {
+        let aside = tempfile::tempfile().map_err(no_room)?;
+        Ok(Self { aside, loop_frames, seam_frames: seam_frames.min(loop_frames / 2), drawn: 0 })
+    }
+
+    /// How many pictures have to be drawn.
+    pub(super) fn needed(&self) -> u64 {
+        self.loop_frames + self.seam_frames
+    }
+
+    /// Takes the next picture of the song; what comes next in the loop, if anything does already.
+    pub(super) fn pass(&mut self, mut picture: Vec<u8>) -> Result<Option<Vec<u8>>, ExportError> {
+        let index = self.drawn;
+        self.drawn += 1;
+        if index < self.seam_frames {
+            self.aside.write_all(&picture).map_err(no_room)?;
+            return Ok(None);
+        }
+        let Some(number) = index.checked_sub(self.loop_frames) else { return Ok(Some(picture)) };
+        if number == 0 {
+            self.aside.seek(SeekFrom::Start(0)).map_err(no_room)?;
+        }
+        let mut first = vec![0; picture.len()];
+        self.aside.read_exact(&mut first).map_err(no_room)?;
+        let share = (number + 1) as f32 / (self.seam_frames + 1) as f32;
+        for (last, first) in picture.iter_mut().zip(first) {
+            *last = (f32::from(*last) * (1.0 - share) + f32::from(first) * share).round() as u8;
+        }
+        Ok(Some(picture))
+    }
+}
+
+fn no_room(error: std::io::Error) -> ExportError {
+    ExportError::Temporary { folder: std::env::temp_dir(), reason: error.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_picture_of_a_loop_is_followed_by_its_first() {
+        let mut seam = Seam::new(8, 3).unwrap();
+        assert_eq!(seam.needed(), 11);
+        // Each picture is its number, ten times.
+        let passed: Vec<u8> =
+            (0..11).filter_map(|index| Some(seam.pass(vec![10 * index; 4]).unwrap()?[0])).collect();
+        // 80, 90 and 100 fade into 0, 10 and 20, after which 30 follows.
+        assert_eq!(passed, [30, 40, 50, 60, 70, 60, 50, 40]);
+    }
+
+    #[test]
+    fn a_seam_takes_at_most_half_of_a_loop() {
+        let mut seam = Seam::new(1, 30).unwrap();
+        assert_eq!(seam.needed(), 1);
+        assert_eq!(seam.pass(vec![7; 4]).unwrap(), Some(vec![7; 4]));
+    }
+}

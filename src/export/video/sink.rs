@@ -1,0 +1,102 @@
+//! Where the frames go, on a thread of its own: while a frame is encoded or written, the next one is drawn.
+
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+use super::VideoRequest;
+use super::encoder::Encoder;
+use super::y4m;
+use crate::export::error::ExportError;
+use crate::export::output::{Output, write_standard};
+use crate::export::still::write_png;
+
+/// Where the frames go.
+pub(super) enum Sink {
+    /// Numbered PNGs.
+    Stills { folder: PathBuf, size: (u32, u32), written: u64 },
+    /// Whoever reads standard output.
+    Standard,
+    /// ffmpeg.
+    Encoder(Box<Encoder>),
+}
+
+impl Sink {
+    /// Opens what the request names.
+    pub(super) fn open(request: &VideoRequest) -> Result<Self, ExportError> {
+        let path = match &request.output {
+            Output::Standard => {
+                write_standard(&y4m::header(request.size, request.fps))?;
+                return Ok(Self::Standard);
+            }
+            Output::Path(path) => path,
+        };
+        if path.is_dir() || path.to_string_lossy().ends_with(['/', '\\']) {
+            std::fs::create_dir_all(path)
+                .map_err(|error| ExportError::Unwritable { path: path.clone(), reason: error.to_string() })?;
+            return Ok(Self::Stills { folder: path.clone(), size: request.size, written: 0 });
+        }
+        Ok(Self::Encoder(Box::new(Encoder::start(request, path)?)))
+    }
+
+    /// Takes a frame of RGBA bytes; false if no more are wanted.
+    fn take(&mut self, rgba: &[u8]) -> Result<bool, ExportError> {
+        match self {
+            Self::Stills { folder, size, written } => {
+                write_png(&folder.join(format!("frame-{written:05}.png")), rgba, *size)?;
+                *written += 1;
+                Ok(true)
+            }
+            Self::Standard => write_standard(&y4m::frame(rgba)),
+            Self::Encoder(encoder) => encoder.take(rgba).map(|()| true),
+        }
+    }
+
+    fn finish(self) -> Result<(), ExportError> {
+        match self {
+            Self::Stills { .. } | Self::Standard => Ok(()),
+            Self::Encoder(encoder) => encoder.finish(),
+        }
+    }
+}
+
+/// Frames that may wait for the thread. One is drawn and one is written besides.
+const WAITING_MAX: usize = 1;
+
+/// A [`Sink`] on its thread. If it is dropped before it is finished, the output is not put in its place.
+pub(super) struct FrameWriter {
+    frames: SyncSender<Vec<u8>>,
+    thread: JoinHandle<Result<Sink, ExportError>>,
+}
+
+impl FrameWriter {
+    /// Starts the thread.
+    pub(super) fn start(sink: Sink) -> Result<Self, ExportError> {
+        let (frames, incoming) = sync_channel(WAITING_MAX);
+        let work = move || write_all(sink, &incoming);
+        let thread =
+            std::thread::Builder::new().name("frames".into()).spawn(work).map_err(ExportError::Thread)?;
+        Ok(Self { frames, thread })
+    }
+
+    /// Hands on a frame; false if no more are wanted or something is wrong, which [`FrameWriter::finish`] tells.
+    pub(super) fn take(&self, rgba: Vec<u8>) -> bool {
+        self.frames.send(rgba).is_ok()
+    }
+
+    /// Waits until everything is written, and puts it in its place.
+    pub(super) fn finish(self) -> Result<(), ExportError> {
+        drop(self.frames);
+        let sink = self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        sink?.finish()
+    }
+}
+
+fn write_all(mut sink: Sink, incoming: &Receiver<Vec<u8>>) -> Result<Sink, ExportError> {
+    for rgba in incoming {
+        if !sink.take(&rgba)? {
+            break;
+        }
+    }
+    Ok(sink)
+}

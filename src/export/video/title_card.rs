@@ -1,0 +1,37 @@
+//! The song's title and artist over the first seconds of a video.
+
+use crate::export::error::ExportError;
+use crate::view::caption::Caption;
+use mariana_player::song::{Song, display_name};
+
+/// How long it is seen, in seconds, and how long of that it comes and goes.
+const SEEN: f64 = 5.0;
+const FADE: f64 = 0.6;
+
+/// A title card for a video.
+pub(super) struct TitleCard(Caption);
+
+impl TitleCard {
+    /// That of a song; its name, if it tells no title.
+    pub(super) fn of(song: &Song, size: (u32, u32)) -> Result<Self, ExportError> {
+        let decoder = song.open()?;
+        let info = decoder.info();
+        Ok(Self(match (&info.title, &info.artist) {
+            (Some(title), Some(artist)) => Caption::new(&one_line(title), Some(&one_line(artist)), size),
+            _ => Caption::new(&display_name(&decoder), None, size),
+        }))
+    }
+
+    /// Draws it over the picture that is shown `seconds` after the video's beginning.
+    pub(super) fn draw_over(&self, rgba: &mut [u8], seconds: f64) {
+        let strength = (seconds.min(SEEN - seconds) / FADE).clamp(0.0, 1.0);
+        if strength > 0.0 {
+            self.0.draw_over(rgba, strength as f32);
+        }
+    }
+}
+
+/// Tags may hold anything.
+fn one_line(text: &str) -> String {
+    text.split(|c: char| c.is_control() || c.is_whitespace()).collect::<Vec<_>>().join(" ").trim().to_owned()
+}

@@ -1,0 +1,161 @@
+//! Inputs of a scene that are held at a value, whatever the music does: what `--set` asks for.
+
+use std::fmt;
+use std::str::FromStr;
+
+use mariana_field::graph::{BAND_COUNT, FrameInputs, SoundInput};
+use mariana_field::lang::Scene;
+
+/// An input by its name, and the value at which it is held; finite.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// The name as the language writes it: `t`, `volume.x`, `band(3)`, or a parameter of the scene.
+    pub name: String,
+    /// The value.
+    pub value: f32,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    /// Reads `NAME=VALUE`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE, such as volume.x=0.3")?;
+        let number = value.trim().parse().ok().filter(|number: &f32| number.is_finite());
+        let value = number.ok_or_else(|| format!("'{}' is not a number", value.trim()))?;
+        Ok(Self { name: name.trim().to_owned(), value })
+    }
+}
+
+/// A value that its input cannot have, since the bounds of a scene's shapes hold within its range only.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("--set {name}={value}: {name} is from {least} to {most}, so choose a value in between")]
+pub struct OutOfRange {
+    /// The input.
+    pub name: String,
+    /// What it should be.
+    pub value: f32,
+    /// The least value that it can have.
+    pub least: f32,
+    /// The greatest one.
+    pub most: f32,
+}
+
+/// Inputs of one scene that are held, each at a value within its range.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct HeldInputs(Vec<(Place, f32)>);
+
+/// Where an input stands in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Place {
+    Time,
+    Sound(SoundInput),
+    Band(usize),
+    Param(usize),
+}
+
+impl HeldInputs {
+    /// Holds an input of `scene` from now on; false if the scene has none of that name.
+    ///
+    /// # Errors
+    /// [`OutOfRange`].
+    pub fn hold(&mut self, scene: &Scene, setting: &Setting) -> Result<bool, OutOfRange> {
+        let Some(place) = place_of(scene, &setting.name) else { return Ok(false) };
+        let (least, most) = match place {
+            Place::Time => (f32::MIN, f32::MAX),
+            Place::Sound(input) => input.range(),
+            Place::Band(_) => (0.0, 1.0),
+            Place::Param(number) => {
+                scene.params.get(number).map_or((f32::MIN, f32::MAX), |param| (param.min, param.max))
+            }
+        };
+        let Setting { name, value } = setting.clone();
+        if !(least..=most).contains(&value) {
+            return Err(OutOfRange { name, value, least, most });
+        }
+        self.0.push((place, value));
+        Ok(true)
+    }
+
+    /// Puts the values into a frame of the scene.
+    pub fn apply(&self, inputs: &mut FrameInputs) {
+        for &(place, value) in &self.0 {
+            let to = match place {
+                Place::Time => Some(&mut inputs.time),
+                Place::Sound(input) => Some(&mut inputs.sound[input]),
+                Place::Band(number) => inputs.bands.get_mut(number),
+                Place::Param(number) => inputs.params.get_mut(number),
+            };
+            if let Some(to) = to {
+                *to = value;
+            }
+        }
+    }
+}
+
+/// A parameter of a scene may have the name of no input.
+fn place_of(scene: &Scene, name: &str) -> Option<Place> {
+    if name == "t" {
+        return Some(Place::Time);
+    }
+    if let Some(input) = SoundInput::named(name) {
+        return Some(Place::Sound(input));
+    }
+    if let Some(number) = name.strip_prefix("band(").and_then(|rest| rest.strip_suffix(')')) {
+        return number.trim().parse().ok().filter(|number| *number < BAND_COUNT).map(Place::Band);
+    }
+    scene.params.iter().position(|param| !param.is_number && param.name == name).map(Place::Param)
+}
+
+/// The names of the inputs of scenes, for a sentence.
+pub struct InputNames<'a>(pub &'a [&'a Scene]);
+
+impl fmt::Display for InputNames<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut params: Vec<&str> = Vec::new();
+        for param in self.0.iter().flat_map(|scene| &scene.params).filter(|param| !param.is_number) {
+            if !params.contains(&param.name.as_str()) {
+                params.push(&param.name);
+            }
+        }
+        let sounds = SoundInput::ALL.map(SoundInput::name).join(", ");
+        write!(f, "t, {sounds}, band(0) to band({})", BAND_COUNT - 1)?;
+        if params.is_empty() { Ok(()) } else { write!(f, ", {}", params.join(", ")) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_a_name_and_a_finite_number() {
+        assert_eq!(" size = 0.5".parse(), Ok(Setting { name: "size".into(), value: 0.5 }));
+        for (text, part) in [("size", "NAME=VALUE"), ("size=", "not a number"), ("t=nan", "not a number")] {
+            let message = text.parse::<Setting>().unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+    }
+
+    #[test]
+    fn what_a_scene_lacks_is_not_held_and_nothing_leaves_its_range() {
+        let text = "param size = 2 in 0.5 .. 3\nobject ball { shape = length(p) - size }\n";
+        let scene =
+            mariana_field::lang::compile("own", text, &mut mariana_field::lang::no_includes).scene.unwrap();
+        let mut held = HeldInputs::default();
+        let mut hold = |text: &str| held.hold(&scene, &text.parse().unwrap());
+        for text in ["size=3", "t=-4", "volume.y=0.25", "band(31)=1"] {
+            assert_eq!(hold(text), Ok(true), "{text}");
+        }
+        for text in ["depth=1", "band(32)=0", "band(x)=0"] {
+            assert_eq!(hold(text), Ok(false), "{text}");
+        }
+        for text in ["size=3.1", "volume.x=-1", "band(0)=2"] {
+            assert!(hold(text).is_err(), "{text}");
+        }
+        let mut inputs = FrameInputs { params: vec![2.0], ..FrameInputs::default() };
+        held.apply(&mut inputs);
+        assert_eq!((inputs.time, inputs.params[0], inputs.bands[31]), (-4.0, 3.0, 1.0));
+        assert_eq!(inputs.sound[SoundInput::VolumeRight], 0.25);
+    }
+}

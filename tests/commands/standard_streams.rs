@@ -1,0 +1,162 @@
+//! What comes by standard input, words that were nearly right, and what editors and terminals are told.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)]
+
+use std::fs::File;
+use std::process::Command;
+
+use crate::support::program::{FORMATS, Outcome, RUN_LIMIT, Workplace};
+use mariana_testing::process::output_of;
+use serde_json::Value;
+
+/// Runs the program with a file as its standard input.
+fn fed(place: &Workplace, file: &str, arguments: &[&str]) -> Outcome {
+    let mut command = place.command(arguments);
+    Outcome::of(command.stdin(File::open(place.path(file)).unwrap()), RUN_LIMIT)
+}
+
+#[test]
+fn songs_of_every_format_come_by_standard_input() {
+    let place = Workplace::new();
+    place.write_tone("tone.wav", 1000.0, 1.0, [0.5, 0.25]);
+    for format in FORMATS {
+        place.ffmpeg(&[&["-i", "tone.wav"], format.arguments].concat(), format.file);
+        let named = place.run(&["analyze", format.file, "--fps", "10"]).done();
+        assert_eq!(
+            fed(&place, format.file, &["analyze", "-", "--fps", "10"]).done(),
+            named,
+            "{}",
+            format.file
+        );
+    }
+    let scene = ["--scene", "length(p) - 1", "--size", "16x16", "--fps", "5", "-o", "v.mp4"];
+    fed(&place, "song.mp3", &[&["video", "-"], &scene[..]].concat()).done();
+    place.write("empty", "");
+    place.write("text", "no music, but words".repeat(100));
+    fed(&place, "empty", &["analyze", "-"]).refused(&["standard input is empty"]);
+    fed(&place, "text", &["still", "-", "-o", "a.png"]).refused(&["standard input is not an audio file"]);
+    fed(&place, "text", &["-"]).refused(&["standard input is not an audio file"]);
+    fed(&place, "song.mp3", &["-", "song.mp3"]).refused(&["alone"]);
+}
+
+#[test]
+fn points_come_by_standard_input() {
+    let place = Workplace::new();
+    place.write("points.csv", "0,2,0\n3,0,4\n");
+    assert_eq!(fed(&place, "points.csv", &["eval", "length(p)", "--points", "-"]).done(), "2\n5\n");
+    place.write("points.csv", "0,2,0\n3\n");
+    let told = fed(&place, "points.csv", &["eval", "length(p)", "--points", "-"]);
+    assert!(told.code == 1 && told.stderr.contains("standard input:2"), "{told:?}");
+}
+
+#[test]
+fn a_misspelt_command_was_a_song_that_is_missing() {
+    let place = Workplace::new();
+    place.run(&["stil", "song.ogg", "--at", "3"]).refused_arguments("'stil'", &["did you mean 'still'"]);
+    place.run(&["vidoe"]).refused_arguments("'vidoe'", &["did you mean 'video'"]);
+    // A file of that name is a song.
+    place.write("stil", "no music, but words".repeat(100));
+    place.run(&["stil"]).refused(&["stil is not an audio file"]);
+}
+
+#[test]
+fn one_missing_song_was_refused_and_two_left_silence() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 0.5, [0.5, 0.5]);
+    place.run(&["none.ogg"]).refused(&["none.ogg does not exist"]);
+    place.run(&["none.ogg", "nil.ogg"]).refused(&["do not exist", "none.ogg, nil.ogg"]);
+    place.run(&["one.wav", "none.ogg"]).refused(&["none.ogg does not exist"]);
+}
+
+#[test]
+fn a_scene_beside_a_song_was_refused_as_a_song() {
+    let place = Workplace::new();
+    place.write("my.scene", "length(p) - 1");
+    place.write("mine.scene", "length(p) - 2");
+    place.write_tone("one.wav", 440.0, 0.5, [0.5, 0.5]);
+    let size = ["--size", "32x18", "-o"];
+    let still = |arguments: &[&str], output: &str| {
+        place.run(&[&["still"], arguments, &size[..], &[output]].concat()).done();
+        place.read(output)
+    };
+    let by_flag = still(&["one.wav", "--scene", "my.scene"], "a.png");
+    assert!(still(&["one.wav", "my.scene"], "b.png") == by_flag);
+    assert!(still(&["my.scene", "one.wav"], "c.png") == by_flag);
+    assert!(still(&["one.wav"], "d.png") != by_flag);
+    // The window takes them, too; there is none here.
+    place.run(&["my.scene"]).refused(&["window"]);
+    place.run(&["one.wav", "my.scene"]).refused(&["window"]);
+    let refused = |arguments: &[&str], parts: &[&str]| {
+        place.run(&[&["still", "-o", "e.png"], arguments].concat()).refused(parts);
+    };
+    refused(&["my.scene", "mine.scene"], &["two scenes", "my.scene", "mine.scene"]);
+    refused(&["my.scene", "--scene", "orb"], &["two scenes", "my.scene", "orb"]);
+    refused(&["one.wav", "two.wav"], &["two songs", "one.wav", "two.wav"]);
+    refused(&["none.scene"], &["none.scene cannot be read"]);
+}
+
+#[test]
+fn editors_are_told_every_mistake_as_an_object() {
+    let place = Workplace::new();
+    let mistakes = "object a {\n  shape = smoth_union(sphere(p, 1), p.y, 0.2) + foo\n}\n";
+    std::fs::create_dir(place.path("sub")).unwrap();
+    place.write("sub/part.scene", mistakes);
+    place.write("sub/whole.scene", "include \"part.scene\"\n");
+    place.write("good.scene", "length(p) - 1");
+    let run = |scenes: &[&str]| {
+        let outcome = place.run(&[&["check", "--json"], scenes].concat());
+        let lines = outcome.stdout.lines().map(|line| serde_json::from_str(line).unwrap());
+        (lines.collect::<Vec<Value>>(), outcome.code)
+    };
+    assert_eq!(run(&["good.scene", "speakers"]), (vec![], 0));
+    let (objects, code) = run(&["good.scene", "sub/whole.scene", "none.scene"]);
+    assert_eq!((objects.len(), code), (3, 1), "{objects:?}");
+    let [first, second, third] = &objects[..] else { unreachable!() };
+    assert_eq!(first["file"], "sub/part.scene");
+    assert_eq!((&first["line"], &first["column"]), (&2.into(), &11.into()));
+    assert_eq!(first["end"], serde_json::json!({ "line": 2, "column": 22 }));
+    assert_eq!(first["severity"], "error");
+    assert!(first["message"].as_str().unwrap().contains("smoth_union"), "{first}");
+    assert!(first["hint"].as_str().unwrap().contains("smooth_union"), "{first}");
+    assert_eq!((&second["column"], &second["end"]["column"]), (&49.into(), &52.into()));
+    assert_eq!((&third["file"], &third["line"]), (&"none.scene".into(), &1.into()));
+}
+
+#[test]
+fn the_shipped_scenes_are_listed_with_what_they_show() {
+    let place = Workplace::new();
+    let list = place.run(&["scenes"]).done();
+    for name in mariana::scenes::shipped_names() {
+        let mut lines = list.lines().skip_while(|line| *line != name);
+        assert_eq!(lines.next(), Some(name.as_str()), "{list}");
+        assert!(lines.next().is_some_and(|line| line.starts_with("  ") && line.len() > 10), "{name}: {list}");
+    }
+    assert!(place.run(&["--help"]).done().contains("mariana scenes"));
+}
+
+#[test]
+fn no_color_holds_for_mistakes_on_a_terminal() {
+    let place = Workplace::new();
+    place.write("bad.scene", "foo + 1");
+    for (set, colored) in [(None, true), (Some("1"), false), (Some(""), true)] {
+        for job in ["check bad.scene", "still --scene bad.scene -o a.png", "eval bad.scene --at 0,0,0"] {
+            let command = place.command(&[]);
+            let mut terminal = Command::new("script");
+            let words = format!("'{}' {job}; true", command.get_program().to_string_lossy());
+            terminal.args(["-qec", &words, "/dev/null"]).current_dir(command.get_current_dir().unwrap());
+            terminal.env_remove("NO_COLOR").env("TERM", "xterm").envs(set.map(|value| ("NO_COLOR", value)));
+            let shown = String::from_utf8(output_of(&mut terminal, "bsdutils").unwrap()).unwrap();
+            assert!(shown.contains("foo"), "{shown}");
+            assert_eq!(shown.contains("\u{1b}["), colored, "{job}, {set:?}: {shown:?}");
+        }
+    }
+}
+
+#[test]
+fn ranges_are_told_in_our_words() {
+    let place = Workplace::new();
+    place.run(&["--volume", "101"]).refused_arguments("--volume", &["0 to 100 percent"]);
+    place.run(&["--volume", "many"]).refused_arguments("--volume", &["not a whole number"]);
+    place.run(&["bench", "--frames", "0"]).refused_arguments("--frames", &["1 to 10000 frames"]);
+}

@@ -1,0 +1,260 @@
+//! Videos as users ask for them: for places, of several scenes, with what the song brings along.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::process::Command;
+
+use crate::support::program::Workplace;
+use image::RgbImage;
+use mariana_testing::process::output_of;
+use serde_json::Value;
+
+/// Scenes of one colour, which are there at once.
+fn write_colors(place: &Workplace) {
+    for (name, color) in [("red", "vec3(0.8, 0, 0)"), ("blue", "vec3(0, 0, 0.8)")] {
+        let text = format!(
+            "param light = 1 in 0 .. 2\n\
+             material paint {{ color = 0  roughness = 1  emission = light * {color} }}\n\
+             object wall {{ shape = 5 - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
+             light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+             camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n"
+        );
+        place.write(&format!("{name}.scene"), text);
+    }
+}
+
+/// What ffprobe tells of a video.
+fn probe(place: &Workplace, name: &str) -> Value {
+    let mut probe = Command::new("ffprobe");
+    probe.args(["-v", "error", "-of", "json", "-show_streams", "-show_format", "-count_frames"]);
+    let output = output_of(probe.arg(place.path(name)), "ffmpeg").unwrap_or_else(|error| panic!("{error}"));
+    serde_json::from_slice(&output).unwrap()
+}
+
+fn streams<'a>(report: &'a Value, kind: &str) -> Vec<&'a Value> {
+    let all = report["streams"].as_array().unwrap();
+    all.iter().filter(|stream| stream["codec_type"] == kind).collect()
+}
+
+fn still(place: &Workplace, name: &str) -> RgbImage {
+    image::load_from_memory(&place.read(name)).unwrap().to_rgb8()
+}
+
+/// Red less blue, in the middle of a picture.
+fn redness(picture: &RgbImage) -> i32 {
+    let [red, _, blue] = picture.get_pixel(picture.width() / 2, picture.height() / 2).0;
+    i32::from(red) - i32::from(blue)
+}
+
+const LOOK: [&str; 6] = ["--fps", "10", "--size", "32x18", "--tone-map", "none"];
+
+#[test]
+fn scenes_follow_each_other_at_their_times() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    write_colors(&place);
+    let run = |scenes: &[&str]| place.run(&[&["video", "one.wav", "-o", "out/"], &LOOK[..], scenes].concat());
+    run(&["--scene", "blue.scene@0:00.4", "--scene", "red.scene"]).done();
+    let redness: Vec<bool> =
+        (0..10).map(|frame| redness(&still(&place, &format!("out/frame-{frame:05}.png"))) > 0).collect();
+    assert_eq!(redness, [[true; 4].as_slice(), &[false; 6]].concat());
+    run(&["--scene", "red.scene@0.5"]).refused(&["0.5 s", "earlier time"]);
+    run(&["--scene", "red.scene", "--scene", "blue.scene"]).refused(&["red.scene", "blue.scene", "@1:20"]);
+    run(&["--scene", "red.scene", "--scene", "none.scene@0.5"]).refused(&["none.scene"]);
+}
+
+#[test]
+fn inputs_are_held_in_stills_and_videos() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    write_colors(&place);
+    let look = ["--size", "32x18", "--tone-map", "none"];
+    let light = |set: &[&str]| {
+        place.run(&[&["still", "one.wav", "red.scene", "-o", "a.png"], &look[..], set].concat()).done();
+        redness(&still(&place, "a.png"))
+    };
+    assert!(light(&[]) > light(&["--set", "light=0.3"]) + 50);
+    let scenes = ["--scene", "blue.scene", "--scene", "red.scene@0.1", "--duration", "0.2"];
+    let set = ["--set", "light=0.3", "-o", "out/"];
+    place.run(&[&["video", "one.wav"], &LOOK[..], &scenes, &set].concat()).done();
+    assert_eq!(redness(&still(&place, "out/frame-00001.png")), light(&["--set", "light=0.3"]));
+    for (set, part) in [("light=9", "0 to 2"), ("lihgt=1", "band(31), light"), ("band(1)=-1", "0 to 1")] {
+        place
+            .run(&[&["still", "red.scene", "-o", "b.png", "--set", set], &look[..]].concat())
+            .refused(&["--set", part]);
+    }
+    place.run(&["still", "-o", "b.png", "--set", "light"]).refused_arguments("--set", &["NAME=VALUE"]);
+}
+
+#[test]
+fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    place.ffmpeg(&["-f", "lavfi", "-i", "color=red:s=16x16", "-frames:v", "1"], "cover.jpg");
+    let tags = ["-metadata", "title=Ein Lied; a=b", "-metadata", "artist=Jemand"];
+    let cover =
+        ["-i", "cover.jpg", "-map", "0:a", "-map", "1:v", "-c:v", "copy", "-disposition:v", "attached_pic"];
+    for song in ["song.flac", "song.mp3", "song.ogg"] {
+        let picture = if song.ends_with("ogg") { &cover[..0] } else { &cover };
+        place.ffmpeg(&[&["-i", "one.wav"], picture, &tags].concat(), song);
+        for video in ["v.mp4", "v.mkv"] {
+            let part = ["--start", "0.4", "--duration", "0.5", "-o", video];
+            place.run(&[&["video", song, "red.scene"], &part[..], &LOOK].concat()).done();
+            let report = probe(&place, video);
+            let tag = |name: &str| {
+                let tags = report["format"]["tags"].as_object().unwrap();
+                let found = tags.iter().find(|(key, _)| key.eq_ignore_ascii_case(name));
+                found.map(|(_, value)| value.as_str().unwrap().to_owned())
+            };
+            assert_eq!(tag("title").as_deref(), Some("Ein Lied; a=b"), "{song}: {report}");
+            assert_eq!(tag("artist").as_deref(), Some("Jemand"), "{song}: {report}");
+            let pictures = streams(&report, "video");
+            assert_eq!(pictures[0]["nb_read_frames"], "5", "{song}: {report}");
+            let covers: Vec<&&Value> =
+                pictures.iter().filter(|stream| stream["disposition"]["attached_pic"] == 1).collect();
+            assert_eq!(covers.len(), usize::from(!picture.is_empty()), "{song} in {video}: {report}");
+            assert_eq!(streams(&report, "audio").len(), 1);
+        }
+    }
+    // A cover that is none costs nobody the video.
+    let mut song = place.read("song.flac");
+    let cover = place.read("cover.jpg");
+    let at = song.windows(cover.len()).position(|bytes| bytes == cover).unwrap();
+    song[at + 3..at + cover.len()].fill(0x55);
+    place.write("song.flac", song);
+    let part = ["--duration", "0.5", "-o", "v.mp4"];
+    place.run(&[&["video", "song.flac", "red.scene"], &part[..], &LOOK].concat()).done();
+    assert_eq!(streams(&probe(&place, "v.mp4"), "video").len(), 1);
+}
+
+#[test]
+fn places_get_their_sizes_and_a_loop_ends_where_it_begins() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 3.0, [0.5, 0.5]);
+    let run = |arguments: &[&str]| place.run(&[&["video", "one.wav"], arguments].concat());
+    for (name, size, rate) in
+        [("youtube", (1920, 1080), "60/1"), ("story", (1080, 1920), "30/1"), ("square", (1080, 1080), "30/1")]
+    {
+        run(&["red.scene", "--for", name, "--duration", "0.05", "-qo", "v.mp4"]).done();
+        let report = probe(&place, "v.mp4");
+        let picture = streams(&report, "video")[0];
+        assert_eq!((&picture["width"], &picture["height"]), (&size.0.into(), &size.1.into()), "{name}");
+        assert_eq!(picture["r_frame_rate"], rate, "{name}");
+        assert_eq!(streams(&report, "audio")[0]["sample_rate"], "48000", "{name}");
+    }
+    // What moves with time, linearly.
+    place.write(
+        "moving.scene",
+        "material paint { color = 0  roughness = 1  emission = vec3(0.3 * t, 0, 0) }\n\
+         object wall { shape = 5 - p.z  material = paint }\nsky { color = 0  ambient = 0 }\n\
+         light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+         camera { position = vec3(0)  target = vec3(0, 0, 5) }\n",
+    );
+    let a_loop = ["moving.scene", "--for", "loop", "--flash-limiter", "off", "--duration"];
+    run(&[&a_loop[..], &["2", "-o", "v.mp4"], &LOOK].concat()).done();
+    let report = probe(&place, "v.mp4");
+    assert_eq!(streams(&report, "video")[0]["nb_read_frames"], "20");
+    assert!(streams(&report, "audio").is_empty(), "{report}");
+    run(&[&a_loop[..], &["2", "-o", "out/"], &LOOK].concat()).done();
+    let light: Vec<i32> =
+        (0..20).map(|frame| redness(&still(&place, &format!("out/frame-{frame:05}.png")))).collect();
+    let greatest = light.windows(2).map(|pair| pair[0].abs_diff(pair[1])).max().unwrap();
+    assert!(light[9] > light[0] + 20, "it does not move: {light:?}");
+    assert!(light[19].abs_diff(light[0]) <= greatest, "it jumps at its end: {light:?}");
+    run(&[&a_loop[..], &["2.5", "-o", "v.mp4"], &LOOK].concat())
+        .refused(&["2.5 s", "3.50 s", "3.00 s", "--start"]);
+}
+
+#[test]
+fn codecs_are_what_was_asked_for() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let run = |codec: &str, output: &str| {
+        let codec = ["--codec", codec, "--size", "64x64", "--fps", "10", "-o", output];
+        place.run(&[&["video", "one.wav", "red.scene", "--quality", "low"], &codec[..]].concat())
+    };
+    for (codec, output, told) in [
+        ("h264", "a.mp4", "h264"),
+        ("h265", "a.mp4", "hevc"),
+        ("vp9", "a.webm", "vp9"),
+        ("av1", "a.mkv", "av1"),
+    ] {
+        run(codec, output).done();
+        assert_eq!(streams(&probe(&place, output), "video")[0]["codec_name"], told);
+    }
+    run("h264", "b.webm").refused(&["b.webm", "h264", "vp9 and av1"]);
+    run("h264x", "b.mp4").refused_arguments("--codec", &["h264x"]);
+}
+
+#[test]
+fn pictures_go_to_standard_output_without_a_word() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let look = ["--size", "33x17", "--tone-map", "none", "red.scene", "-o", "-"];
+    let output = |job: &[&str]| {
+        let output = place.command(&[job, &look[..]].concat()).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{job:?}: {output:?}");
+        output.stdout
+    };
+    let png = image::load_from_memory(&output(&["still", "one.wav"])).unwrap().to_rgb8();
+    assert_eq!(png.dimensions(), (33, 17));
+    let stream = output(&["video", "one.wav", "--fps", "10", "--duration", "0.3"]);
+    let header = b"YUV4MPEG2 W33 H17 F10:1 Ip A1:1 C444 XCOLORRANGE=LIMITED\n";
+    assert!(stream.starts_with(header));
+    assert_eq!(stream.len(), header.len() + 3 * ("FRAME\n".len() + 3 * 33 * 17));
+    // Red as BT.709 has it: blue difference below the middle, red difference above.
+    let plane = |index: usize| stream[header.len() + "FRAME\n".len() + index * 33 * 17 + 300];
+    assert!(plane(1) < 120 && plane(2) > 170, "{} {}", plane(1), plane(2));
+}
+
+#[test]
+fn a_title_is_seen_only_if_asked_for() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("A song of tones.wav", 440.0, 2.0, [0.5, 0.5]);
+    let frame = |card: &[&str]| {
+        let look = ["--size", "320x180", "--fps", "1", "-o", "out/"];
+        place.run(&[&["video", "A song of tones.wav", "red.scene"], &look[..], card].concat()).done();
+        still(&place, "out/frame-00001.png")
+    };
+    let (with, without) = (frame(&["--title-card"]), frame(&[]));
+    let differ = |rows: std::ops::Range<u32>| {
+        rows.flat_map(|y| (0..320).map(move |x| (x, y)))
+            .filter(|&(x, y)| with.get_pixel(x, y) != without.get_pixel(x, y))
+            .count()
+    };
+    assert_eq!(differ(0..120), 0);
+    assert!(differ(120..180) > 150, "{} pixels", differ(120..180));
+}
+
+#[test]
+fn progress_is_told_to_nobody_who_asked_for_quiet() {
+    let place = Workplace::new();
+    write_colors(&place);
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    let video = [&["video", "one.wav", "red.scene", "-o", "v.mkv"], &LOOK[..]].concat();
+    assert!(place.run(&video).done().contains("10 frames in v.mkv"));
+    assert_eq!(place.run(&[&video[..], &["--quiet"]].concat()).done(), "");
+    // On a terminal a bar shows how far it is.
+    let command = place.command(&video);
+    let words: Vec<String> = std::iter::once(command.get_program())
+        .chain(command.get_args())
+        .map(|word| format!("'{}'", word.to_string_lossy()))
+        .collect();
+    let mut terminal = Command::new("script");
+    terminal.args(["-qec", &words.join(" "), "/dev/null"]).current_dir(command.get_current_dir().unwrap());
+    for (name, value) in command.get_envs() {
+        match value {
+            Some(value) => terminal.env(name, value),
+            None => terminal.env_remove(name),
+        };
+    }
+    terminal.env("TERM", "xterm");
+    let shown = String::from_utf8(output_of(&mut terminal, "bsdutils").unwrap()).unwrap();
+    assert!(shown.contains("100 %  frame 10 of 10") && shown.contains("0:00 left"), "{shown}");
+}
