@@ -14,7 +14,7 @@ use clap::{Args, Parser, Subcommand};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
 
-use parse::{parse_duration, parse_fps, parse_latency, parse_seconds, parse_size};
+use parse::{parse_duration, parse_fade, parse_fps, parse_latency, parse_seconds, parse_size};
 
 use crate::app;
 use crate::config::{ListenChoice, PlaySettings};
@@ -106,6 +106,12 @@ struct PlayArguments {
     /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
+    /// How many seconds one scene fades into another with N and P; 0 cuts
+    #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
+    fade: f64,
+    /// Whether the next and the previous scene are prepared while one is shown
+    #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead")]
+    prepare_ahead: Switch,
     /// Whether programs that the driver has compiled are kept, in the user's folder for caches
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     program_cache: Switch,
@@ -370,6 +376,8 @@ fn run_play(arguments: PlayArguments) -> anyhow::Result<()> {
         fps_cap: arguments.fps_cap,
         quality: arguments.quality.into(),
         limit_flashes: arguments.flash_limiter == Switch::On,
+        fade: arguments.fade,
+        prepare_ahead: arguments.prepare_ahead == Switch::On,
         program_cache: match arguments.program_cache {
             Switch::On => ProgramCache::of_user(),
             Switch::Off => ProgramCache::off(),

@@ -37,6 +37,10 @@ pub struct Limits {
     pub kept_program_bytes_max: usize,
     /// Most bytes that all kept programs take on the disk; those that were used longest ago go first.
     pub program_cache_bytes_max: u64,
+    /// Most bytes, by estimate, that the scenes take which are prepared while another one is shown.
+    pub prepared_bytes_max: u64,
+    /// Longest fade from one scene to another, in seconds.
+    pub fade_seconds_max: f64,
     /// Time in seconds after which it is told that a driver is still compiling.
     pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
@@ -60,6 +64,8 @@ pub const LIMITS: Limits = Limits {
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
     program_cache_bytes_max: 1 << 26,
+    prepared_bytes_max: 1 << 27,
+    fade_seconds_max: 60.0,
     compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,
 };

@@ -120,7 +120,7 @@ impl Listening {
 
     /// Adds what there is to show of the sources.
     pub(super) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, now: Instant) {
-        content.hint = self.sound.hint();
+        content.hint = self.sound.hint().or(content.hint);
         content.sources = self.sound.list(now);
     }
 }

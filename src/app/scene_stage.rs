@@ -8,9 +8,11 @@
 //! A new scene is prepared in parallel with what is shown, and takes its place only when a program can draw it: a
 //! scene that is broken or slow to compile never costs the present one.
 
+mod ahead;
 mod changed_numbers;
 mod context_change;
 mod drawing;
+mod fading;
 mod kept;
 mod told;
 mod universal;
@@ -21,9 +23,11 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-pub(super) use context_change::{DrawingWays, LoadedScene};
+use ahead::Ahead;
+pub(super) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
+use fading::Fading;
 use kept::KeptPrograms;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
@@ -111,6 +115,8 @@ pub(super) struct SceneStage {
     coming: Option<Cast>,
     /// The scene that was on the stage before, until the first picture of the present one is finished.
     before: Option<Cast>,
+    ahead: Ahead,
+    fading: Fading,
     /// The picture that is being drawn.
     making: Option<Making>,
     universal: UniversalInterpreters,
@@ -122,6 +128,8 @@ pub(super) struct SceneStage {
     moved: HashMap<String, f32>,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
+    /// What is said of a scene that was asked for and cannot be drawn yet.
+    awaited: Option<String>,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
     /// Counts the changes that make the same moment look different.
@@ -147,7 +155,7 @@ impl SceneStage {
         contexts: Vec<WorkerContext>,
         sources: Sources,
         ways: DrawingWays,
-        loader: SceneLoader,
+        loaders: SceneLoaders,
         first: LoadedScene,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Result<Self, GpuError> {
@@ -159,12 +167,14 @@ impl SceneStage {
         let mut stage = Self {
             gl: gl.clone(),
             choice: ways.sdf,
-            loader,
+            loader: loaders.shown,
             list: SceneList::around(&source),
             source: source.clone(),
             on_stage: None,
             coming: None,
             before: None,
+            ahead: Ahead::with(loaders.ahead),
+            fading: Fading::of(ways.fade),
             making: None,
             // Without threads it would be compiled between frames, which then come late.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
@@ -174,6 +184,7 @@ impl SceneStage {
             moved: HashMap::new(),
             problem: None,
             notice: None,
+            awaited: None,
             pictured: None,
             revision: 0,
             announced: None,
@@ -219,6 +230,7 @@ impl SceneStage {
         self.settle_numbers();
         self.recast();
         self.prepare_for_edits();
+        self.prepare_neighbours();
         self.tell_slow_compiling();
         Ok(())
     }
@@ -236,6 +248,7 @@ impl SceneStage {
                     return Err(error);
                 }
                 tracing::warn!("{error}");
+                self.awaited = None;
                 let heading = format!("{name} cannot be drawn by this driver; the last good scene stays");
                 self.problem = Some((heading, error.to_string()));
                 Ok(())
@@ -248,6 +261,7 @@ impl SceneStage {
                 };
                 let heading = format!("{} {what}; the last good scene stays", loaded.source.title());
                 tracing::warn!("{error}");
+                self.awaited = None;
                 self.problem = Some((heading, text));
                 Ok(())
             }
@@ -258,6 +272,7 @@ impl SceneStage {
     /// one.
     fn take_failure(&mut self, task: &Task, error: GpuError) -> Result<(), GpuError> {
         tracing::warn!("{error}");
+        self.ahead.leave(task);
         let mut affected = Vec::new();
         for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
             match task {
@@ -277,7 +292,7 @@ impl SceneStage {
         }
         let lost = self.coming.as_ref().is_some_and(|cast| !cast.compilable && cast.interpreter.is_none());
         if lost {
-            self.coming = None;
+            (self.coming, self.awaited) = (None, None);
         }
         if self.on_stage.is_none() && self.coming.is_none() { Err(error) } else { Ok(()) }
     }
@@ -306,6 +321,39 @@ impl SceneStage {
 
     /// Uploads a scene and requests its programs.
     fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
+        let cast = self.make_cast(source, ready)?;
+        self.bring(cast);
+        Ok(())
+    }
+
+    /// Requests what a scene needs to come onto the stage.
+    fn bring(&mut self, cast: Cast) {
+        let id = cast.id;
+        self.coming = Some(cast);
+        self.forget_obsolete();
+        let Some(cast) = self.cast(id) else { return };
+        if cast.tree == FirstTree::Coming {
+            self.regions.try_tree(id, &cast.resources);
+            self.ahead.ask_again_for_trees();
+        }
+        let Some(cast) = self.cast(id) else { return };
+        let fits = cast.interpreter.is_some();
+        let (compiles, interprets) = match self.choice {
+            SdfChoice::Interpreted => (!fits, true),
+            SdfChoice::Compiled => (true, false),
+            SdfChoice::Auto => (!fits || cast.is_compiled_by_itself(), !self.is_patient_with(cast)),
+        };
+        if compiles {
+            self.ask_for_compiled(id);
+        }
+        if interprets {
+            self.ask_for_interpreter(id);
+        }
+        self.recast();
+    }
+
+    /// Uploads a scene.
+    fn make_cast(&mut self, source: SceneSource, ready: ReadyScene) -> Result<Cast, GpuError> {
         let fits = Interpreter::fits(&ready.buffers, &ready.plan, self.gl.info());
         if let Err(error) = fits {
             tracing::warn!("{error}");
@@ -328,7 +376,7 @@ impl SceneStage {
         let compiled = self.inherited_program(id, &ready.world);
         let last = self.on_stage.as_ref().map(|cast| &cast.resources);
         let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
-        self.coming = Some(Cast {
+        Ok(Cast {
             id,
             source,
             resources,
@@ -343,23 +391,7 @@ impl SceneStage {
             since: Instant::now(),
             settles: ready.settles,
             is_resting: false,
-        });
-        self.forget_obsolete();
-        let Some(cast) = self.cast(id) else { return Ok(()) };
-        self.regions.try_tree(id, &cast.resources);
-        let (compiles, interprets) = match self.choice {
-            SdfChoice::Interpreted => (fits.is_err(), true),
-            SdfChoice::Compiled => (true, false),
-            SdfChoice::Auto => (fits.is_err() || cast.is_compiled_by_itself(), !self.is_patient_with(cast)),
-        };
-        if compiles {
-            self.ask_for_compiled(id);
-        }
-        if interprets {
-            self.ask_for_interpreter(id);
-        }
-        self.recast();
-        Ok(())
+        })
     }
 
     /// Whether `auto` waits for a scene's own program.
@@ -371,12 +403,12 @@ impl SceneStage {
     /// Drops requests for scenes that will not be shown. A program that is being made already is dropped when it
     /// comes.
     fn forget_obsolete(&mut self) {
-        let kept = [&self.on_stage, &self.coming, &self.before].map(|cast| cast.as_ref().map(|cast| cast.id));
+        let kept: Vec<u64> = self.casts().map(|cast| cast.id).collect();
         self.tasks.retain(|_, task| match task {
-            Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(&Some(*id)),
+            Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(id),
             Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
         });
-        self.views.keep(|id| kept.contains(&Some(id)));
+        self.views.keep(|id| kept.contains(&id));
         self.compiler.forget(|id| !self.tasks.contains_key(&id));
     }
 
@@ -448,18 +480,26 @@ impl SceneStage {
     }
 
     fn cast(&self, id: u64) -> Option<&Cast> {
-        [&self.on_stage, &self.coming].into_iter().flatten().find(|cast| cast.id == id)
+        let staged = [&self.on_stage, &self.coming].into_iter().flatten();
+        staged.chain(self.ahead.casts()).find(|cast| cast.id == id)
     }
 
     fn cast_mut(&mut self, id: u64) -> Option<&mut Cast> {
-        [&mut self.on_stage, &mut self.coming].into_iter().flatten().find(|cast| cast.id == id)
+        let staged = [&mut self.on_stage, &mut self.coming].into_iter().flatten();
+        staged.chain(self.ahead.casts_mut()).find(|cast| cast.id == id)
+    }
+
+    /// Every scene that is there.
+    fn casts(&self) -> impl Iterator<Item = &Cast> {
+        [&self.on_stage, &self.coming, &self.before].into_iter().flatten().chain(self.ahead.casts())
     }
 
     /// Gives the scenes their interpreter, and brings the coming scene onto the stage as soon as it can be drawn in a
     /// mode that was asked for.
     fn recast(&mut self) {
         let before = self.announced;
-        for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
+        let staged = [&mut self.on_stage, &mut self.coming].into_iter().flatten();
+        for cast in staged.chain(self.ahead.casts_mut()) {
             if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
                 cast.interpreted = self
                     .universal
@@ -491,7 +531,9 @@ impl SceneStage {
                 let value = self.moved.get(&slider.name).copied().unwrap_or(slider.default);
                 slider.value = value.clamp(slider.min, slider.max);
             }
+            self.awaited = None;
             if is_another {
+                self.fade_if_it_can();
                 self.tell(self.name().unwrap_or_default());
                 self.hand = OrbitControls::OFF;
             }

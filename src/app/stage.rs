@@ -42,6 +42,8 @@ pub(super) struct Stage {
     /// Whether nothing of the window can be seen.
     occluded: bool,
     overlay: Overlay,
+    /// When the words of a window without a picture were last shown, and in which size.
+    waited: Option<(Instant, (u32, u32))>,
     pub(super) panels: PanelSwitches,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
@@ -195,6 +197,7 @@ impl Stage {
         if self.scene.is_drawing() {
             return Ok(now);
         }
+        self.scene.rehearse(&mut self.renderer);
         let overlay_due = self.overlay_due(now);
         let moving = moves || self.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.

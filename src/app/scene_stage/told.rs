@@ -10,6 +10,11 @@ impl SceneStage {
         self.on_stage.as_ref().map(|cast| cast.source.title())
     }
 
+    /// The name of the scene that was asked for last.
+    pub(crate) fn wanted_title(&self) -> String {
+        self.source.title()
+    }
+
     /// What the title says of the scene: its name, its mode, its view.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some((name, mode)) = self.name().zip(self.mode()) else { return Vec::new() };
@@ -63,6 +68,7 @@ impl SceneStage {
             notice: notice.map(|(text, since)| Notice { text, since: *since }),
             params: sliders.filter(|sliders| panels.sliders() && !sliders.is_empty()),
             help: panels.help(),
+            hint: self.awaited.as_deref(),
             ..OverlayContent::default()
         }
     }

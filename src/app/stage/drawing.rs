@@ -7,12 +7,16 @@ use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
-use crate::app::overlay::OverlayContent;
+use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::reports::Reports;
 use crate::app::scene_regions::Shown;
-use crate::app::scene_stage::{Drawn, WantedPicture};
+use crate::app::scene_stage::{Drawn, SceneStage, WantedPicture};
+use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
 use mariana_player::Moment;
+
+/// How often a window without a picture is painted again: something may have covered it.
+const WAITING_AGAIN: Duration = Duration::from_millis(250);
 
 impl Stage {
     /// Draws the window, or a part of a picture that takes long. Returns whether it shows its first picture, with
@@ -34,7 +38,7 @@ impl Stage {
         let level = self.level(begun);
         let drawn = drawn_size(level, size, self.side_max());
         if !self.scene.is_ready() {
-            return Ok(false);
+            return self.show_waiting(size).map(|()| false);
         }
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
         let mut new = None;
@@ -58,7 +62,9 @@ impl Stage {
         let is_drawing = self.scene.is_drawing();
         let mut content = self.scene.overlay(corner.as_deref(), self.panels);
         add_reports(&mut content, &self.listening, &self.reports, begun);
-        let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
+        let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
+            return self.show_waiting(size).map(|()| false);
+        };
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && (shown != wanted || is_drawing);
@@ -83,6 +89,20 @@ impl Stage {
             self.listening.follow_wish();
         }
         Ok(first)
+    }
+
+    /// Says in a window without a picture what is being prepared: an unpainted window looks broken.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), AppError> {
+        let now = Instant::now();
+        let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
+        if self.waited.is_none_or(is_stale) {
+            self.waited = Some((now, size));
+            paint_waiting(&self.window, &mut self.overlay, &mut self.scene, size)?;
+        }
+        Ok(())
     }
 
     /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.
@@ -156,6 +176,24 @@ impl Stage {
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
     }
+}
+
+/// Paints a window of `size` pixels that has no picture yet: the words over black.
+///
+/// # Errors
+/// What the driver refuses.
+pub(super) fn paint_waiting(
+    window: &GlWindowContext,
+    overlay: &mut Overlay,
+    scene: &mut SceneStage,
+    size: (u32, u32),
+) -> Result<(), AppError> {
+    let words = format!("Mariana is preparing {}", scene.wanted_title());
+    let mut content = scene.overlay(None, PanelSwitches::default());
+    content.hint = Some(&words);
+    window.gl().clear_window(size)?;
+    overlay.paint(window.window(), size, content)?;
+    window.swap()
 }
 
 /// Adds what there is to report of the sound and the tracks.
