@@ -191,14 +191,13 @@ impl Stage {
         self.scene.update()?;
         let now = Instant::now();
         self.reports.update(now);
-        let moment = self.moment();
-        // Also while a picture is being drawn: one that takes long must not look as if the show stood still.
-        let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
         if self.scene.is_drawing() {
             return Ok(now);
         }
         self.scene.rehearse(&mut self.renderer);
         let overlay_due = self.overlay_due(now);
+        let moment = self.moment();
+        let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
         let moving = moves || self.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !self.occluded || self.pace.shown().is_none();

@@ -34,6 +34,10 @@ impl SceneStage {
     pub(super) fn tell_slow_compiling(&mut self) {
         for id in self.compiler.slow() {
             let Some(task) = self.tasks.get(&id) else { continue };
+            // Nobody waits for what is prepared ahead.
+            if matches!(task, Task::Compiled(of) if self.ahead.casts().any(|cast| cast.id == *of)) {
+                continue;
+            }
             let what = match task {
                 Task::Compiled(of) => self.cast(*of).map(|cast| cast.source.title()),
                 Task::Views(ViewsOf::Compiled(of)) => {

@@ -35,6 +35,9 @@ impl Stage {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
             return Ok(false);
         };
+        // A picture that takes long, or that the window system is slow to ask for, must not look as if the show stood
+        // still: it would be begun again with all pixels.
+        self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
         let level = self.level(begun);
         let drawn = drawn_size(level, size, self.side_max());
         if !self.scene.is_ready() {
