@@ -137,6 +137,29 @@ fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
 }
 
 #[test]
+fn a_window_whose_scene_is_not_there_yet_says_so() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    let scene = place.desktop.folder().join("a.scene");
+    let options =
+        ["--silent", "--size", "320x180", "-v", "--sdf", "compiled", "--scene", scene.to_str().unwrap()];
+    let app = place.desktop.open_with(&[("MARIANA_FAULT", "slow-compiler@0")], &place.song, &options);
+    wait_until("words over black", || {
+        let picture = app.picture();
+        let [light, dark] = [|sum| sum > 300, |sum| sum < 30].map(|is: fn(u32) -> bool| {
+            picture
+                .pixels()
+                .filter(|pixel| is(pixel.0[..3].iter().map(|&byte| u32::from(byte)).sum()))
+                .count()
+        });
+        assert!(!app.told().contains("first picture"), "there were no words before the picture");
+        light > 50 && dark > picture.pixels().count() / 2
+    });
+    wait_for_channel(&app, 0);
+    quit(app);
+}
+
+#[test]
 fn a_saved_scene_does_not_fade() {
     let place = Place::new();
     place.save("a.scene", 0);

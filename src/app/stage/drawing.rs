@@ -10,7 +10,7 @@ use crate::app::listening::Listening;
 use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::reports::Reports;
 use crate::app::scene_regions::Shown;
-use crate::app::scene_stage::{Drawn, SceneStage, WantedPicture};
+use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
 use mariana_player::Moment;
@@ -103,7 +103,9 @@ impl Stage {
         let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
         if self.waited.is_none_or(is_stale) {
             self.waited = Some((now, size));
-            paint_waiting(&self.window, &mut self.overlay, &mut self.scene, size)?;
+            let title = self.scene.wanted_title();
+            let content = self.scene.overlay(None, PanelSwitches::default());
+            paint_waiting(&self.window, &mut self.overlay, size, &title, content)?;
         }
         Ok(())
     }
@@ -181,21 +183,20 @@ impl Stage {
     }
 }
 
-/// Paints a window of `size` pixels that has no picture yet: the words over black.
+/// Paints a window of `size` pixels that has no picture yet: what there is to say, and the scene's title, over black.
 ///
 /// # Errors
 /// What the driver refuses.
 pub(super) fn paint_waiting(
     window: &GlWindowContext,
     overlay: &mut Overlay,
-    scene: &mut SceneStage,
     size: (u32, u32),
+    title: &str,
+    content: OverlayContent<'_>,
 ) -> Result<(), AppError> {
-    let words = format!("Mariana is preparing {}", scene.wanted_title());
-    let mut content = scene.overlay(None, PanelSwitches::default());
-    content.hint = Some(&words);
+    let words = format!("Mariana is preparing {title}");
     window.gl().clear_window(size)?;
-    overlay.paint(window.window(), size, content)?;
+    overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
     window.swap()
 }
 

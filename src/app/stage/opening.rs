@@ -14,7 +14,7 @@ use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
 use crate::app::media_controls::MediaControls;
-use crate::app::overlay::{Overlay, PanelSwitches};
+use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
@@ -60,10 +60,15 @@ impl Opening<'_> {
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
+        let mut overlay = Overlay::new(window.gl(), window.window());
+        if let Some(size) = window.size() {
+            paint_waiting(&window, &mut overlay, size, &first.source.title(), OverlayContent::default())?;
+            tracing::info!("the window says what it prepares");
+        }
         // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
         let choice = scene;
-        let mut scene = SceneStage::new(
+        let scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
             sources(settings, choice),
@@ -72,10 +77,6 @@ impl Opening<'_> {
             first,
             move || of_scenes.wake(),
         )?;
-        let mut overlay = Overlay::new(window.gl(), window.window());
-        if let Some(size) = window.size() {
-            paint_waiting(&window, &mut overlay, &mut scene, size)?;
-        }
         let renderer = renderer(&window, settings, choice)?;
         // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
