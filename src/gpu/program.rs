@@ -151,6 +151,11 @@ pub struct ReadyProgram {
 }
 
 impl ReadyProgram {
+    /// A program that was made from these texts, in the driver's own form if there is one.
+    pub(super) fn new(texts: ProgramTexts, binary: Option<ProgramBinary>) -> Self {
+        Self { texts, binary }
+    }
+
     /// The driver's own form, if it provides one.
     pub fn binary(&self) -> Option<&ProgramBinary> {
         self.binary.as_ref()
