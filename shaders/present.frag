@@ -8,7 +8,16 @@
 uniform sampler2D picture;          // linear light
 uniform sampler2D bloom;            // the same, scattered
 
+#ifdef FADE
+uniform sampler2D before;           // the light of the picture that this one follows, exposed
+#endif
+
 layout(location = 0) out vec4 screen;
+
+#ifdef LIGHT
+// What 16-bit floats hold.
+const vec3 EXPOSED_MAX = vec3(65504.0);
+#endif
 
 // Interleaved gradient noise (Jimenez 2014), 0..1: less visible than random noise, and constant in time.
 float noise(vec2 pixel) {
@@ -34,5 +43,12 @@ void main() {
     vec3 light = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
     light = mix(light, texture(bloom, place).rgb, picture_look.y);
     light *= picture_look.x * falloff(place);
+#ifdef LIGHT
+    screen = vec4(min(light, EXPOSED_MAX), 1.0);
+#else
+#ifdef FADE
+    light = mix(light, texture(before, place).rgb, post_target.z);
+#endif
     screen = vec4(srgb_from_linear(tone_map(light)) + grain(gl_FragCoord.xy) / 255.0, 1.0);
+#endif
 }

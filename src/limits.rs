@@ -45,6 +45,10 @@ pub struct Limits {
     pub thumbnail_seconds_max: f64,
     /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
     pub thumbnails_kept_max: usize,
+    /// Most bytes, by estimate, that the scenes take which are prepared while another one is shown.
+    pub prepared_bytes_max: u64,
+    /// Longest fade from one scene to another, in seconds.
+    pub fade_seconds_max: f64,
     /// Time in seconds after which it is told that a driver is still compiling.
     pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
@@ -72,6 +76,8 @@ pub const LIMITS: Limits = Limits {
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
     program_cache_bytes_max: 1 << 26,
+    prepared_bytes_max: 1 << 27,
+    fade_seconds_max: 60.0,
     compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,
 };

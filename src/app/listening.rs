@@ -154,7 +154,7 @@ impl Listening {
 
     /// Adds what there is to show of the sources; `stays` while the user keeps their list open.
     pub(super) fn show_in<'a>(&'a self, content: &mut OverlayContent<'a>, stays: bool, now: Instant) {
-        content.hint = self.sound.hint();
+        content.hint = self.sound.hint().or(content.hint);
         content.sources = self.sound.list(stays, now);
     }
 }

@@ -8,10 +8,14 @@
 //! A new scene is prepared in parallel with what is shown, and takes its place only when a program can draw it: a
 //! scene that is broken or slow to compile never costs the present one.
 
+mod ahead;
+mod casting;
 mod changed_numbers;
 mod context_change;
 mod drawing;
+mod fading;
 mod kept;
+mod requests;
 mod told;
 mod universal;
 mod views;
@@ -21,9 +25,11 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-pub(super) use context_change::{DrawingWays, LoadedScene};
+use ahead::Ahead;
+pub(super) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
+use fading::Fading;
 use kept::KeptPrograms;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
@@ -31,25 +37,17 @@ use views::{Views, ViewsOf};
 use super::overlay::Slider;
 use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
-use crate::frame::Frame;
-use crate::frame::block::RegionTree;
 use crate::frame::orbit_controls::OrbitControls;
-use crate::gpu::background::{BackgroundCompiler, ProgramJob, Sources, WorkerContext};
+use crate::gpu::background::{BackgroundCompiler, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
 use crate::gpu::program::Program;
-use crate::gpu::renderer::Counting;
-use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode, compiled_variant_of};
+use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
-use crate::gpu::stand_ins::SceneShape;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
 
 /// What the loader gives.
 pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
-
-/// Longest distance, in clauses, that `auto` shows interpreted on a software renderer while its own program is being
-/// made: there a frame of a longer one takes many times as long as compiling it.
-const SHOWN_AT_ONCE_BY_SOFTWARE_MAX: usize = 48;
 
 /// A scene with what can draw it.
 struct Cast {
@@ -111,6 +109,8 @@ pub(super) struct SceneStage {
     coming: Option<Cast>,
     /// The scene that was on the stage before, until the first picture of the present one is finished.
     before: Option<Cast>,
+    ahead: Ahead,
+    fading: Fading,
     /// The picture that is being drawn.
     making: Option<Making>,
     universal: UniversalInterpreters,
@@ -122,6 +122,8 @@ pub(super) struct SceneStage {
     moved: HashMap<String, f32>,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
+    /// What is said of a scene that was asked for and cannot be drawn yet.
+    awaited: Option<String>,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
     /// Counts the changes that make the same moment look different.
@@ -147,7 +149,7 @@ impl SceneStage {
         contexts: Vec<WorkerContext>,
         sources: Sources,
         ways: DrawingWays,
-        loader: SceneLoader,
+        loaders: SceneLoaders,
         first: LoadedScene,
         wake: impl Fn() + Send + Clone + 'static,
     ) -> Result<Self, GpuError> {
@@ -159,12 +161,14 @@ impl SceneStage {
         let mut stage = Self {
             gl: gl.clone(),
             choice: ways.sdf,
-            loader,
+            loader: loaders.shown,
             list: SceneList::around(&source),
             source: source.clone(),
             on_stage: None,
             coming: None,
             before: None,
+            ahead: Ahead::with(loaders.ahead),
+            fading: Fading::of(ways.fade),
             making: None,
             // Without threads it would be compiled between frames, which then come late.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
@@ -174,6 +178,7 @@ impl SceneStage {
             moved: HashMap::new(),
             problem: None,
             notice: None,
+            awaited: None,
             pictured: None,
             revision: 0,
             announced: None,
@@ -219,6 +224,7 @@ impl SceneStage {
         self.settle_numbers();
         self.recast();
         self.prepare_for_edits();
+        self.prepare_neighbours();
         self.tell_slow_compiling();
         Ok(())
     }
@@ -236,6 +242,7 @@ impl SceneStage {
                     return Err(error);
                 }
                 tracing::warn!("{error}");
+                self.awaited = None;
                 let heading = format!("{name} cannot be drawn by this driver; the last good scene stays");
                 self.problem = Some((heading, error.to_string()));
                 Ok(())
@@ -248,198 +255,11 @@ impl SceneStage {
                 };
                 let heading = format!("{} {what}; the last good scene stays", loaded.source.title());
                 tracing::warn!("{error}");
+                self.awaited = None;
                 self.problem = Some((heading, text));
                 Ok(())
             }
         }
-    }
-
-    /// Handles a program that could not be made. The scenes that need it are drawn in the other mode, if there is
-    /// one.
-    fn take_failure(&mut self, task: &Task, error: GpuError) -> Result<(), GpuError> {
-        tracing::warn!("{error}");
-        let mut affected = Vec::new();
-        for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
-            match task {
-                Task::Compiled(id) if *id == cast.id => cast.compilable = false,
-                Task::Interpreter(variant)
-                    if cast.interpreted.is_none()
-                        && cast.interpreter.as_ref().is_some_and(|needed| variant.covers(needed)) =>
-                {
-                    cast.interpreter = None;
-                }
-                _ => continue,
-            }
-            affected.push(cast.id);
-        }
-        for id in affected {
-            self.fall_back(id, &error);
-        }
-        let lost = self.coming.as_ref().is_some_and(|cast| !cast.compilable && cast.interpreter.is_none());
-        if lost {
-            self.coming = None;
-        }
-        if self.on_stage.is_none() && self.coming.is_none() { Err(error) } else { Ok(()) }
-    }
-
-    /// Requests the mode that is left to draw a scene, and says why.
-    fn fall_back(&mut self, id: u64, error: &GpuError) {
-        let Some(cast) = self.cast(id) else { return };
-        let name = cast.source.title();
-        let heading = match (cast.compilable, cast.interpreter.is_some()) {
-            (false, true) => format!("{name} could not be compiled; it is interpreted instead"),
-            (true, false) => format!("{name} could not be interpreted; it is compiled instead"),
-            _ => format!("{name} cannot be drawn by this driver; the last good scene stays"),
-        };
-        let compilable = cast.compilable;
-        if compilable {
-            self.ask_for_compiled(id);
-        } else {
-            self.ask_for_interpreter(id);
-        }
-        // What was told in an earlier run needs a line only.
-        if compilable && matches!(error, GpuError::GivenUp { .. }) {
-            return self.tell(heading);
-        }
-        self.problem = Some((heading, error.to_string()));
-    }
-
-    /// Uploads a scene and requests its programs.
-    fn prepare(&mut self, source: SceneSource, ready: ReadyScene) -> Result<(), GpuError> {
-        let fits = Interpreter::fits(&ready.buffers, &ready.plan, self.gl.info());
-        if let Err(error) = fits {
-            tracing::warn!("{error}");
-        }
-        let interpreter = fits
-            .is_ok()
-            .then(|| Interpreter::for_scene(ready.world.traits, &ready.buffers, &ready.plan, self.gl.info()));
-        let params = ready.world.scene.params.iter().filter(|param| !param.is_number);
-        let sliders = params.map(|param| Slider {
-            name: param.name.clone(),
-            value: param.default,
-            min: param.min,
-            max: param.max,
-            default: param.default,
-        });
-        let sliders = sliders.collect();
-        let graph = &ready.world.scene.graph;
-        let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
-        let id = self.fresh_id();
-        let compiled = self.inherited_program(id, &ready.world);
-        let last = self.on_stage.as_ref().map(|cast| &cast.resources);
-        let resources = SceneResources::upload_after(last, &self.gl, ready.world, ready.buffers, ready.plan)?;
-        self.coming = Some(Cast {
-            id,
-            source,
-            resources,
-            interpreter,
-            interpreted: None,
-            compiled,
-            tree: FirstTree::Coming,
-            compilable: true,
-            moves,
-            hears_curves,
-            sliders,
-            since: Instant::now(),
-            settles: ready.settles,
-            is_resting: false,
-        });
-        self.forget_obsolete();
-        let Some(cast) = self.cast(id) else { return Ok(()) };
-        self.regions.try_tree(id, &cast.resources);
-        let (compiles, interprets) = match self.choice {
-            SdfChoice::Interpreted => (fits.is_err(), true),
-            SdfChoice::Compiled => (true, false),
-            SdfChoice::Auto => (fits.is_err() || cast.is_compiled_by_itself(), !self.is_patient_with(cast)),
-        };
-        if compiles {
-            self.ask_for_compiled(id);
-        }
-        if interprets {
-            self.ask_for_interpreter(id);
-        }
-        self.recast();
-        Ok(())
-    }
-
-    /// Whether `auto` waits for a scene's own program.
-    fn is_patient_with(&self, cast: &Cast) -> bool {
-        let long = cast.resources.buffers().cost.distance > SHOWN_AT_ONCE_BY_SOFTWARE_MAX;
-        self.gl.info().software && long && cast.is_compiled_by_itself()
-    }
-
-    /// Drops requests for scenes that will not be shown. A program that is being made already is dropped when it
-    /// comes.
-    fn forget_obsolete(&mut self) {
-        let kept = [&self.on_stage, &self.coming, &self.before].map(|cast| cast.as_ref().map(|cast| cast.id));
-        self.tasks.retain(|_, task| match task {
-            Task::Compiled(id) | Task::Views(ViewsOf::Compiled(id)) => kept.contains(&Some(*id)),
-            Task::Interpreter(_) | Task::Universal { .. } | Task::Views(_) => true,
-        });
-        self.views.keep(|id| kept.contains(&Some(id)));
-        self.compiler.forget(|id| !self.tasks.contains_key(&id));
-    }
-
-    fn ask_for_compiled(&mut self, id: u64) {
-        let asked = self.in_the_making(id, Mode::Compiled);
-        let Some(cast) = self.cast_mut(id).filter(|cast| !asked && cast.compiled.is_none()) else { return };
-        cast.compilable = true;
-        let Some(cast) = self.cast(id) else { return };
-        let world = cast.resources.world().clone();
-        let job = self.job(cast, move || compiled_variant_of(&world, Counting::Off));
-        tracing::info!("{} is requested, compiled", cast.source.title());
-        self.submit(job, Task::Compiled(id));
-    }
-
-    fn ask_for_interpreter(&mut self, id: u64) {
-        let Some(cast) = self.cast(id) else { return };
-        let Some(needed) = cast.interpreter.clone() else { return };
-        // The first picture does not wait for it, because a scene's own interpreter is compiled sooner.
-        let can_wait = self.pictured.is_some() || self.in_the_making(id, Mode::Compiled);
-        if self.universal.find(&needed).is_some() {
-            return;
-        }
-        if self.universal.serve(&needed) && can_wait {
-            return self.ask_for_universal(needed.is_steep(), id);
-        }
-        let mut asked = self.tasks.values().filter_map(|task| match task {
-            Task::Interpreter(asked) => Some(asked),
-            _ => None,
-        });
-        let covers = |known: &Interpreter| known.covers(&needed);
-        if self.interpreters.has(covers) || asked.any(covers) {
-            return;
-        }
-        let variant = needed.clone();
-        let mut job = self.job(cast, move || Ok(variant.variant(Counting::Off)));
-        job.can_be_given_up = true;
-        tracing::info!("{} is requested, interpreted", cast.source.title());
-        self.submit(job, Task::Interpreter(needed));
-    }
-
-    fn job(
-        &self,
-        cast: &Cast,
-        variant: impl FnOnce() -> Result<crate::gpu::shader_source::Variant, GpuError> + Send + 'static,
-    ) -> ProgramJob {
-        let world = cast.resources.world();
-        let frame = Frame::new(world, 0.0, mariana_music::Features::SILENCE, (16, 16));
-        ProgramJob {
-            id: self.next_id,
-            variant: Box::new(variant),
-            block: frame.block(world, &RegionTree::default()),
-            picture: frame.picture,
-            scene: SceneShape::of(world),
-            draws_views: false,
-            can_be_given_up: false,
-        }
-    }
-
-    fn submit(&mut self, job: ProgramJob, task: Task) {
-        let id = self.fresh_id();
-        debug_assert_eq!(id, job.id);
-        self.tasks.insert(id, task);
-        self.compiler.submit(job);
     }
 
     fn fresh_id(&mut self) -> u64 {
@@ -448,66 +268,18 @@ impl SceneStage {
     }
 
     fn cast(&self, id: u64) -> Option<&Cast> {
-        [&self.on_stage, &self.coming].into_iter().flatten().find(|cast| cast.id == id)
+        let staged = [&self.on_stage, &self.coming].into_iter().flatten();
+        staged.chain(self.ahead.casts()).find(|cast| cast.id == id)
     }
 
     fn cast_mut(&mut self, id: u64) -> Option<&mut Cast> {
-        [&mut self.on_stage, &mut self.coming].into_iter().flatten().find(|cast| cast.id == id)
+        let staged = [&mut self.on_stage, &mut self.coming].into_iter().flatten();
+        staged.chain(self.ahead.casts_mut()).find(|cast| cast.id == id)
     }
 
-    /// Gives the scenes their interpreter, and brings the coming scene onto the stage as soon as it can be drawn in a
-    /// mode that was asked for.
-    fn recast(&mut self) {
-        let before = self.announced;
-        for cast in [&mut self.on_stage, &mut self.coming].into_iter().flatten() {
-            if let (None, Some(needed)) = (&cast.interpreted, &cast.interpreter) {
-                cast.interpreted = self
-                    .universal
-                    .find(needed)
-                    .or_else(|| self.interpreters.find(|known| known.covers(needed)));
-            }
-        }
-        let can_be_drawn = self.coming.as_ref().is_some_and(|cast| {
-            let waits = match self.choice {
-                SdfChoice::Interpreted => false,
-                SdfChoice::Compiled => true,
-                SdfChoice::Auto => self.is_patient_with(cast) || self.coming_only_settles(),
-            };
-            let has_program =
-                cast.compiled.is_some() || (cast.interpreted.is_some() && !(waits && cast.compilable));
-            has_program && cast.tree != FirstTree::Coming
-        });
-        if can_be_drawn {
-            let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
-            let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
-            let is_another = replaced.is_some() && name(&replaced) != name(&self.on_stage);
-            // There is no point in coming back to a scene that has shown nothing.
-            if self.pictured == replaced.as_ref().map(|cast| cast.id) {
-                self.before = replaced;
-            }
-            self.forget_obsolete();
-            // The sliders may have been moved since the scene was asked for.
-            for slider in self.on_stage.iter_mut().flat_map(|cast| &mut cast.sliders) {
-                let value = self.moved.get(&slider.name).copied().unwrap_or(slider.default);
-                slider.value = value.clamp(slider.min, slider.max);
-            }
-            if is_another {
-                self.tell(self.name().unwrap_or_default());
-                self.hand = OrbitControls::OFF;
-            }
-        }
-        self.ask_for_view();
-        let now = self.on_stage.as_ref().map(|cast| cast.id).zip(self.mode());
-        if now == before {
-            return;
-        }
-        self.announced = now;
-        self.revision += 1;
-        let Some((name, (id, mode))) = self.name().zip(now) else { return };
-        tracing::info!("{name} is shown, {mode}");
-        if before.is_some_and(|(known, _)| known == id) {
-            self.tell(mode.to_string());
-        }
+    /// Every scene that is there.
+    fn casts(&self) -> impl Iterator<Item = &Cast> {
+        [&self.on_stage, &self.coming, &self.before].into_iter().flatten().chain(self.ahead.casts())
     }
 
     /// Shows a line for a moment.
@@ -523,21 +295,6 @@ impl SceneStage {
             SdfChoice::Compiled | SdfChoice::Auto => [Mode::Compiled, Mode::Interpreted],
         };
         order.into_iter().find(|mode| cast.program(*mode).is_some())
-    }
-
-    /// Whether a scene's program of that mode was requested and has not come.
-    fn in_the_making(&self, id: u64, mode: Mode) -> bool {
-        let needed = self.cast(id).and_then(|cast| cast.interpreter.as_ref());
-        self.tasks.values().any(|task| match task {
-            Task::Compiled(asked) => mode == Mode::Compiled && *asked == id,
-            Task::Interpreter(asked) => {
-                mode == Mode::Interpreted && needed.is_some_and(|needed| asked.covers(needed))
-            }
-            Task::Universal { .. } => {
-                mode == Mode::Interpreted && needed.is_some_and(|needed| self.universal.are_coming(needed))
-            }
-            Task::Views(_) => false,
-        })
     }
 
     /// Whether the regions of a requested picture have come.

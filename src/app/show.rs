@@ -14,7 +14,7 @@ use super::error::AppError;
 use super::keys::Action;
 use super::media_controls::Asked;
 use super::overlay::Request;
-use super::scene_stage::{LoadedScene, SceneLoader};
+use super::scene_stage::{LoadedScene, SceneLoader, SceneLoaders};
 use super::stage::{Opening, Stage, renewed};
 use super::window::{OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Typing, Waker, inbox};
@@ -41,7 +41,12 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         return Err(AppError::SongLost(trouble.clone()).into());
     }
     let (waker, inbox) = inbox();
-    let (loader, first) = load_first(&scene, &waker)?;
+    let (shown, first) = load_first(&scene, &waker)?;
+    let ahead = match settings.prepare_ahead {
+        true => Some([start_loader(&waker)?, start_loader(&waker)?]),
+        false => None,
+    };
+    let loaders = SceneLoaders { shown, ahead };
     let event_loop = match EventLoop::with_user_event().build() {
         Ok(event_loop) => event_loop,
         Err(_) if settings.gl_info => {
@@ -65,7 +70,7 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
-        let opening = Opening { tracks, settings: &settings, scene: &scene, loader, first };
+        let opening = Opening { tracks, settings: &settings, scene: &scene, loaders, first };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
@@ -91,11 +96,7 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
 fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, LoadedScene), AppError> {
-    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
-    let waker = waker.clone();
-    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits);
-    let loader: SceneLoader = Loader::start(load, move || waker.wake())
-        .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
+    let loader = start_loader(waker)?;
     loader.request(scene.source.clone());
     let first = loop {
         match loader.poll() {
@@ -104,6 +105,15 @@ fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, Loaded
         }
     };
     Ok((loader, first))
+}
+
+/// Starts a loader that has nothing to load yet.
+fn start_loader(waker: &Waker) -> Result<SceneLoader, AppError> {
+    let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
+    let waker = waker.clone();
+    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits);
+    Loader::start(load, move || waker.wake())
+        .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })
 }
 
 /// What winit says, without the source location at its beginning.

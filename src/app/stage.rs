@@ -65,6 +65,8 @@ pub(super) struct Stage {
     /// When the words at the start came up.
     welcomed: Option<Instant>,
     overlay: Overlay,
+    /// When the words of a window without a picture were last shown, and in which size.
+    waited: Option<(Instant, (u32, u32))>,
     pub(super) panels: PanelSwitches,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
@@ -454,6 +456,7 @@ impl Stage {
         if self.scene.is_drawing() {
             return Ok(now);
         }
+        self.scene.rehearse(&mut self.renderer);
         let overlay_due = self.overlay_due(now);
         let moment = self.moment();
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);

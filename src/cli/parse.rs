@@ -85,6 +85,10 @@ pub(super) fn parse_fps(text: &str) -> Result<f64, String> {
     parse_within(text, LIMITS.fps_min, LIMITS.fps_max, "frames per second")
 }
 
+pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
+    parse_within(text, 0.0, LIMITS.fade_seconds_max, "seconds")
+}
+
 pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
     parse_within(text, -PLAYER_LIMITS.latency_ms_max, PLAYER_LIMITS.latency_ms_max, "milliseconds")
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use super::choices::{Quality, RepeatChoice, Switch};
 use super::common::{CommonArguments, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
-use super::parse::{parse_fps, parse_latency, parse_percent, parse_size};
+use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
 use super::view::ViewArguments;
 use crate::app;
 use crate::config::{ListenChoice, PlaySettings};
@@ -59,12 +59,21 @@ pub(super) struct PlayArguments {
     /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     flash_limiter: Switch,
+    /// How many seconds one scene fades into another with N and P; 0 cuts
+    #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
+    fade: f64,
+    /// Whether the next and the previous scene are prepared while one is shown
+    #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead")]
+    prepare_ahead: Switch,
     /// Whether programs that the driver has compiled are kept, in the user's folder for caches
     #[arg(long, value_name = "ON-OFF", default_value = "on")]
     program_cache: Switch,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
+    /// Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar
+    #[arg(long)]
+    clean: bool,
     /// Size of the window in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     size: (u32, u32),
@@ -114,12 +123,15 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         listen,
         fps_cap: arguments.fps_cap,
         quality: arguments.quality.into(),
+        fade: arguments.fade,
+        prepare_ahead: arguments.prepare_ahead == Switch::On,
         limit_flashes: arguments.flash_limiter == Switch::On,
         program_cache: match arguments.program_cache {
             Switch::On => ProgramCache::of_user(),
             Switch::Off => ProgramCache::off(),
         },
         fullscreen: arguments.fullscreen,
+        clean: arguments.clean,
         size: arguments.size,
         gl_info: arguments.gl_info,
     };

@@ -68,6 +68,10 @@ pub struct PlaySettings {
     pub quality: QualityChoice,
     /// Whether more than three flashes a second are dimmed.
     pub limit_flashes: bool,
+    /// How long one scene fades into another, in seconds; 0 is a cut.
+    pub fade: f64,
+    /// Whether the next and the previous scene are prepared while one is shown.
+    pub prepare_ahead: bool,
     /// Where programs are kept from run to run.
     pub program_cache: ProgramCache,
     /// Start in full screen.

@@ -12,7 +12,7 @@ use glow::HasContext;
 use super::error::GpuError;
 use super::gl::Gl;
 use super::post::Passes;
-use super::program::{Program, unit_of};
+use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 
 /// Most levels: the smallest is then a 256th of the picture.
@@ -24,9 +24,9 @@ const FADING: f32 = 0.85;
 
 /// The programs of its passes.
 pub(super) struct Bloom {
-    pub(super) first: Program,
-    pub(super) down: Program,
-    pub(super) up: Program,
+    pub(super) first: LazyProgram,
+    pub(super) down: LazyProgram,
+    pub(super) up: LazyProgram,
 }
 
 /// Its levels, the largest first.
@@ -36,18 +36,21 @@ pub(super) struct BloomTargets {
 
 impl Bloom {
     /// Scatters light; the result is half as large.
+    ///
+    /// # Errors
+    /// What the driver says about malformed programs.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
         light: &'a Target,
         targets: &'a BloomTargets,
-    ) -> &'a Target {
+    ) -> Result<&'a Target, GpuError> {
         let levels = &targets.levels;
         let (mut source, mut program) = (light, &self.first);
         let mut largest = None;
         for level in levels {
             source.bind_color(0, unit_of("picture"));
-            passes.draw(program, level);
+            passes.draw(program, level)?;
             (source, program) = (level, &self.down);
             largest.get_or_insert(level);
         }
@@ -61,11 +64,11 @@ impl Bloom {
             // SAFETY: plain state.
             unsafe { passes.gl.blend_color(0.0, 0.0, 0.0, share_of_smaller(levels.len() - index)) }
             smaller.bind_color(0, unit_of("picture"));
-            passes.draw(&self.up, larger);
+            passes.draw(&self.up, larger)?;
         }
         // SAFETY: plain state.
         unsafe { passes.gl.disable(glow::BLEND) }
-        largest.unwrap_or(light)
+        Ok(largest.unwrap_or(light))
     }
 }
 

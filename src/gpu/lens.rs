@@ -7,7 +7,7 @@
 use super::error::GpuError;
 use super::gl::Gl;
 use super::post::Passes;
-use super::program::{Program, unit_of};
+use super::program::{LazyProgram, unit_of};
 use super::target::{Target, Texel};
 use crate::frame::picture::BLUR_MAX;
 
@@ -16,9 +16,9 @@ const TAPS_MAX: f32 = 80.0;
 
 /// The programs of its passes.
 pub(super) struct LensBlur {
-    pub(super) down: Program,
-    pub(super) blur: Program,
-    pub(super) mix: Program,
+    pub(super) down: LazyProgram,
+    pub(super) blur: LazyProgram,
+    pub(super) mix: LazyProgram,
 }
 
 /// Its pictures.
@@ -30,24 +30,27 @@ pub(super) struct LensTargets {
 
 impl LensBlur {
     /// Blurs light whose points are spread as colour 1 of `samples` says.
+    ///
+    /// # Errors
+    /// What the driver says about malformed programs.
     pub(super) fn draw<'a>(
         &self,
         passes: &Passes,
         light: &Target,
         samples: &Target,
         targets: &'a LensTargets,
-    ) -> &'a Target {
+    ) -> Result<&'a Target, GpuError> {
         let reach = (BLUR_MAX * targets.smaller.size().1 as f32).max(1.0);
         let taps = (0.4 * reach * reach + 12.0).min(TAPS_MAX).floor();
         light.bind_color(0, unit_of("picture"));
         samples.bind_color(1, unit_of("spreads"));
-        passes.draw(&self.down, &targets.smaller);
+        passes.draw(&self.down, &targets.smaller)?;
         targets.smaller.bind_color(0, unit_of("picture"));
-        passes.draw_with(&self.blur, &targets.blurred, [reach, taps]);
+        passes.draw_with(&self.blur, &targets.blurred, [reach, taps])?;
         light.bind_color(0, unit_of("picture"));
         targets.blurred.bind_color(0, unit_of("blurred"));
-        passes.draw(&self.mix, &targets.light);
-        &targets.light
+        passes.draw(&self.mix, &targets.light)?;
+        Ok(&targets.light)
     }
 }
 

@@ -4,7 +4,7 @@
 //! 2. `lens_*.frag` blur what a lens does not show sharply ([`super::lens`]), in scenes that have a lens.
 //! 3. `bloom_down.frag` and `bloom_up.frag` scatter it ([`super::bloom`]).
 //! 4. `present.frag` mixes in a share of that, exposes it, maps it to the screen's range, encodes it as sRGB and adds
-//!    the grain.
+//!    the grain. While one scene fades into another, it mixes in the light of the other before the tone map.
 //!
 //! The light has the size of the scene's targets, the finished picture that of the output.
 //!
@@ -25,14 +25,14 @@ use super::error::GpuError;
 use super::gl::Gl;
 use super::lens::{LensBlur, LensTargets};
 use super::object::Buffer;
-use super::program::{Program, binding_of, unit_of};
+use super::program::{LazyProgram, binding_of, unit_of};
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Target, Texel};
 use crate::frame::picture::Picture;
 use mariana_field::world::ToneMap;
 
 /// The shaders of these passes and their defines; tests compile them all.
-pub const POST_SHADERS: [(&str, &[&str]); 13] = [
+pub const POST_SHADERS: [(&str, &[&str]); 18] = [
     ("resolve.frag", &[]),
     ("resolve.frag", &["EDGE_LIST"]),
     ("resolve.frag", &["ALL_SAMPLES"]),
@@ -46,6 +46,11 @@ pub const POST_SHADERS: [(&str, &[&str]); 13] = [
     ("present.frag", &["TONE_MAP 1"]),
     ("present.frag", &["TONE_MAP 2"]),
     ("present.frag", &["TONE_MAP 3"]),
+    ("present.frag", &["TONE_MAP 0", "FADE"]),
+    ("present.frag", &["TONE_MAP 1", "FADE"]),
+    ("present.frag", &["TONE_MAP 2", "FADE"]),
+    ("present.frag", &["TONE_MAP 3", "FADE"]),
+    ("present.frag", &["TONE_MAP 3", "LIGHT"]),
 ];
 
 /// Most pixels of one draw: a pass over a picture of 8K is some of them, and no watchdog takes it for a hang.
@@ -54,12 +59,16 @@ const BAND_PIXELS: u32 = 1 << 21;
 /// The programs of these passes.
 pub(super) struct Post {
     passes: Passes,
-    resolve: Program,
-    resolve_all: Program,
+    resolve: LazyProgram,
+    resolve_all: LazyProgram,
     lens: LensBlur,
     bloom: Bloom,
     /// In the order of [`ToneMap::ALL`].
-    present: [Program; 4],
+    present: [LazyProgram; 4],
+    /// The same for pictures that another one fades into.
+    present_faded: [LazyProgram; 4],
+    /// Gives light as it arrives at the screen.
+    expose: LazyProgram,
     tone_map: Option<ToneMap>,
 }
 
@@ -72,14 +81,15 @@ pub(super) struct PostTargets {
 }
 
 impl Post {
-    /// Compiles the shaders.
+    /// Assembles the shaders. Each is compiled when it is first needed.
     ///
     /// # Errors
-    /// What the driver refuses, with its log.
+    /// Missing shader files, or no object left.
     pub(super) fn new(gl: &Gl, library: &ShaderLibrary) -> Result<Self, GpuError> {
-        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, agx, aces, reinhard, none] =
-            POST_SHADERS
-                .map(|(name, defines)| move || Program::link(gl, library, name, &Variant::of(defines)));
+        let programs = POST_SHADERS
+            .map(|(name, defines)| move || LazyProgram::new(gl, library, name, &Variant::of(defines)));
+        let [of_stencil, of_list, of_all, halve, blur, mix, first, down, up, presents @ ..] = programs;
+        let [agx, aces, reinhard, none, agx_faded, aces_faded, reinhard_faded, none_faded, expose] = presents;
         Ok(Self {
             passes: Passes::new(gl)?,
             resolve: if gl.info().software { of_list() } else { of_stencil() }?,
@@ -87,6 +97,8 @@ impl Post {
             lens: LensBlur { down: halve()?, blur: blur()?, mix: mix()? },
             bloom: Bloom { first: first()?, down: down()?, up: up()? },
             present: [agx()?, aces()?, reinhard()?, none()?],
+            present_faded: [agx_faded()?, aces_faded()?, reinhard_faded()?, none_faded()?],
+            expose: expose()?,
             tone_map: None,
         })
     }
@@ -109,38 +121,80 @@ impl Post {
 
     /// Makes light of a pixel's first samples and of the further ones; both are bound. `block` is the arrangement of
     /// the further samples side by side.
-    pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) {
-        self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32]);
+    ///
+    /// # Errors
+    /// What the driver says about malformed shaders, as for all passes.
+    pub(super) fn resolve(&self, targets: &PostTargets, block: (u32, u32)) -> Result<(), GpuError> {
+        self.passes.draw_with(&self.resolve, &targets.light, [block.0 as f32, block.1 as f32])
     }
 
     /// Makes light of only the sum of samples that is bound as further ones.
-    pub(super) fn resolve_all(&self, targets: &PostTargets) {
-        self.passes.draw(&self.resolve_all, &targets.light);
+    ///
+    /// # Errors
+    /// As [`Post::resolve`].
+    pub(super) fn resolve_all(&self, targets: &PostTargets) -> Result<(), GpuError> {
+        self.passes.draw(&self.resolve_all, &targets.light)
     }
 
-    /// Finishes the picture from the light that was made last; `samples` are the first ones.
-    pub(super) fn finish(&self, targets: &PostTargets, picture: &Picture, samples: &Target) {
-        let passes = &self.passes;
-        let light = match &targets.lens {
-            Some(lens) => self.lens.draw(passes, &targets.light, samples, lens),
-            None => &targets.light,
-        };
-        // Without bloom its share is 0, so any picture will do.
-        let scattered = match picture.bloom {
-            share if share > 0.0 => self.bloom.draw(passes, light, &targets.bloom),
-            _ => light,
-        };
-        light.bind_color(0, unit_of("picture"));
-        scattered.bind_color(0, unit_of("bloom"));
+    /// Finishes the picture from the light that was made last; `samples` are the first ones. `fade` is the light of
+    /// another picture, and its share of this one.
+    ///
+    /// # Errors
+    /// As [`Post::resolve`].
+    pub(super) fn finish(
+        &self,
+        targets: &PostTargets,
+        picture: &Picture,
+        samples: &Target,
+        fade: Option<(&Target, f32)>,
+    ) -> Result<(), GpuError> {
+        self.bind_light(targets, picture, samples)?;
         let tone_map = self.tone_map.unwrap_or(picture.tone_map);
-        let [agx, aces, reinhard, none] = &self.present;
+        let [agx, aces, reinhard, none] = if fade.is_some() { &self.present_faded } else { &self.present };
         let present = match tone_map {
             ToneMap::Agx => agx,
             ToneMap::Aces => aces,
             ToneMap::Reinhard => reinhard,
             ToneMap::None => none,
         };
-        passes.draw(present, &targets.finished);
+        let share = fade.map_or(0.0, |(before, share)| {
+            before.bind_color(0, unit_of("before"));
+            share
+        });
+        self.passes.draw_with(present, &targets.finished, [share, 0.0])
+    }
+
+    /// Writes the light of the picture that was finished last, exposed and not yet mapped to the screen's range, to a
+    /// target of the same size.
+    ///
+    /// # Errors
+    /// As [`Post::resolve`].
+    pub(super) fn expose(
+        &self,
+        targets: &PostTargets,
+        picture: &Picture,
+        samples: &Target,
+        output: &Target,
+    ) -> Result<(), GpuError> {
+        self.bind_light(targets, picture, samples)?;
+        self.passes.draw(&self.expose, output)
+    }
+
+    /// Binds the light that was made last, after the lens and scattered.
+    fn bind_light(&self, targets: &PostTargets, picture: &Picture, samples: &Target) -> Result<(), GpuError> {
+        let passes = &self.passes;
+        let light = match &targets.lens {
+            Some(lens) => self.lens.draw(passes, &targets.light, samples, lens)?,
+            None => &targets.light,
+        };
+        // Without bloom its share is 0, so any picture will do.
+        let scattered = match picture.bloom {
+            share if share > 0.0 => self.bloom.draw(passes, light, &targets.bloom)?,
+            _ => light,
+        };
+        light.bind_color(0, unit_of("picture"));
+        scattered.bind_color(0, unit_of("bloom"));
+        Ok(())
     }
 }
 
@@ -191,14 +245,20 @@ impl Passes {
     }
 
     /// Draws all over a target with what is bound.
-    pub(super) fn draw(&self, program: &Program, target: &Target) {
-        self.draw_with(program, target, [0.0; 2]);
+    ///
+    /// # Errors
+    /// What the driver says about a malformed program.
+    pub(super) fn draw(&self, program: &LazyProgram, target: &Target) -> Result<(), GpuError> {
+        self.draw_with(program, target, [0.0; 2])
     }
 
     /// Draws all over the window's framebuffer of `window` pixels with what is bound.
-    pub(super) fn draw_in_window(&self, program: &Program, window: (u32, u32)) {
+    ///
+    /// # Errors
+    /// As [`Passes::draw`].
+    pub(super) fn draw_in_window(&self, program: &LazyProgram, window: (u32, u32)) -> Result<(), GpuError> {
         self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
-        program.bind();
+        program.bind(&self.gl)?;
         // SAFETY: plain state and a draw on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -209,20 +269,29 @@ impl Passes {
             gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
             gl.draw_arrays(glow::TRIANGLES, 0, 3);
         }
+        Ok(())
     }
 
     /// The same, and passes two numbers to the shader.
-    pub(super) fn draw_with(&self, program: &Program, target: &Target, told: [f32; 2]) {
+    ///
+    /// # Errors
+    /// As [`Passes::draw`].
+    pub(super) fn draw_with(
+        &self,
+        program: &LazyProgram,
+        target: &Target,
+        told: [f32; 2],
+    ) -> Result<(), GpuError> {
         let (width, height) = target.size();
         self.post.set(&[1.0 / width as f32, 1.0 / height as f32, told[0], told[1]]);
         target.bind();
-        program.bind();
+        program.bind(&self.gl)?;
         let rows = (BAND_PIXELS / width.max(1)).max(1);
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             if rows >= height {
                 self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
-                return;
+                return Ok(());
             }
             self.gl.enable(glow::SCISSOR_TEST);
             for y in (0..height).step_by(rows as usize) {
@@ -233,6 +302,7 @@ impl Passes {
             }
             self.gl.disable(glow::SCISSOR_TEST);
         }
+        Ok(())
     }
 }
 

@@ -2,6 +2,8 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+use std::cell::OnceCell;
+
 use glow::HasContext;
 use mariana_field::limits::LIMITS as FIELD_LIMITS;
 
@@ -23,7 +25,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 6] = [
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their
 /// number ([`scene_texture`]). Textures that share a unit are never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 27] = [
+pub const TEXTURE_UNITS: [(&str, u32); 28] = [
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),
@@ -43,6 +45,7 @@ pub const TEXTURE_UNITS: [(&str, u32); 27] = [
     ("corrections", 13),
     ("extra_samples", 13),
     ("bloom", 13),
+    ("before", 14),
     ("blurred", 13),
     ("regions", 13),
     ("tape", 14),
@@ -148,6 +151,11 @@ pub struct ReadyProgram {
 }
 
 impl ReadyProgram {
+    /// A program that was made from these texts, in the driver's own form if there is one.
+    pub(super) fn new(texts: ProgramTexts, binary: Option<ProgramBinary>) -> Self {
+        Self { texts, binary }
+    }
+
     /// The driver's own form, if it provides one.
     pub fn binary(&self) -> Option<&ProgramBinary> {
         self.binary.as_ref()
@@ -273,6 +281,40 @@ impl Program {
     pub fn bind(&self) {
         // SAFETY: the program is linked and ours.
         unsafe { self.gl.use_program(Some(self.object.native())) }
+    }
+}
+
+/// A program that is linked when it is first drawn with, so that a start does not wait for those that nobody needs.
+pub(super) struct LazyProgram {
+    texts: ProgramTexts,
+    linked: OnceCell<Program>,
+}
+
+impl LazyProgram {
+    /// Assembles a variant of `fragment` of `library`.
+    ///
+    /// # Errors
+    /// Missing shader files.
+    pub(super) fn new(
+        gl: &Gl,
+        library: &ShaderLibrary,
+        fragment: &str,
+        variant: &Variant,
+    ) -> Result<Self, GpuError> {
+        let texts = ProgramTexts::assemble(library, fragment, variant, gl.info())?;
+        Ok(Self { texts, linked: OnceCell::new() })
+    }
+
+    /// Makes it the program of the following draws.
+    ///
+    /// # Errors
+    /// What the driver says about a malformed one.
+    pub(super) fn bind(&self, gl: &Gl) -> Result<(), GpuError> {
+        if self.linked.get().is_none() {
+            let _ = self.linked.set(Program::of(gl, &self.texts)?);
+        }
+        self.linked.get().iter().for_each(|program| program.bind());
+        Ok(())
     }
 }
 

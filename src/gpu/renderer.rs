@@ -19,7 +19,9 @@
 
 #![expect(unsafe_code, reason = "every OpenGL call is unsafe in glow")]
 
+mod fade;
 mod making;
+mod rehearsal;
 
 use std::rc::Rc;
 use std::time::Duration;
@@ -34,12 +36,14 @@ use super::flash_pass::FlashPass;
 use super::gl::Gl;
 use super::object::VertexArray;
 use super::post::{Block, Post, PostTargets};
-use super::program::{Program, unit_of};
+use super::program::{LazyProgram, Program, unit_of};
 use super::scene_resources::SceneResources;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
 use super::timer::FrameTimer;
 use crate::frame::Frame;
+use crate::frame::picture::Picture;
+use fade::Fade;
 use making::Making;
 pub use making::Progress;
 use mariana_field::world::ToneMap;
@@ -72,7 +76,7 @@ pub enum Counting {
 /// The targets of the picture and the programs that all scenes share.
 pub struct Renderer {
     gl: Gl,
-    edges: Program,
+    edges: LazyProgram,
     post: Post,
     frame_block: Block,
     pass_block: Block,
@@ -82,7 +86,7 @@ pub struct Renderer {
     edge_samples: EdgeSamples,
     targets: Option<Targets>,
     /// Enlarges pictures for a window.
-    upscale: Option<Program>,
+    upscale: Option<LazyProgram>,
     flashes: Option<FlashPass>,
     /// Whether the limiter has taken the finished picture.
     is_limited: bool,
@@ -91,6 +95,10 @@ pub struct Renderer {
     timer: Option<FrameTimer>,
     /// The picture that is being drawn.
     making: Option<Making>,
+    /// The picture whose light the targets hold; none if it is a view's.
+    finished_light: Option<Picture>,
+    /// What fades away.
+    fade: Option<Fade>,
     /// What is shown while a picture of another size is being drawn.
     stands: Option<Target>,
     /// How long the GPU took for the last picture, until it is reported.
@@ -131,7 +139,7 @@ impl Renderer {
     pub fn new(gl: &Gl, library: &ShaderLibrary, counting: Counting) -> Result<Self, GpuError> {
         let renderer = Self {
             gl: gl.clone(),
-            edges: Program::link(gl, library, EDGE_SHADER, &Variant::default())?,
+            edges: LazyProgram::new(gl, library, EDGE_SHADER, &Variant::default())?,
             post: Post::new(gl, library)?,
             frame_block: Block::new(gl, "FrameBlock")?,
             pass_block: Block::new(gl, "PassBlock")?,
@@ -146,6 +154,8 @@ impl Renderer {
             limited: None,
             timer: None,
             making: None,
+            finished_light: None,
+            fade: None,
             stands: None,
             gpu_cost: None,
         };
@@ -163,7 +173,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
-        self.upscale = Some(Program::link(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
+        self.upscale = Some(LazyProgram::new(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
         self.time_pictures()
     }
 
@@ -287,8 +297,8 @@ impl Renderer {
         // SAFETY: plain state.
         unsafe { self.gl.disable(glow::BLEND) }
         sum.bind_color(0, unit_of("extra_samples"));
-        self.post.resolve_all(&targets.post);
-        self.post.finish(&targets.post, &frame.picture, &targets.first);
+        self.post.resolve_all(&targets.post)?;
+        self.post.finish(&targets.post, &frame.picture, &targets.first, None)?;
         self.gl.check("drawing a reference")
     }
 
@@ -303,7 +313,7 @@ impl Renderer {
                 picture.bind_color(0, unit_of("picture"));
                 // SAFETY: the vertex array is ours.
                 unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
-                self.post.passes().draw_in_window(upscale, window);
+                self.post.passes().draw_in_window(upscale, window)?;
             }
             _ => picture.blit_to_window(window),
         }
@@ -372,7 +382,7 @@ impl Renderer {
 
     /// Makes room for other targets. The last picture is shown until the next one is finished.
     fn put_targets_away(&mut self) {
-        self.making = None;
+        (self.making, self.finished_light) = (None, None);
         if let Some(targets) = self.targets.take()
             && self.stands.is_none()
         {

@@ -23,6 +23,8 @@ use crate::faults::{self, Fault};
 pub(super) const PART_SECONDS: f64 = 0.12;
 /// Time that does not depend on the pixels, in seconds: for giving a driver work and waiting for it.
 const OVERHEAD: f64 = 0.001;
+/// How much dearer than all others a part may be to be believed.
+const OUTLIER: f64 = 4.0;
 /// Probes along each side of a picture, each a square of [`GRAIN`] pixels to a side.
 const PROBES: u32 = 6;
 /// The sides of parts are multiples of this many pixels, because renderers draw neighbours together.
@@ -66,24 +68,24 @@ impl Part {
 pub(super) struct PixelCost {
     /// Seconds that hardly any pixel of the last picture exceeded; 0 if nothing is known.
     last: f64,
-    /// The same for this picture, so far.
-    this: f64,
+    /// The two greatest of this picture, so far.
+    this: [f64; 2],
 }
 
 impl PixelCost {
     /// Whether anything is known.
     fn is_known(self) -> bool {
-        self.last.max(self.this) > 0.0
+        self.greatest() > 0.0
     }
 
     /// How many pixels a part may have.
     fn pixels(self) -> u64 {
-        if self.is_known() { (PART_SECONDS / self.last.max(self.this)) as u64 } else { 0 }
+        if self.is_known() { (PART_SECONDS / self.greatest()) as u64 } else { 0 }
     }
 
     /// Seconds that so many pixels will take at most; 0 if nothing is known.
     pub(super) fn seconds(self, pixels: u64) -> f64 {
-        self.last.max(self.this) * pixels as f64
+        self.greatest() * pixels as f64
     }
 
     /// Notes how long a part took.
@@ -91,13 +93,27 @@ impl PixelCost {
         let seconds = time.as_secs_f64();
         // A part that takes hardly longer than the overhead may cost up to that.
         let cost = if seconds > 2.0 * OVERHEAD { seconds - OVERHEAD } else { OVERHEAD };
-        self.this = self.this.max(cost / pixels.max(1) as f64);
+        let (cost, [first, second]) = (cost / pixels.max(1) as f64, self.this);
+        self.this = if cost > first { [cost, first] } else { [first, second.max(cost)] };
+    }
+
+    /// Seconds that hardly any pixel exceeds. One part alone counts for no more than [`OUTLIER`] times the next: the
+    /// system may have been busy with something else, and a small part would seem very dear.
+    fn greatest(self) -> f64 {
+        self.last.max(self.of_this())
+    }
+
+    fn of_this(self) -> f64 {
+        match self.this {
+            [first, second] if second > 0.0 => first.min(OUTLIER * second),
+            [first, _] => first,
+        }
     }
 
     /// Notes that a picture is finished.
     pub(super) fn finish_picture(&mut self) {
-        if self.this > 0.0 {
-            (self.last, self.this) = (self.this, 0.0);
+        if self.of_this() > 0.0 {
+            (self.last, self.this) = (self.of_this(), [0.0; 2]);
         }
     }
 }
@@ -342,6 +358,21 @@ mod tests {
             }
             assert_eq!(drawn, Part::whole(size).pixels());
         }
+    }
+
+    #[test]
+    fn a_busy_system_made_one_small_part_seem_dear_and_thousands_of_the_rest() {
+        let size = (320, 180);
+        let mut cost = PixelCost::default();
+        let mut parts = Parts::of(vec![Part::whole(size)], size, cost);
+        let mut draws = 0;
+        while let Some(part) = parts.next(cost) {
+            draws += 1;
+            let interrupted = if draws == 5 { 0.1 } else { 0.0 };
+            let seconds = OVERHEAD + 1e-6 * part.pixels() as f64 + interrupted;
+            parts.note(part, Duration::from_secs_f64(seconds), &mut cost);
+        }
+        assert!(draws < 100, "{draws} draws");
     }
 
     #[test]

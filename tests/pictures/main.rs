@@ -1,6 +1,7 @@
 //! What is drawn, without a window.
 
 mod agreement;
+mod fades;
 mod flash_limiter;
 mod flashes;
 mod golden;

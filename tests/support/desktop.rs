@@ -20,6 +20,10 @@ pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
 /// Width and height of the screen, in pixels. Small: the pictures are drawn without a graphics card.
 pub(crate) const SCREEN: (u32, u32) = (800, 600);
 
+/// Scenes beside the one that is tested are prepared only where a test asks for it: they are large, and would take the
+/// processors from the others.
+const ALONE: [&str; 2] = ["--prepare-ahead", "off"];
+
 /// Ticks per second in which the system counts the time of processors.
 const TICKS_PER_SECOND: f64 = 100.0;
 
@@ -100,22 +104,29 @@ impl Desktop {
         command_in(name, self.folder(), Some(&self.display))
     }
 
-    /// The program with `song`, when its window shows.
+    /// The program with `song`, when its window shows; nothing but what is asked for is over the picture.
     pub(crate) fn open(&self, song: &Path, options: &[&str]) -> App<'_> {
         self.open_printing_to(Stdio::piped(), song, options)
+    }
+
+    /// The same with everything that a window says by itself.
+    pub(crate) fn open_with_words(&self, song: &Path, options: &[&str]) -> App<'_> {
+        let mut command = self.command(PROGRAM);
+        command.arg(song).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+        self.show(command, song)
     }
 
     /// The program that listens instead of playing a song, when its window shows.
     pub(crate) fn listen(&self, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
-        command.args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.args(ALONE).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
         self.show(command, Path::new(""))
     }
 
     /// The same as [`Desktop::open`] with more variables in the program's environment.
     pub(crate) fn open_with(&self, variables: &[(&str, &str)], song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
-        command.envs(variables.iter().copied()).arg(song).args(options);
+        command.envs(variables.iter().copied()).arg(song).args(ALONE).args(options);
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         self.show(command, song)
     }
@@ -134,7 +145,7 @@ impl Desktop {
     /// The same as [`Desktop::open`] with another standard output.
     pub(crate) fn open_printing_to(&self, stdout: Stdio, song: &Path, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
-        command.arg(song).args(options).stdout(stdout).stderr(Stdio::piped());
+        command.arg(song).args(ALONE).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, song)
     }
 

@@ -4,6 +4,7 @@ mod hostile;
 mod key_storm;
 mod playlist_window;
 mod window;
+mod window_changes;
 mod window_live;
 mod window_programs;
 mod window_quality;

@@ -19,13 +19,14 @@ impl SceneStage {
     /// The program of a scene that is there and differs from this one in nothing that is compiled. If that program is
     /// still being made, it is made for the scene with the number `id` from now on.
     pub(super) fn inherited_program(&mut self, id: u64, world: &World) -> Option<Rc<Program>> {
-        let casts = [&self.on_stage, &self.coming, &self.before].into_iter().flatten();
-        let alike: Vec<&Cast> = casts.filter(|cast| cast.resources.world().is_compiled_like(world)).collect();
+        let alike: Vec<&Cast> =
+            self.casts().filter(|cast| cast.resources.world().is_compiled_like(world)).collect();
         let program = alike.iter().find_map(|cast| cast.compiled.clone());
         if program.is_none() {
+            let alike: Vec<u64> = alike.iter().map(|cast| cast.id).collect();
             for task in self.tasks.values_mut() {
                 if let Task::Compiled(of) = task
-                    && alike.iter().any(|cast| cast.id == *of)
+                    && alike.contains(of)
                 {
                     *of = id;
                     break;

@@ -8,6 +8,14 @@ use crate::gpu::scene_resources::CellUse;
 use crate::scenes::{ReadyScene, SceneList, SceneSource};
 use crate::view::ViewChoice;
 
+/// What loads scenes.
+pub(in crate::app) struct SceneLoaders {
+    /// The one that was asked for.
+    pub shown: SceneLoader,
+    /// The next and the previous one, if they are prepared ahead.
+    pub ahead: Option<[SceneLoader; 2]>,
+}
+
 /// A scene that was loaded, and where it comes from.
 pub(in crate::app) struct LoadedScene {
     /// Where it comes from.
@@ -25,12 +33,14 @@ pub(in crate::app) struct DrawingWays {
     pub cells: CellUse,
     /// A view of how the picture is made, instead of the picture.
     pub view: Option<ViewChoice>,
+    /// How long one scene fades into another, in seconds.
+    pub fade: f64,
 }
 
 /// What outlives the context that scenes are drawn in.
 pub(in crate::app) struct KeptScenes {
     /// What loads scenes.
-    pub loader: SceneLoader,
+    pub loaders: SceneLoaders,
     /// The scene that was shown.
     pub shown: Option<LoadedScene>,
     /// The scene that was last asked for.
@@ -50,11 +60,16 @@ impl SceneStage {
             LoadedScene { source: cast.source, scene }
         });
         KeptScenes {
-            loader: self.loader,
+            loaders: SceneLoaders { shown: self.loader, ahead: self.ahead.into_loaders() },
             shown,
             wanted: self.source,
             moved: self.moved,
-            ways: DrawingWays { sdf: self.choice, cells: self.regions.wish(), view: self.views.choice() },
+            ways: DrawingWays {
+                sdf: self.choice,
+                cells: self.regions.wish(),
+                view: self.views.choice(),
+                fade: self.fading.seconds(),
+            },
         }
     }
 

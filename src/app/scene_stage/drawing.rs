@@ -3,7 +3,7 @@
 
 use std::rc::Rc;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::dynamic_resolution::Level;
@@ -84,6 +84,7 @@ impl SceneStage {
             let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
             renderer.set_edge_samples(shown.edges);
             self.own_pitch = frame.own_pitch();
+            self.fading.begin_picture(renderer, Instant::now());
             let (program, legend) = match self.views.program(cast, mode) {
                 None => {
                     renderer.begin(&frame, &cast.resources)?;
@@ -110,7 +111,11 @@ impl SceneStage {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
-        if self.before.take().is_some() {
+        if self.fading.goes_on() {
+            self.revision += 1;
+        }
+        if let Some(before) = self.before.take() {
+            self.ahead.keep(before);
             self.forget_obsolete();
         }
         Ok(progress.ok())
@@ -137,6 +142,7 @@ impl SceneStage {
         let Some((mode, before)) = self.mode().zip(self.before.take()) else { return };
         let Some(mut dear) = self.on_stage.replace(before) else { return };
         self.making = None;
+        self.fading.cut();
         self.revision += 1;
         let other_way = mode == Mode::Interpreted
             && dear.compilable
@@ -154,6 +160,9 @@ impl SceneStage {
     /// Takes the first tree of the scene that is coming, or the fact that there is none.
     pub(super) fn take_tree(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
         let is_first = self.on_stage.is_none();
+        if self.ahead.casts().any(|cast| cast.id == id) {
+            return self.take_tree_ahead(id, tree);
+        }
         let Some(cast) = self.coming.as_mut().filter(|cast| cast.id == id) else { return };
         if let Some(tree) = tree {
             cast.resources.take_regions(tree);
@@ -180,6 +189,21 @@ impl SceneStage {
         self.regions.do_without(id);
     }
 
+    fn take_tree_ahead(&mut self, id: u64, tree: Option<Arc<BuiltRegions>>) {
+        let Some(tree) = tree else { return self.ahead.leave_where(|cast| cast.id == id) };
+        if let Some(cast) = self.cast_mut(id) {
+            cast.resources.take_regions(tree);
+            cast.tree = FirstTree::There;
+        }
+    }
+
+    /// Lets the scene that goes fade into the one that comes. Views stand for numbers and are cut.
+    pub(super) fn fade_if_it_can(&mut self) {
+        if self.views.choice().is_none() {
+            self.fading.want();
+        }
+    }
+
     fn tell_dear(&mut self, dear: &Cast, why: &str) {
         let heading =
             format!("{} is too much for this machine; the last good scene stays", dear.source.title());
@@ -190,6 +214,7 @@ impl SceneStage {
             what_is_dear(dear)
         );
         tracing::warn!("{heading}: {text}");
+        self.awaited = None;
         self.problem = Some((heading, text));
     }
 }

@@ -22,6 +22,11 @@ impl SceneStage {
         format!("{}, {} of {count}", source.title(), at + 1)
     }
 
+    /// The name of the scene that was asked for last.
+    pub(crate) fn wanted_title(&self) -> String {
+        self.source.title()
+    }
+
     /// What the title says of the scene: its name, its mode, its view.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some((name, mode)) = self.name().zip(self.mode()) else { return Vec::new() };
@@ -41,6 +46,10 @@ impl SceneStage {
     pub(super) fn tell_slow_compiling(&mut self) {
         for id in self.compiler.slow() {
             let Some(task) = self.tasks.get(&id) else { continue };
+            // Nobody waits for what is prepared ahead.
+            if matches!(task, Task::Compiled(of) if self.ahead.casts().any(|cast| cast.id == *of)) {
+                continue;
+            }
             let what = match task {
                 Task::Compiled(of) => self.cast(*of).map(|cast| cast.source.title()),
                 Task::Views(ViewsOf::Compiled(of)) => {
@@ -75,6 +84,7 @@ impl SceneStage {
             notice: notice.map(|(text, since)| Notice { text, share: None, since: *since }),
             params: sliders.filter(|sliders| panels.sliders() && !sliders.is_empty()),
             help: panels.help(),
+            hint: self.awaited.as_deref(),
             ..OverlayContent::default()
         }
     }

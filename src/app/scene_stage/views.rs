@@ -128,6 +128,9 @@ impl SceneStage {
 
     fn show_view(&mut self, choice: Option<ViewChoice>) {
         self.views.choice = choice;
+        if choice.is_some() {
+            self.fading.cut();
+        }
         if choice.is_some_and(|choice| choice.number.is_none()) {
             self.views.number = None;
         }

@@ -46,21 +46,33 @@ impl SceneStage {
     /// Asks for the next or the previous scene.
     pub(crate) fn go(&mut self, forward: bool) {
         let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
-        self.tell(next.title());
+        if let Some(cast) = self.take_neighbour(forward, &next) {
+            self.source = next;
+            self.problem = None;
+            self.await_scene();
+            return self.bring(cast);
+        }
         self.source = next.clone();
+        self.await_scene();
         self.loader.request(next);
     }
 
     /// Asks for a scene.
     pub(crate) fn show_source(&mut self, source: SceneSource) {
-        self.tell(source.title());
         self.source = source.clone();
+        self.await_scene();
         self.loader.request(source);
     }
 
     /// All scenes that the keys go through. Reads a folder.
     pub(crate) fn all_sources(&self) -> Vec<SceneSource> {
         self.list.all(&self.source)
+    }
+
+    /// Says of the scene that was asked for that it is coming, until it is there.
+    fn await_scene(&mut self) {
+        let is_shown = self.on_stage.as_ref().is_some_and(|cast| cast.source == self.source);
+        self.awaited = (!is_shown).then(|| format!("{} is being prepared", self.source.title()));
     }
 
     /// Uses the cells of regions from now on, or the whole tape everywhere.

@@ -9,14 +9,18 @@ use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
 use crate::app::file_browser::FileBrowser;
 use crate::app::listening::Listening;
-use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
+use crate::app::overlay::{Bar, Overlay, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
+use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneSource;
 use mariana_player::{ListedTracks, Moment};
+
+/// How often a window without a picture is painted again: something may have covered it.
+const WAITING_AGAIN: Duration = Duration::from_millis(250);
 
 impl Stage {
     /// Draws the window, or a part of a picture that takes long. Returns whether it shows its first picture, with
@@ -35,10 +39,13 @@ impl Stage {
         let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
             return Ok(false);
         };
+        // A picture that takes long, or that the window system is slow to ask for, must not look as if the show stood
+        // still: it would be begun again with all pixels.
+        self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
         let level = self.level(begun);
         let drawn = drawn_size(level, size, self.side_max());
         if !self.scene.is_ready() {
-            return Ok(false);
+            return self.show_waiting(size).map(|()| false);
         }
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
         let mut new = None;
@@ -75,7 +82,9 @@ impl Stage {
             clean: self.clean,
         };
         around.add_to(&mut content, &self.listening, &self.reports, begun);
-        let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else { return Ok(false) };
+        let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
+            return self.show_waiting(size).map(|()| false);
+        };
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && (shown != wanted || is_drawing);
@@ -102,6 +111,22 @@ impl Stage {
             self.listening.follow_wish();
         }
         Ok(first)
+    }
+
+    /// Says in a window without a picture what is being prepared: an unpainted window looks broken.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn show_waiting(&mut self, size: (u32, u32)) -> Result<(), AppError> {
+        let now = Instant::now();
+        let is_stale = |(at, shown): (Instant, _)| now - at > WAITING_AGAIN || shown != size;
+        if self.waited.is_none_or(is_stale) {
+            self.waited = Some((now, size));
+            let title = self.scene.wanted_title();
+            let content = self.scene.overlay(None, PanelSwitches::default());
+            paint_waiting(&self.window, &mut self.overlay, size, &title, content)?;
+        }
+        Ok(())
     }
 
     /// What the next picture shows: what is heard now, or what the last picture showed if it would look the same.
@@ -209,6 +234,23 @@ impl Stage {
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
     }
+}
+
+/// Paints a window of `size` pixels that has no picture yet: what there is to say, and the scene's title, over black.
+///
+/// # Errors
+/// What the driver refuses.
+pub(super) fn paint_waiting(
+    window: &GlWindowContext,
+    overlay: &mut Overlay,
+    size: (u32, u32),
+    title: &str,
+    content: OverlayContent<'_>,
+) -> Result<(), AppError> {
+    let words = format!("Mariana is preparing {title}");
+    window.gl().clear_window(size)?;
+    overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
+    window.swap()
 }
 
 /// What the window adds to what the scene shows over the picture.

@@ -8,15 +8,16 @@
 use std::time::Instant;
 
 use super::Stage;
+use super::drawing::paint_waiting;
 use crate::app::announcer::Announcer;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
 use crate::app::media_controls::MediaControls;
-use crate::app::overlay::{Overlay, PanelSwitches};
+use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
 use crate::app::pointer_rest::PointerRest;
 use crate::app::reports::Reports;
-use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoader, SceneStage};
+use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
 use crate::app::window::{GlWindowContext, OpenWindow};
@@ -44,7 +45,7 @@ pub(in crate::app) struct Opening<'a> {
     /// How scenes are drawn.
     pub(in crate::app) scene: &'a SceneChoice,
     /// What loads scenes.
-    pub(in crate::app) loader: SceneLoader,
+    pub(in crate::app) loaders: SceneLoaders,
     /// The first of them.
     pub(in crate::app) first: LoadedScene,
 }
@@ -55,22 +56,29 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, loader, first } = self;
+        let Self { tracks, settings, scene, loaders, first } = self;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
-        let renderer = renderer(&window, settings, scene)?;
+        let mut overlay = Overlay::new(window.gl(), window.window());
+        if let Some(size) = window.size() {
+            paint_waiting(&window, &mut overlay, size, &first.source.title(), OverlayContent::default())?;
+            tracing::info!("the window says what it prepares");
+        }
+        // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
+        let choice = scene;
         let scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
-            sources(settings, scene),
-            DrawingWays { sdf: scene.sdf, cells: scene.cells, view: scene.view },
-            loader,
+            sources(settings, choice),
+            DrawingWays { sdf: choice.sdf, cells: choice.cells, view: choice.view, fade: settings.fade },
+            loaders,
             first,
             move || of_scenes.wake(),
         )?;
+        let renderer = renderer(&window, settings, choice)?;
         // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
             device: settings.device.clone(),
@@ -119,7 +127,8 @@ impl Opening<'_> {
             waker: waker.clone(),
             clean: settings.clean,
             welcomed: None,
-            overlay: Overlay::new(window.gl(), window.window()),
+            overlay,
+            waited: None,
             panels: PanelSwitches::default(),
             window,
         })
@@ -172,7 +181,7 @@ pub(in crate::app) fn renewed(
         window.worker_contexts(COMPILERS),
         sources(settings, scene),
         kept.ways,
-        kept.loader,
+        kept.loaders,
         shown,
         move || of_scenes.wake(),
     )?;

@@ -12,7 +12,7 @@ use crate::frame::block::FrameBlock;
 use crate::frame::picture::Picture;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
-use crate::gpu::program::{Program, ProgramBinary, ProgramTexts, ReadyProgram};
+use crate::gpu::program::{Program, ProgramBinary, ReadyProgram};
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::SCENE_SHADER;
 use crate::gpu::shader_source::ShaderLibrary;
@@ -91,16 +91,16 @@ impl Studio {
             let _attempt = cache.attempt(key, Work::Taking);
             let start = Instant::now();
             let taken = match ProgramBinary::from_bytes(&bytes) {
-                Some(binary) => Program::take(&self.gl, &binary)?,
+                Some(binary) => Program::take(&self.gl, &binary)?.map(|program| (program, binary)),
                 None => None,
             };
-            if let Some(program) = taken {
-                let ready = self.warm_up(&program, &asked, texts)?;
+            if let Some((program, binary)) = taken {
+                self.warm_up(&program, &asked)?;
                 tracing::info!(
                     "a kept program is there after {:.0} ms",
                     1000.0 * start.elapsed().as_secs_f64()
                 );
-                return Ok(Made { program: ready, to_keep: None });
+                return Ok(Made { program: ReadyProgram::new(texts, Some(binary)), to_keep: None });
             }
             tracing::info!("the driver does not take a program that was kept: it compiles it again");
             cache.discard(key);
@@ -120,7 +120,15 @@ impl Studio {
         if is_interpreter && matches!(compiled, Err(GpuError::Compile { .. })) {
             cache.give_up(key, GivenUp::Refused);
         }
-        let ready = self.warm_up(&compiled?, &asked, texts)?;
+        let compiled = compiled?;
+        let ready = compiled.ready(texts);
+        // The window's context makes the program from this form, and Mesa's software renderers find its machine code
+        // only if it was made from the same one.
+        let again = match ready.binary() {
+            Some(binary) => Program::take(&self.gl, binary)?,
+            None => None,
+        };
+        self.warm_up(again.as_ref().unwrap_or(&compiled), &asked)?;
         tracing::info!("a program is compiled after {:.0} ms", 1000.0 * start.elapsed().as_secs_f64());
         let to_keep = ready.binary().map(|binary| (key, binary.to_bytes()));
         Ok(Made { program: ready, to_keep })
@@ -128,12 +136,7 @@ impl Studio {
 
     /// Draws with a program, so that the driver has nothing left to do. Afterwards it can be dropped, with everything
     /// that the driver keeps for it in this context.
-    fn warm_up(
-        &mut self,
-        program: &Program,
-        asked: &Asked,
-        texts: ProgramTexts,
-    ) -> Result<ReadyProgram, GpuError> {
+    fn warm_up(&mut self, program: &Program, asked: &Asked) -> Result<(), GpuError> {
         let scene = self.stand_ins.names(&asked.scene)?;
         let blocks = (&asked.block, &asked.picture);
         let drawn = if asked.draws_views {
@@ -147,8 +150,7 @@ impl Studio {
             tracing::debug!("warming up a program: {error}");
         }
         self.gl.finish();
-        let ready = program.ready(texts);
         program.unbind();
-        Ok(ready)
+        Ok(())
     }
 }

@@ -10,7 +10,8 @@ use std::time::{Duration, Instant};
 use glow::HasContext;
 
 use super::{
-    Edges, FIRST_SAMPLE, FURTHER_SAMPLE, FrameTimer, LISTED_SAMPLES, PASS_BLOCK_NUMBERS, Renderer, Targets,
+    Edges, FIRST_SAMPLE, FURTHER_SAMPLE, Fade, FrameTimer, LISTED_SAMPLES, PASS_BLOCK_NUMBERS, Renderer,
+    Targets,
 };
 use crate::frame::Frame;
 use crate::frame::block::FrameBlock;
@@ -206,7 +207,7 @@ impl Renderer {
         Ok(())
     }
 
-    fn go_on_block(
+    pub(super) fn go_on_block(
         &mut self,
         scene: &SceneNames,
         (program, costs): (&Program, &Costs),
@@ -248,6 +249,7 @@ impl Renderer {
         let progress = if finished? {
             self.stands = None;
             self.is_limited = false;
+            self.finished_light = (!making.is_view).then_some(making.picture);
             let (draws, largest) = making.draws;
             tracing::debug!("a picture in {draws} draws, the largest of {largest} pixels");
             Progress::Finished { spent: making.spent }
@@ -263,9 +265,14 @@ impl Renderer {
 
     /// Sets what a go needs, whatever was drawn since the last one.
     fn prepare_go(&self, scene: &SceneNames) {
+        self.prepare_passes();
+        scene.bind(&self.gl);
+    }
+
+    /// Sets what every pass needs.
+    pub(super) fn prepare_passes(&self) {
         // SAFETY: the vertices are ours.
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
-        scene.bind(&self.gl);
         self.reset_state();
     }
 
@@ -303,20 +310,20 @@ impl Renderer {
         let size = targets.first.size();
         (making.pass, making.parts) = match (making.pass, &mut targets.edges) {
             (Pass::First, Edges::Stencil(sum)) => {
-                self.mark_in_stencil(&targets.first, sum);
+                self.mark_in_stencil(&targets.first, sum)?;
                 (Pass::Further(0), Parts::of(vec![Part::whole(size)], size, *cost))
             }
             (Pass::Further(sample), Edges::Stencil(_)) if sample + 1 < self.edge_samples.count() => {
                 (Pass::Further(sample + 1), Parts::of(vec![Part::whole(size)], size, *cost))
             }
             (Pass::First, Edges::List(list)) => {
-                self.mark_in_list(&targets.first, list.marks());
+                self.mark_in_list(&targets.first, list.marks())?;
                 let areas = list.prepare()?;
                 (Pass::Listed, Parts::of(areas, list.samples().size(), *cost))
             }
             (Pass::Post, _) => return Ok(true),
             _ => {
-                self.finish_light(targets, &making.picture);
+                self.finish_light(targets, &making.picture)?;
                 (Pass::Post, Parts::default())
             }
         };
@@ -374,7 +381,7 @@ impl Renderer {
     }
 
     /// Sets the stencil at edges; `sum` shares it with `first`. Clears the sum.
-    fn mark_in_stencil(&self, first: &Target, sum: &Target) {
+    fn mark_in_stencil(&self, first: &Target, sum: &Target) -> Result<(), GpuError> {
         // SAFETY: plain state and draws on objects of ours, in the current context.
         unsafe {
             let gl = &*self.gl;
@@ -386,34 +393,37 @@ impl Renderer {
             gl.stencil_op(glow::KEEP, glow::KEEP, glow::REPLACE);
             gl.color_mask(false, false, false, false);
             first.bind_color(0, unit_of("picture"));
-            self.edges.bind();
+            self.edges.bind(&self.gl)?;
             gl.draw_arrays(glow::TRIANGLES, 0, 3);
             gl.color_mask(true, true, true, true);
             gl.disable(glow::STENCIL_TEST);
         }
+        Ok(())
     }
 
     /// Draws the marks of edges.
-    fn mark_in_list(&self, first: &Target, marks: &Target) {
+    fn mark_in_list(&self, first: &Target, marks: &Target) -> Result<(), GpuError> {
         marks.bind();
         // SAFETY: plain draws on objects of ours, in the current context.
         unsafe {
             self.gl.clear(glow::COLOR_BUFFER_BIT);
             first.bind_color(0, unit_of("picture"));
-            self.edges.bind();
+            self.edges.bind(&self.gl)?;
             self.gl.draw_arrays(glow::TRIANGLES, 0, 3);
         }
+        Ok(())
     }
 
     /// Makes the picture of all samples.
-    fn finish_light(&self, targets: &Targets, picture: &Picture) {
+    fn finish_light(&self, targets: &Targets, picture: &Picture) -> Result<(), GpuError> {
         targets.first.bind_color(0, unit_of("picture"));
         match &targets.edges {
             Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
             Edges::List(list) => list.bind_samples(),
         }
-        self.post.resolve(&targets.post, self.edge_samples.block());
-        self.post.finish(&targets.post, picture, &targets.first);
+        self.post.resolve(&targets.post, self.edge_samples.block())?;
+        let fade = self.fade.as_ref().map(Fade::mixed_in);
+        self.post.finish(&targets.post, picture, &targets.first, fade)
     }
 
     /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program

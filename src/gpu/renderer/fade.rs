@@ -1,0 +1,44 @@
+//! One picture fades into the next: a share of light that was kept is mixed into what is drawn, before the tone map.
+
+use super::{Renderer, Target, Texel};
+use crate::gpu::error::GpuError;
+
+/// Light that fades away.
+pub(super) struct Fade {
+    light: Target,
+    share: f32,
+}
+
+impl Fade {
+    /// The kept light, and its share of the picture.
+    pub(super) fn mixed_in(&self) -> (&Target, f32) {
+        (&self.light, self.share)
+    }
+}
+
+impl Renderer {
+    /// Keeps the light of the picture that was finished last, to be mixed into the next ones. Returns whether there
+    /// is any: a view has none, nor has a picture whose targets have gone.
+    ///
+    /// # Errors
+    /// No room for it.
+    pub fn keep_light(&mut self) -> Result<bool, GpuError> {
+        self.fade = None;
+        let (Some(picture), Some(targets)) = (&self.finished_light, &self.targets) else { return Ok(false) };
+        let light = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba16F], None)?.smooth();
+        self.prepare_passes();
+        self.post.bind_picture(picture, self.edge_samples);
+        self.post.expose(&targets.post, picture, &targets.first, &light)?;
+        self.fade = Some(Fade { light, share: 1.0 });
+        self.gl.check("keeping a picture's light").map(|()| true)
+    }
+
+    /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is
+    /// forgotten.
+    pub fn set_fade(&mut self, share: Option<f32>) {
+        match (share, &mut self.fade) {
+            (Some(share), Some(fade)) => fade.share = share.clamp(0.0, 1.0),
+            _ => self.fade = None,
+        }
+    }
+}

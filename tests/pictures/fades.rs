@@ -1,0 +1,107 @@
+//! One scene fades into another: where a fade begins and ends, what is between, and what a rehearsal leaves alone.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::studio::{Studio, ready, silence};
+use mariana::frame::Frame;
+use mariana::gpu::program::Program;
+use mariana::gpu::renderer::Counting;
+use mariana::gpu::scene_program::{Mode, link_scene, variant_of};
+use mariana::gpu::scene_resources::SceneResources;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::scenes::{ReadyScene, SceneSource};
+
+const SIZE: (u32, u32) = (64, 36);
+
+/// A wall that shines by itself and fills the picture, without a tone map.
+fn wall(light: f64) -> SceneSource {
+    SceneSource::Formula(format!(
+        "material paint {{ color = 0 roughness = 1 emission = {light} }}\n\
+         object wall {{ shape = 5 - p.z material = paint }}\n\
+         light none {{ direction = vec3(0, -1, 0) color = 0 }}\n\
+         camera {{ position = vec3(0) target = vec3(0, 0, 5) }}\n\
+         sky {{ color = 0 ambient = 0 }}\npicture {{ tone_map = none bloom = 0 }}\n"
+    ))
+}
+
+/// Another scene in the studio's context.
+struct Other {
+    resources: SceneResources,
+    program: Program,
+}
+
+impl Other {
+    fn of(scene: &SceneSource, studio: &Studio) -> Self {
+        let ReadyScene { world, buffers, plan, .. } = ready(scene);
+        let gl = studio.context.gl();
+        let variant = variant_of(&world, &buffers, &plan, Mode::Compiled, gl.info(), Counting::Off).unwrap();
+        let program = link_scene(gl, &ShaderLibrary::embedded(), &variant).unwrap();
+        Self { resources: SceneResources::upload(gl, world, buffers, plan).unwrap(), program }
+    }
+
+    fn frame(&self) -> Frame {
+        Frame::new(self.resources.world(), 0.0, silence(), SIZE)
+    }
+
+    fn picture(&self, studio: &mut Studio) -> Vec<u8> {
+        studio.renderer.draw(&self.frame(), &self.resources, &self.program).unwrap();
+        studio.renderer.read()
+    }
+}
+
+/// The greatest difference of a byte.
+fn steps(a: &[u8], b: &[u8]) -> u8 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
+}
+
+#[test]
+fn a_fade_begins_with_one_scene_and_ends_with_the_other() {
+    let mut studio = Studio::of(&SceneSource::Shipped("first_steps".into()), Mode::Compiled, Counting::Off);
+    let other = Other::of(&SceneSource::Shipped("moonrise".into()), &studio);
+    let pure = other.picture(&mut studio);
+    let before = studio.picture(0.0, silence(), SIZE).into_raw();
+    assert!(steps(&pure, &before) > 60, "two pictures that hardly differ prove nothing");
+    assert!(studio.renderer.keep_light().unwrap());
+    let mut with = |share| {
+        studio.renderer.set_fade(share);
+        other.picture(&mut studio)
+    };
+    // Kept light is rounded to 16 bits.
+    assert!(steps(&with(Some(1.0)), &before) <= 1);
+    let between = with(Some(0.5));
+    assert!(steps(&between, &before) > 20 && steps(&between, &pure) > 20);
+    assert_eq!(with(Some(0.0)), pure);
+    assert_eq!(with(None), pure);
+}
+
+#[test]
+fn between_two_scenes_is_the_mean_of_their_light() {
+    let mut studio = Studio::of(&wall(0.8), Mode::Compiled, Counting::Off);
+    let [other, mean] = [0.1, 0.45].map(|light| Other::of(&wall(light), &studio));
+    let mean = mean.picture(&mut studio);
+    studio.picture(0.0, silence(), SIZE);
+    assert!(studio.renderer.keep_light().unwrap());
+    studio.renderer.set_fade(Some(0.5));
+    let faded = other.picture(&mut studio);
+    assert!(steps(&faded, &mean) <= 1, "{:?} and {:?}", &faded[..4], &mean[..4]);
+}
+
+#[test]
+fn what_was_not_drawn_cannot_fade() {
+    let mut studio = Studio::of(&wall(0.8), Mode::Compiled, Counting::Off);
+    assert!(!studio.renderer.keep_light().unwrap());
+}
+
+#[test]
+fn a_rehearsal_leaves_the_picture_and_its_light_alone() {
+    let mut studio = Studio::of(&wall(0.8), Mode::Compiled, Counting::Off);
+    let other = Other::of(&wall(0.1), &studio);
+    let before = studio.picture(0.0, silence(), SIZE).into_raw();
+    let small = Frame::new(other.resources.world(), 0.0, silence(), (18, 14));
+    studio.renderer.rehearse(&small, &other.resources, &other.program).unwrap();
+    assert_eq!(studio.renderer.read(), before);
+    assert!(studio.renderer.keep_light().unwrap());
+    studio.renderer.set_fade(Some(1.0));
+    assert!(steps(&other.picture(&mut studio), &before) <= 1);
+}

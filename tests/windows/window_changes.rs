@@ -1,0 +1,171 @@
+//! From one scene to another in the window: what is prepared ahead, and how the picture changes.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::support::desktop::{App, Desktop};
+use mariana_testing::process::wait_until;
+use mariana_testing::wave::write_wav;
+
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
+const AHEAD: [&str; 2] = ["--prepare-ahead", "on"];
+
+/// A desktop with a song and a folder for scenes.
+struct Place {
+    desktop: Desktop,
+    song: PathBuf,
+}
+
+impl Place {
+    fn new() -> Self {
+        let desktop = Desktop::start();
+        let song = desktop.folder().join("quiet.wav");
+        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        Self { desktop, song }
+    }
+
+    /// Saves a wall that shines in one of the colours red, green and blue, a little differently at each moment.
+    fn save(&self, name: &str, channel: usize) {
+        let color = ["vec3(1, 0, 0)", "vec3(0, 1, 0)", "vec3(0, 0, 1)"][channel];
+        let text = format!(
+            "material paint {{ color = 0 roughness = 1 emission = {color} * (0.9 + 0.1 * sin(t)) }}\n\
+             object wall {{ shape = 5 - p.z material = paint }}\n\
+             light none {{ direction = vec3(0, -1, 0) color = 0 }}\n\
+             camera {{ position = vec3(0) target = vec3(0, 0, 5) }}\n\
+             sky {{ color = 0 ambient = 0 }}\n"
+        );
+        fs::write(self.desktop.folder().join(name), text).unwrap();
+    }
+
+    fn open(&self, name: &str, options: &[&str]) -> App<'_> {
+        let scene = self.desktop.folder().join(name);
+        let scene = ["--silent", "--size", "64x36", "-vv", "--scene", scene.to_str().unwrap()];
+        let mut app = self.desktop.open(&self.song, &[&scene[..], options].concat());
+        app.wait_for_title("the scene", |title| title.contains(" - Mariana (a, "));
+        app
+    }
+}
+
+/// Waits until most of the picture has one channel only.
+fn wait_for_channel(app: &App, channel: usize) {
+    wait_until("the wall's colour", || {
+        let picture = app.picture();
+        let fits = picture.pixels().filter(|pixel| (0..3).all(|at| (pixel.0[at] > 120) == (at == channel)));
+        2 * fits.count() > picture.pixels().count()
+    });
+}
+
+fn quit(app: App) -> String {
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success(), "{status}: {told}");
+    assert!(!told.contains("panicked") && !told.contains("mariana: "), "it complains: {told}");
+    told
+}
+
+fn count(text: &str, what: &str) -> usize {
+    text.matches(what).count()
+}
+
+/// Pictures that were drawn between two lines of the log.
+fn pictures_between(told: &str, from: &str, to: &str) -> usize {
+    let (_, after) = told.split_once(from).unwrap();
+    let (between, _) = after.split_once(to).unwrap();
+    count(between, "a picture in ")
+}
+
+#[test]
+fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    place.save("b.scene", 1);
+    let mut app = place.open("a.scene", &AHEAD);
+    app.wait_until_told("b is ready ahead");
+    app.press(&["n"]);
+    wait_for_channel(&app, 1);
+    app.press(&["p"]);
+    wait_for_channel(&app, 0);
+    wait_until("the way back", || count(&app.told(), "a is shown, compiled") == 2);
+    let told = quit(app);
+    // Each was compiled once, and the first picture after a change is the new scene's.
+    for name in ["a", "b"] {
+        assert_eq!(count(&told, &format!(" {name} is requested, compiled")), 1, "{told}");
+    }
+    assert_eq!(pictures_between(&told, " b is shown, compiled", "a fade begins"), 0, "{told}");
+    assert!(!told.contains("is coming"), "{told}");
+}
+
+#[test]
+fn a_neighbour_that_is_saved_is_prepared_anew_and_one_that_comes_between_is_found() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    place.save("c.scene", 1);
+    let mut app = place.open("a.scene", &AHEAD);
+    app.wait_until_told("c is ready ahead");
+    place.save("c.scene", 2);
+    wait_until("the saved scene, prepared", || count(&app.told(), "c is ready ahead") == 2);
+    app.press(&["n"]);
+    wait_for_channel(&app, 2);
+    app.press(&["p"]);
+    wait_for_channel(&app, 0);
+    place.save("b.scene", 1);
+    app.press(&["n"]);
+    wait_for_channel(&app, 1);
+    quit(app);
+}
+
+#[test]
+fn scenes_fade_and_a_fade_of_nothing_is_a_cut() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    place.save("b.scene", 1);
+    for (options, fades) in [(&[][..], 1), (&["--fade", "0"], 0), (&["--view", "steps"], 0)] {
+        let mut app = place.open("a.scene", options);
+        wait_until("a picture", || app.told().contains("a picture in "));
+        app.press(&["n"]);
+        app.wait_until_told("b is shown");
+        // Some pictures later.
+        let pictures = count(&app.told(), "a picture in ");
+        wait_until("pictures", || count(&app.told(), "a picture in ") > pictures + 3);
+        let told = quit(app);
+        assert_eq!(count(&told, "a fade begins"), fades, "{options:?}: {told}");
+    }
+}
+
+#[test]
+fn a_window_whose_scene_is_not_there_yet_says_so() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    let scene = place.desktop.folder().join("a.scene");
+    let options =
+        ["--silent", "--size", "320x180", "-v", "--sdf", "compiled", "--scene", scene.to_str().unwrap()];
+    let app = place.desktop.open_with(&[("MARIANA_FAULT", "slow-compiler@0")], &place.song, &options);
+    wait_until("words over black", || {
+        let picture = app.picture();
+        let [light, dark] = [|sum| sum > 300, |sum| sum < 30].map(|is: fn(u32) -> bool| {
+            picture
+                .pixels()
+                .filter(|pixel| is(pixel.0[..3].iter().map(|&byte| u32::from(byte)).sum()))
+                .count()
+        });
+        assert!(!app.told().contains("first picture"), "there were no words before the picture");
+        light > 50 && dark > picture.pixels().count() / 2
+    });
+    wait_for_channel(&app, 0);
+    quit(app);
+}
+
+#[test]
+fn a_saved_scene_does_not_fade() {
+    let place = Place::new();
+    place.save("a.scene", 0);
+    let app = place.open("a.scene", &[]);
+    wait_for_channel(&app, 0);
+    place.save("a.scene", 1);
+    wait_for_channel(&app, 1);
+    assert!(!quit(app).contains("a fade begins"));
+}
