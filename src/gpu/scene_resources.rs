@@ -25,7 +25,7 @@ use crate::limits::LIMITS;
 use crate::view::setup::Drawn;
 use mariana_field::graph::FrameInputs;
 use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
-use mariana_field::world::{TapeBuffers, World};
+use mariana_field::world::{SurfaceOptions, TapeBuffers, World};
 
 /// When space is divided into cells. The picture is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -291,9 +291,18 @@ impl SceneResources {
     }
 
     /// Uploads the programs and the tables of a frame.
-    pub(super) fn upload_inputs(&self, inputs: &FrameInputs) {
+    pub(super) fn upload_inputs(&self, frame: &Frame) {
+        let inputs = &frame.inputs;
         if self.is_interpretable {
-            self.on_gpu.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
+            let options = SurfaceOptions {
+                cells: self.with_cells.get(),
+                texels_max: self.texels_max,
+                eye: frame.camera.position.as_vec3().to_array(),
+            };
+            let start = Instant::now();
+            let texels = self.buffers.texels(inputs, &options);
+            if std::env::var_os("MAT_DEBUG").is_some() { eprintln!("surface texels {} in {:?}", texels.len(), start.elapsed()); }
+            self.on_gpu.tape.replace(&bytes_of(&texels));
         }
         if self.hears_tables {
             self.on_gpu.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));

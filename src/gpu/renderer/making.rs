@@ -83,7 +83,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::draw`].
     pub fn begin(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
-        scene.upload_inputs(&frame.inputs);
+        scene.upload_inputs(frame);
         let tree = scene.tree_of(frame);
         self.begin_block(frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
     }
