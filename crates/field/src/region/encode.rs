@@ -161,7 +161,8 @@ impl Encoder {
         for clause in list.iter().rev() {
             for value in [clause.a, clause.b] {
                 if (value as usize) < program.inputs {
-                    highest = highest.max(self.sample(value, program, &mut free, &mut half).unwrap_or(REGISTERS_MAX + 1));
+                    highest = highest
+                        .max(self.sample(value, program, &mut free, &mut half).unwrap_or(REGISTERS_MAX + 1));
                 }
             }
             if highest > REGISTERS_MAX {

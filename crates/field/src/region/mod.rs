@@ -54,6 +54,7 @@ pub use part::Part;
 pub use read::Cell;
 #[cfg(test)]
 pub(crate) use read::run_texels;
+pub use surface::Surfaces;
 pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
@@ -173,9 +174,8 @@ impl RegionPlan {
         // have.
         let program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
-        let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
-            .iter()
-            .all(|roots| encoder.encode(&program, roots).is_ok());
+        let fits =
+            [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(&program, roots).is_ok());
         let typical = plan.folded(&Numbers::Typical, &FrameInputs::default());
         let compounds = Compounds::that_pay(|compounds| {
             let mut uses = Uses::default();

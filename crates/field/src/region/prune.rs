@@ -116,9 +116,15 @@ impl ChoiceTrace {
     }
 
     /// The same for a program of which all results are needed in all cells.
-    pub(super) fn decide_all(&mut self, program: &Program, structure: &Structure, rows: &[Lanes]) {
+    pub(super) fn decide_all(
+        &mut self,
+        program: &Program,
+        structure: &Structure,
+        rows: &[Lanes],
+        together: &[u64],
+    ) {
         let roots: Vec<(usize, u64)> = (0..program.roots.len()).map(|root| (root, u64::MAX)).collect();
-        decide(self, program, structure, rows, &roots, &[]);
+        decide(self, program, structure, rows, &roots, together);
     }
 
     /// The cells, grouped by equal decisions.

@@ -93,44 +93,42 @@ pub(crate) fn run_texels(
 ) -> [f32; 2] {
     let inputs: [f32; 6] = std::array::from_fn(|place| registers[place]);
     for texel in texels {
-            for [word, immediate] in texel.as_chunks::<2>().0 {
-                let immediate = f32::from_bits(*immediate);
-                let [number, output, a, b] = word.to_le_bytes();
-                if let Some(compound) = Compound::from_number(number) {
-                    let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
-                    registers[usize::from(output)] = compound.value(a, b, immediate, frame);
-                    continue;
-                }
-                let Some(instruction) = Clause::from_word(*word).decode() else { continue };
-                let of = |registers: &[f32; 256], operand: Operand| match operand {
-                    Operand::Register(register) => registers[usize::from(register)],
-                    Operand::Immediate(_) => immediate,
-                };
-                match instruction {
-                    Instruction::Unary { op, output, a } => {
-                        registers[usize::from(output)] = op.value(registers[usize::from(a)], 0.0, frame);
-                    }
-                    Instruction::Binary { op, output, a, b } => {
-                        registers[usize::from(output)] =
-                            op.value(of(registers, a), of(registers, b), frame);
-                    }
-                    Instruction::Load { output, .. } => registers[usize::from(output)] = immediate,
-                    Instruction::Texture { output, .. } => {
-                        let sampled = samples.get(immediate.to_bits() as usize);
-                        registers[usize::from(output)] = sampled.copied().unwrap_or(0.0);
-                    }
-                    Instruction::Input { output, place } => {
-                        debug_assert!(usize::from(place) < Input::OF_POINT.len());
-                        registers[usize::from(output)] =
-                            inputs.get(usize::from(place)).copied().unwrap_or(0.0);
-                    }
-                    _ => {}
-                }
+        for [word, immediate] in texel.as_chunks::<2>().0 {
+            let immediate = f32::from_bits(*immediate);
+            let [number, output, a, b] = word.to_le_bytes();
+            if let Some(compound) = Compound::from_number(number) {
+                let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
+                registers[usize::from(output)] = compound.value(a, b, immediate, frame);
+                continue;
             }
-            if texel[2] & 255 == u32::from(opcode::END) {
-                let [_, _, first, second] = texel[2].to_le_bytes();
-                return [first, second].map(|register| registers[usize::from(register)] + 0.0);
+            let Some(instruction) = Clause::from_word(*word).decode() else { continue };
+            let of = |registers: &[f32; 256], operand: Operand| match operand {
+                Operand::Register(register) => registers[usize::from(register)],
+                Operand::Immediate(_) => immediate,
+            };
+            match instruction {
+                Instruction::Unary { op, output, a } => {
+                    registers[usize::from(output)] = op.value(registers[usize::from(a)], 0.0, frame);
+                }
+                Instruction::Binary { op, output, a, b } => {
+                    registers[usize::from(output)] = op.value(of(registers, a), of(registers, b), frame);
+                }
+                Instruction::Load { output, .. } => registers[usize::from(output)] = immediate,
+                Instruction::Texture { output, .. } => {
+                    let sampled = samples.get(immediate.to_bits() as usize);
+                    registers[usize::from(output)] = sampled.copied().unwrap_or(0.0);
+                }
+                Instruction::Input { output, place } => {
+                    debug_assert!(usize::from(place) < Input::OF_POINT.len());
+                    registers[usize::from(output)] = inputs.get(usize::from(place)).copied().unwrap_or(0.0);
+                }
+                _ => {}
             }
         }
-        [0.0; 2]
+        if texel[2] & 255 == u32::from(opcode::END) {
+            let [_, _, first, second] = texel[2].to_le_bytes();
+            return [first, second].map(|register| registers[usize::from(register)] + 0.0);
+        }
+    }
+    [0.0; 2]
 }

@@ -2,18 +2,21 @@
 //!
 //! A program's own grid of 8x8x8 cells says which tape runs at a point or, for the sky, in a direction. The outermost
 //! cells reach as far as anything is drawn, so every point has a cell. As in the tree of distances, intervals of a
-//! frame's values decide what a cell does not need, and cells that need the same share a tape: first in 4x4x4 blocks,
-//! then, by the shorter programs of these, in the cells. In its cell a shortened tape gives the same bits as the whole
+//! frame's values decide what a cell does not need, and cells that need the same share a tape, and so do the
+//! eight cells of a block unless some of them need much less than the block. In its cell a shortened tape gives the same bits as the whole
 //! one.
+//!
+//! Cells in which no surface may be seen keep the whole tape, so that no time is spent on them: the tree of distances
+//! and the planes say where surfaces are ([`Surfaces`]).
 
 use std::collections::HashMap;
 
 use super::encode::{Encoder, Texel};
-use super::lanes::{CELLS, Lanes, bound};
+use super::lanes::{CELLS, Lanes, bound, mask};
 use super::program::{Arg, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::tree::{cells_of, place_in};
-use super::{Numbers, fold};
+use super::{DIVIDED, Numbers, ROOT_SIDE, Regions, fold};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, Node, NodeId};
 
 /// Cells of a grid along each axis.
@@ -28,10 +31,14 @@ const OVERLAP: f32 = 1e-5;
 const NORMAL_MAX: f32 = 1.001;
 /// What a texture gives lies between these numbers.
 const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
+/// Texels of a grid beyond those of a single cell.
+const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
 /// Programs up to this length are the same everywhere.
 const WHOLE_MAX: usize = 24;
-/// Blocks whose program has at most this share of the whole one's steps are not divided.
-const UNDIVIDED_SHARE: f32 = 0.125;
+/// A cell has a tape of its own where that has at most this share of the clauses of its block's.
+const OWN_SHARE: f32 = 0.75;
+/// Texels of a shortened tape, at most, as a share of those of the whole one.
+const SHORTER_SHARE: f32 = 0.9;
 
 /// What a program's grid divides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,12 +65,25 @@ impl Grid {
         Self { low, scale: std::array::from_fn(|axis| SIDE as f32 / size(axis)) }
     }
 
-    /// The number of a point's cell.
+    /// The number of a point's cell, as the shaders find it.
+    #[cfg(test)]
     pub(crate) fn cell_of(&self, point: [f32; 3]) -> usize {
         (0..3).rev().fold(0, |cell, axis| {
             let place = (point[axis] - self.low[axis]) * self.scale[axis];
             cell * SIDE + place.clamp(0.0, (SIDE - 1) as f32) as usize
         })
+    }
+
+    /// Whether any vector of length 1 may lie in a cell of the grid over directions.
+    fn may_hold_a_direction(&self, cell: [usize; 3]) -> bool {
+        let (mut nearest, mut farthest) = (0.0, 0.0);
+        for (axis, place) in cell.into_iter().enumerate() {
+            let side = self.span(axis, place, place + 1, NORMAL_MAX);
+            let (low, high) = (side.lo.abs().min(side.hi.abs()), side.lo.abs().max(side.hi.abs()));
+            nearest += low * low;
+            farthest += high * high;
+        }
+        nearest <= NORMAL_MAX && farthest >= 2.0 - NORMAL_MAX
     }
 
     /// What the cells `first..end` along an axis span, and a little more.
@@ -74,6 +94,57 @@ impl Grid {
             lo: if first == 0 { -farthest } else { face(first) - around },
             hi: if end == SIDE { farthest } else { face(end) + around },
         }
+    }
+}
+
+/// Where surfaces are in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surfaces<'a> {
+    /// The tree of the distances; without cells it excludes nothing.
+    pub regions: &'a Regions,
+    /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
+    pub planes: &'a [[f32; 4]],
+    /// Programs are also asked this far from surfaces.
+    pub around: f32,
+}
+
+impl Surfaces<'_> {
+    /// Whether a program may be asked in a box.
+    fn may_meet(&self, sides: [Interval; 3]) -> bool {
+        let sides = sides.map(|side| Interval { lo: side.lo - self.around, hi: side.hi + self.around });
+        let meets = |[a, b, c, d]: &[f32; 4]| {
+            let (mut low, mut high) = (*d, *d);
+            for (factor, side) in [a, b, c].into_iter().zip(sides) {
+                low += (factor * side.lo).min(factor * side.hi);
+                high += (factor * side.lo).max(factor * side.hi);
+            }
+            !(low > 0.0 || high < 0.0)
+        };
+        self.planes.iter().any(meets) || self.regions.may_hold_a_surface(sides)
+    }
+}
+
+impl Regions {
+    /// Whether a surface may lie in a box, as far as the root's cells tell.
+    fn may_hold_a_surface(&self, sides: [Interval; 3]) -> bool {
+        let last = ROOT_SIDE as f32 - 1.0;
+        let place = |axis: usize, at: f32| (at - self.low[axis]) / self.size[axis] * ROOT_SIDE as f32;
+        let [low, high] = [0, 1].map(|end| {
+            let end = |side: Interval| if end == 0 { side.lo } else { side.hi };
+            std::array::from_fn::<f32, 3, _>(|axis| place(axis, end(sides[axis])))
+        });
+        let outside = (0..3).any(|axis| low[axis] < 0.0 || high[axis] > last + 1.0);
+        if self.size[0] <= 0.0 || outside && self.bounds.is_none() {
+            return true;
+        }
+        if (0..3).any(|axis| high[axis] < 0.0 || low[axis] > last + 1.0) {
+            return false;
+        }
+        let along = |axis: usize| low[axis].clamp(0.0, last) as usize..=high[axis].clamp(0.0, last) as usize;
+        let holds = |cell: usize| {
+            self.texels.get(cell).is_none_or(|[bound, ..]| *bound == DIVIDED || f32::from_bits(*bound) <= 0.0)
+        };
+        along(2).any(|z| along(1).any(|y| along(0).any(|x| holds(x + ROOT_SIDE * (y + ROOT_SIDE * z)))))
     }
 }
 
@@ -112,7 +183,12 @@ impl SurfacePlan {
     ///
     /// # Errors
     /// Those of [`Graph::check`].
-    pub(crate) fn new(graph: &Graph, roots: &[NodeId], textures: usize, over: Over) -> Result<Self, GraphError> {
+    pub(crate) fn new(
+        graph: &Graph,
+        roots: &[NodeId],
+        textures: usize,
+        over: Over,
+    ) -> Result<Self, GraphError> {
         let order = graph.order(roots)?;
         Ok(Self {
             nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
@@ -151,19 +227,17 @@ pub(crate) struct Shortener<'a> {
     frame: &'a FrameInputs,
     /// The grid over space.
     grid: Grid,
+    /// By cell of that grid: whether programs may be asked in it.
+    asked: Vec<bool>,
     /// Most registers of a tape.
     registers: usize,
     /// Texels there is room for.
-    pub(crate) room: usize,
+    room: usize,
     encoder: Encoder,
     rows: Vec<Lanes>,
     decisions: ChoiceTrace,
     scratch: Scratch,
     structure: Structure,
-    of_block: Program,
-    of_cell: Program,
-    /// Passes, each of which bounded a program's values in 64 cells.
-    pub(crate) passes: usize,
 }
 
 impl<'a> Shortener<'a> {
@@ -171,12 +245,19 @@ impl<'a> Shortener<'a> {
     pub(crate) fn new(
         frame: &'a FrameInputs,
         grid: Grid,
+        surfaces: Option<Surfaces>,
         (compounds, registers): (Compounds, usize),
         room: usize,
     ) -> Self {
+        let may_meet = |cell: usize| {
+            let place = [cell % SIDE, cell / SIDE % SIDE, cell / (SIDE * SIDE)];
+            let sides = std::array::from_fn(|axis| grid.span(axis, place[axis], place[axis] + 1, FARTHEST));
+            surfaces.is_none_or(|surfaces| surfaces.may_meet(sides))
+        };
         Self {
             frame,
             grid,
+            asked: (0..SIDE.pow(3)).map(may_meet).collect(),
             registers,
             room,
             encoder: Encoder::new(compounds, registers),
@@ -184,13 +265,10 @@ impl<'a> Shortener<'a> {
             decisions: ChoiceTrace::default(),
             scratch: Scratch::default(),
             structure: Structure::default(),
-            of_block: Program::default(),
-            of_cell: Program::default(),
-            passes: 0,
         }
     }
 
-    /// The tapes of a program whose whole tape has `whole` texels.
+    /// The tapes of a program whose whole tape has `whole` texels, its header included.
     pub(crate) fn shorten(&mut self, plan: &SurfacePlan, whole: usize) -> ShortTapes {
         let program = plan.folded(self.frame);
         let grid = match plan.over {
@@ -198,60 +276,34 @@ impl<'a> Shortener<'a> {
             Over::Directions => Grid::of_box([-1.0; 3], [1.0; 3]),
         };
         let mut short = ShortTapes { grid, ..ShortTapes::default() };
-        if program.steps.len() <= WHOLE_MAX {
+        let Some(room) = self.room.checked_sub(GRID_TEXELS).filter(|_| program.steps.len() > WHOLE_MAX)
+        else {
             return short;
-        }
+        };
+        self.room = room;
+        self.structure.look_at(&program);
+        let is_asked = |cell: &[usize; 3]| match plan.over {
+            Over::Points => self.asked[number_of(*cell)],
+            Over::Directions => grid.may_hold_a_direction(*cell),
+        };
+        let cells: Vec<[usize; 3]> = blocks().flatten().filter(is_asked).collect();
         let mut known = HashMap::new();
         short.cells.resize(SIDE.pow(3), None);
-        let blocks: [[usize; 3]; CELLS] = std::array::from_fn(|block| place_in(block).map(|along| 2 * along));
-        let mut groups = Vec::new();
-        self.decide(&program, plan, grid, (&blocks, 2), &mut groups);
-        let decisions = std::mem::take(&mut self.decisions);
-        let rows = std::mem::take(&mut self.rows);
-        let mut inner = Vec::new();
-        for group in groups {
-            let mut of_block = std::mem::take(&mut self.of_block);
-            decisions.shortened(&program, &rows, (group, true), self.frame, &mut self.scratch, &mut of_block);
-            let blocks: Vec<[usize; 3]> = cells_of(group).map(|block| blocks[block]).collect();
-            if of_block.steps.len() as f32 <= UNDIVIDED_SHARE * program.steps.len() as f32 {
-                let tape = self.tape(&of_block, whole, &mut known, &mut short.tapes);
-                let cells = blocks.iter().flat_map(|block| children(*block));
-                cells.for_each(|cell| short.cells[number_of(cell)] = tape);
-            } else {
-                for eight in blocks.chunks(8) {
-                    let cells: Vec<[usize; 3]> = eight.iter().flat_map(|block| children(*block)).collect();
-                    // Where there are fewer than eight blocks, the last cell is repeated.
-                    let at = |lane: usize| cells.get(lane).or(cells.last()).copied().unwrap_or_default();
-                    let lanes: [[usize; 3]; CELLS] = std::array::from_fn(at);
-                    self.decide(&of_block, plan, grid, (&lanes, 1), &mut inner);
-                    for group in &inner {
-                        let mut of_cell = std::mem::take(&mut self.of_cell);
-                        let (cells, frame) = ((*group, true), self.frame);
-                        let scratch = &mut self.scratch;
-                        self.decisions.shortened(&of_block, &self.rows, cells, frame, scratch, &mut of_cell);
-                        let tape = self.tape(&of_cell, whole, &mut known, &mut short.tapes);
-                        cells_of(*group).for_each(|lane| short.cells[number_of(lanes[lane])] = tape);
-                        self.of_cell = of_cell;
-                    }
-                }
+        for cells in cells.chunks(CELLS) {
+            // Where there are fewer, the last one is repeated.
+            let at = |lane: usize| cells.get(lane).or(cells.last()).copied().unwrap_or_default();
+            let lanes: [[usize; 3]; CELLS] = std::array::from_fn(at);
+            self.bound(&program, plan, grid, &lanes);
+            let tapes = self.tapes(&program, &lanes, whole, &mut known, &mut short.tapes);
+            for (cell, tape) in lanes.iter().zip(tapes) {
+                short.cells[number_of(*cell)] = tape;
             }
-            self.of_block = of_block;
         }
-        (self.decisions, self.rows) = (decisions, rows);
         short
     }
 
-    /// Bounds a program's values in 64 places that are `width` cells wide, decides what they need, and groups those that
-    /// need the same.
-    fn decide(
-        &mut self,
-        program: &Program,
-        plan: &SurfacePlan,
-        grid: Grid,
-        (places, width): (&[[usize; 3]; CELLS], usize),
-        groups: &mut Vec<u64>,
-    ) {
-        self.passes += 1;
+    /// Bounds a program's values in 64 cells.
+    fn bound(&mut self, program: &Program, plan: &SurfacePlan, grid: Grid, cells: &[[usize; 3]; CELLS]) {
         let nothing = Lanes::splat(Interval::point(0.0));
         self.rows.resize(self.rows.len().max(program.inputs), nothing);
         let (divided, other) = match plan.over {
@@ -260,8 +312,8 @@ impl<'a> Shortener<'a> {
         };
         for axis in 0..3 {
             let row = &mut self.rows[divided.0 + axis];
-            for (lane, place) in places.iter().enumerate() {
-                let span = grid.span(axis, place[axis], place[axis] + width, divided.1);
+            for (lane, cell) in cells.iter().enumerate() {
+                let span = grid.span(axis, cell[axis], cell[axis] + 1, divided.1);
                 (row.lo[lane], row.hi[lane]) = (span.lo, span.hi);
             }
             self.rows[other.0 + axis] = Lanes::splat(other.1);
@@ -270,9 +322,54 @@ impl<'a> Shortener<'a> {
             *row = Lanes::splat(SAMPLED);
         }
         bound(program, &mut self.rows, self.frame);
-        self.structure.look_at(program);
-        self.decisions.decide_all(program, &self.structure, &self.rows);
-        self.decisions.groups(&self.rows, &[u64::MAX], groups);
+    }
+
+    /// The tapes of 64 cells in which the program's values are bounded. A cell has a tape of its own where that is much
+    /// shorter than the one that it would share with its block: tapes that hardly differ would cost more than they save.
+    fn tapes(
+        &mut self,
+        program: &Program,
+        cells: &[[usize; 3]; CELLS],
+        whole: usize,
+        known: &mut HashMap<u64, Option<usize>>,
+        tapes: &mut Vec<ShortTape>,
+    ) -> [Option<usize>; CELLS] {
+        let block = |lane: usize| cells[lane].map(|along| along / 2);
+        let mut together = Vec::new();
+        let mut left = u64::MAX;
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            together.push(mask(|lane| block(lane) == block(first)));
+            left &= !together.last().copied().unwrap_or(left);
+        }
+        let mut groups = Vec::new();
+        self.decisions.decide_all(program, &self.structure, &self.rows, &together);
+        self.decisions.groups(&self.rows, &[u64::MAX], &mut groups);
+        let shared: Vec<(u64, Program)> =
+            groups.iter().map(|group| (*group, self.shortened(program, *group))).collect();
+        self.decisions.decide_all(program, &self.structure, &self.rows, &[]);
+        self.decisions.groups(&self.rows, &[u64::MAX], &mut groups);
+        let mut found = [None; CELLS];
+        for group in groups {
+            let own = self.shortened(program, group);
+            for (with, shared) in &shared {
+                let lanes = group & with;
+                if lanes != 0 {
+                    let pays = own.steps.len() as f32 <= OWN_SHARE * shared.steps.len() as f32;
+                    let tape = self.tape(if pays { &own } else { shared }, whole, known, tapes);
+                    cells_of(lanes).for_each(|lane| found[lane] = tape);
+                }
+            }
+        }
+        found
+    }
+
+    /// The program of a group of cells, as was decided last.
+    fn shortened(&mut self, program: &Program, group: u64) -> Program {
+        let mut short = Program::default();
+        let (frame, scratch) = (self.frame, &mut self.scratch);
+        self.decisions.shortened(program, &self.rows, (group, true), frame, scratch, &mut short);
+        short
     }
 
     /// The number of a program's tape; `None` if the whole one is hardly longer or there is no room.
@@ -288,14 +385,23 @@ impl<'a> Shortener<'a> {
             return *tape;
         }
         let outputs: Vec<usize> = (0..program.roots.len()).collect();
+        // The header, and the texel of each texture.
+        let beside = 1 + (program.inputs - program.in_registers) / 4;
         self.encoder.registers = 0;
         let texels = self.encoder.encode(program, &outputs).map(<[Texel]>::to_vec);
         let fits = texels.ok().filter(|texels| {
-            self.encoder.registers <= self.registers && texels.len() < whole && texels.len() <= self.room
+            let texels = texels.len() + beside;
+            self.encoder.registers <= self.registers
+                && texels as f32 <= SHORTER_SHARE * whole as f32
+                && texels <= self.room
         });
         let tape = fits.map(|texels| {
-            self.room -= texels.len();
-            tapes.push(ShortTape { outputs: self.encoder.outputs.clone(), texels, samples: self.encoder.samples() });
+            self.room -= texels.len() + beside;
+            tapes.push(ShortTape {
+                outputs: self.encoder.outputs.clone(),
+                texels,
+                samples: self.encoder.samples(),
+            });
             tapes.len() - 1
         });
         known.insert(hash, tape);
@@ -308,7 +414,10 @@ fn number_of([x, y, z]: [usize; 3]) -> usize {
     x + SIDE * (y + SIDE * z)
 }
 
-/// The eight cells of a block.
-fn children(block: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
-    (0..8).map(move |child| std::array::from_fn(|axis| block[axis] + (child >> axis & 1)))
+/// The cells of each block of 2x2x2.
+fn blocks() -> impl Iterator<Item = [[usize; 3]; 8]> {
+    let child = |block: [usize; 3]| {
+        move |child: usize| std::array::from_fn(|axis| 2 * block[axis] + (child >> axis & 1))
+    };
+    (0..CELLS).map(move |block| std::array::from_fn(child(place_in(block))))
 }

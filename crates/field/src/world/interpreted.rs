@@ -23,6 +23,7 @@
 
 use super::{Bounds, World, WorldError};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
+use crate::region::Surfaces;
 use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, Shortener, SurfacePlan};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
@@ -59,18 +60,20 @@ struct Program {
 
 /// How the programs of a frame are written.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceOptions {
+pub struct SurfaceOptions<'a> {
     /// Whether programs are shortened for the places where they run; if not, the whole ones serve everywhere.
     pub cells: bool,
     /// Most texels, as far as the whole programs leave room: what the driver reports for a texture buffer.
     pub texels_max: usize,
     /// Where the eye is: in a scene without bounds, the middle of the cells.
     pub eye: [f32; 3],
+    /// Where surfaces are, if that is known: only there are programs shortened.
+    pub surfaces: Option<Surfaces<'a>>,
 }
 
-impl Default for SurfaceOptions {
+impl Default for SurfaceOptions<'_> {
     fn default() -> Self {
-        Self { cells: true, texels_max: 1 << 16, eye: [0.0; 3] }
+        Self { cells: true, texels_max: 1 << 16, eye: [0.0; 3], surfaces: None }
     }
 }
 
@@ -197,7 +200,7 @@ impl TapeBuffers {
         let bounds = self.bounds.unwrap_or_else(|| Bounds::around(options.eye, AROUND_EYE));
         let grid = Grid::of_box(bounds.low, bounds.high);
         let limits = (self.variant.compounds, self.variant.registers);
-        let mut shortener = Shortener::new(inputs, grid, limits, room);
+        let mut shortener = Shortener::new(inputs, grid, options.surfaces, limits, room);
         let starts: Vec<u32> = self
             .programs
             .iter()
@@ -286,7 +289,14 @@ impl World {
                 Variant { textures: self.pictures.len(), compounds, ..variant }
             })
         };
-        Ok(TapeBuffers { variant: on_gpu, software_variant: on_processor, programs, of_objects, bounds: self.bounds, cost })
+        Ok(TapeBuffers {
+            variant: on_gpu,
+            software_variant: on_processor,
+            programs,
+            of_objects,
+            bounds: self.bounds,
+            cost,
+        })
     }
 }
 

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::graph::{Point, SoundInput, SoundInputs, random};
-use crate::region::run_texels;
+use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
 
 /// What the interpreter computes for a place of the directory, as `run_program` of the shaders does, and the number of
@@ -15,7 +15,8 @@ fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameI
     let inputs: [f32; 6] = std::array::from_fn(|i| if i < 3 { at.position[i] } else { at.normal[i - 3] });
     let asked = if over == Over::Points { at.position } else { at.normal };
     let grid = texels.as_flattened()[place] as usize;
-    let [low, scale] = [texels[grid], texels[grid + 1]].map(|texel| [0, 1, 2].map(|i| f32::from_bits(texel[i])));
+    let [low, scale] =
+        [texels[grid], texels[grid + 1]].map(|texel| [0, 1, 2].map(|i| f32::from_bits(texel[i])));
     let cell = if texels[grid][3] == 0 { 0 } else { Grid { low, scale }.cell_of(asked) };
     let program = texels[grid + 2..].as_flattened()[cell] as usize;
     let head = texels[program];
@@ -87,19 +88,23 @@ sky {
 ";
 
 /// Compares all programs of a world at many points; gives the mean share of the whole tapes' texels that were run.
-fn assert_the_same(world: &World, frame: &FrameInputs, options: &SurfaceOptions) -> f64 {
+fn assert_the_same(world: &World, frame: &FrameInputs, options: &SurfaceOptions<'_>) -> f64 {
     let buffers = world.tape_buffers().unwrap();
-    let [whole, short] = [false, true].map(|cells| buffers.texels(frame, &SurfaceOptions { cells, ..*options }));
-    let materials = (0..world.scene.objects.len()).map(|object| (4 + object, Over::Points));
-    let places = [(0, Over::Directions), (1, Over::Directions), (2, Over::Points)].into_iter().chain(materials);
+    let [whole, short] =
+        [false, true].map(|cells| buffers.texels(frame, &SurfaceOptions { cells, ..*options }));
+    let materials = world.scene.objects.iter().enumerate();
+    let materials =
+        materials.map(|(object, its)| (4 + object, Over::Points, world.roots.materials[its.material].len()));
+    let light = [(0, Over::Directions, 3), (1, Over::Directions, 3), (2, Over::Points, 4)];
+    let places = light.into_iter().chain(materials);
     let (mut ran, mut whole_ran) = (0, 0);
-    for (place, over) in places {
+    for (place, over, outputs) in places {
         for number in 0..4_000 {
             let at = point(number, 8.0);
             let at = if place == 0 { Point { position: [0.0; 3], ..at } } else { at };
             let (wanted, length) = run(&whole, place, over, &at, frame);
             let (got, shorter) = run(&short, place, over, &at, frame);
-            for (got, wanted) in got.iter().zip(&wanted).take(if place < 2 { 3 } else { 12 }) {
+            for (got, wanted) in got.iter().zip(&wanted).take(outputs) {
                 assert!(random::same(*got, *wanted), "{place} at {at:?}: {got} and not {wanted}");
             }
             assert!(shorter <= length, "{place} at {at:?}: {shorter} texels and not {length}");
@@ -132,6 +137,44 @@ fn programs_without_room_are_whole() {
         assert!(buffers.texels(&frame, &options).len() <= most.max(texels_max));
         assert_the_same(&world, &frame, &options);
     }
+}
+
+/// No program is asked away from surfaces, so nothing is shortened there.
+#[test]
+fn programs_are_shortened_where_surfaces_are() {
+    let world = world_of(ROOMS);
+    let frame = frame_of(&world, 3.0, 0.5);
+    let regions = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
+    let planes = world.frame_tape.values(&frame).planes;
+    let surfaces = Surfaces { regions: &regions, planes: &planes, around: 0.3 };
+    let options = SurfaceOptions { surfaces: Some(surfaces), ..Default::default() };
+    assert_the_same(&world, &frame, &options);
+    let buffers = world.tape_buffers().unwrap();
+    let everywhere = buffers.texels(&frame, &SurfaceOptions::default());
+    let where_asked = buffers.texels(&frame, &options);
+    let whole = buffers.texels(&frame, &SurfaceOptions { cells: false, ..options });
+    let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
+    let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
+    // How many tapes are shortened near surfaces and away from them, with and without knowing where they are.
+    let (mut near, mut away) = ([0; 2], [0; 2]);
+    for number in 0..40_000 {
+        let mut at = point(number, 6.0);
+        if number % 3 == 0 {
+            at.position[1] = 0.0;
+        }
+        let height = distance.at(&at)[0].abs().min(at.position[1].abs());
+        let counts = if height < 0.25 { &mut near } else { &mut away };
+        for place in [2, 4, 5, 6] {
+            let length = |texels| run(texels, place, Over::Points, &at, &frame).1;
+            let most = length(&whole);
+            for (count, texels) in counts.iter_mut().zip([&where_asked, &everywhere]) {
+                *count += usize::from(length(texels) < most);
+            }
+        }
+    }
+    // A block of which fewer cells are asked may have a shorter tape.
+    assert!(near[1] > 1_000 && near[0] >= near[1], "near: {near:?}");
+    assert!(away[0] < away[1], "away: {away:?}");
 }
 
 proptest! {
