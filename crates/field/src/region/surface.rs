@@ -35,6 +35,8 @@ const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
 const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
 /// Programs up to this length are the same everywhere.
 const WHOLE_MAX: usize = 24;
+/// Nodes of all programs of a frame that are shortened, at most: about 20 to 40 ms. Longer programs stay whole.
+const NODES_MAX: usize = 4096;
 /// A cell has a tape of its own where that has at most this share of the clauses of its block's.
 const OWN_SHARE: f32 = 0.75;
 /// Texels of a shortened tape, at most, as a share of those of the whole one.
@@ -233,6 +235,8 @@ pub(crate) struct Shortener<'a> {
     registers: usize,
     /// Texels there is room for.
     room: usize,
+    /// Nodes of programs there is time for.
+    nodes: usize,
     encoder: Encoder,
     rows: Vec<Lanes>,
     decisions: ChoiceTrace,
@@ -260,6 +264,7 @@ impl<'a> Shortener<'a> {
             asked: (0..SIDE.pow(3)).map(may_meet).collect(),
             registers,
             room,
+            nodes: NODES_MAX,
             encoder: Encoder::new(compounds, registers),
             rows: Vec::new(),
             decisions: ChoiceTrace::default(),
@@ -270,17 +275,18 @@ impl<'a> Shortener<'a> {
 
     /// The tapes of a program whose whole tape has `whole` texels, its header included.
     pub(crate) fn shorten(&mut self, plan: &SurfacePlan, whole: usize) -> ShortTapes {
-        let program = plan.folded(self.frame);
         let grid = match plan.over {
             Over::Points => self.grid,
             Over::Directions => Grid::of_box([-1.0; 3], [1.0; 3]),
         };
         let mut short = ShortTapes { grid, ..ShortTapes::default() };
-        let Some(room) = self.room.checked_sub(GRID_TEXELS).filter(|_| program.steps.len() > WHOLE_MAX)
-        else {
+        let Some(nodes) = self.nodes.checked_sub(plan.nodes.len()) else { return short };
+        let Some(room) = self.room.checked_sub(GRID_TEXELS) else { return short };
+        let program = plan.folded(self.frame);
+        if program.steps.len() <= WHOLE_MAX {
             return short;
-        };
-        self.room = room;
+        }
+        (self.nodes, self.room) = (nodes, room);
         self.structure.look_at(&program);
         let is_asked = |cell: &[usize; 3]| match plan.over {
             Over::Points => self.asked[number_of(*cell)],
