@@ -43,7 +43,7 @@ fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameI
 /// The i-th of points spread over a box around the origin and, some of them, far outside; its normal has length 1.
 fn point(number: u32, reach: f32) -> Point {
     let place = |step: f64| (f64::from(number) * step + 0.5).fract() as f32 * 2.0 - 1.0;
-    let reach = if number % 8 == 0 { 30.0 * reach } else { reach };
+    let reach = if number.is_multiple_of(8) { 30.0 * reach } else { reach };
     let position = [place(0.754_877_67), place(0.569_840_3), place(0.438_579_22)].map(|place| place * reach);
     let (up, turn) = (place(0.819_172_5), 3.1 * place(0.671_043_6));
     let side = (1.0 - up * up).sqrt();
