@@ -12,8 +12,16 @@ const int MATERIAL_PROGRAMS = 4;
 
 void scene_load() {}
 
-int program_at(int place) {
-    return int(texelFetch(tape, place >> 2)[place & 3]);
+// The program at a place of the directory for a point, or for a direction: that of its cell in the program's grid.
+int program_at(int place, vec3 at) {
+    int grid = int(texelFetch(tape, place >> 2)[place & 3]);
+    uvec4 low = texelFetch(tape, grid);
+    vec3 per_unit = uintBitsToFloat(texelFetch(tape, grid + 1).xyz);
+    int last = int(low.w);
+    vec3 cell = clamp((at - uintBitsToFloat(low.xyz)) * per_unit, vec3(0.0), vec3(float(last)));
+    ivec3 q = clamp(ivec3(cell), ivec3(0), ivec3(last));
+    int number = q.x + 8 * (q.y + 8 * q.z);
+    return int(texelFetch(tape, grid + 2 + (number >> 2))[number & 3]);
 }
 
 // A point and its normal, or a direction.
@@ -152,7 +160,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
     // The ambient light, the glow, then the material: again one call in a loop.
     uvec4 head = uvec4(0u);
     for (int i = 0; i < 3; i += LIGHT_STEP) {
-        int program = program_at(i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + s.object);
+        int place = i == 0 ? AMBIENT_PROGRAM : MATERIAL_PROGRAMS + s.object;
         Place asked = here;
         Place beside = right;
         Place over = above;
@@ -160,13 +168,13 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
         if (i == 1) {
             // For a picture, the mean of its surrounding colours.
             vec3 width = vec3(GLOW_PROBE * frame_reach.x, 0.0, 0.0);
-            program = program_at(GLOW_PROGRAM);
+            place = GLOW_PROGRAM;
             asked = Place(p + width.x * s.normal, vec3(0.0));
             beside = Place(asked.p + width, asked.n);
             over = Place(asked.p + width.zyx, asked.n);
         }
 #endif
-        head = run_program(program, asked, beside, over);
+        head = run_program(program_at(place, i == 0 ? s.normal : asked.p), asked, beside, over);
         vec3 first = vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
         if (i == 0) s.ambient = first;
 #ifdef GLOW
@@ -178,7 +186,7 @@ Surface scene_surface(vec3 p, int plane, vec3 direction, float cone, vec3 dx, ve
 }
 
 vec3 sky_color(vec3 direction, vec3 dx, vec3 dy) {
-    uvec4 head = run_program(program_at(SKY_PROGRAM), Place(vec3(0.0), direction), Place(vec3(0.0), direction + dx),
+    uvec4 head = run_program(program_at(SKY_PROGRAM, direction), Place(vec3(0.0), direction), Place(vec3(0.0), direction + dx),
                              Place(vec3(0.0), direction + dy));
     return vec3(READ(head.x, 0), READ(head.x, 1), READ(head.x, 2));
 }

@@ -3,7 +3,7 @@
 use mariana_field::graph::FrameInputs;
 use mariana_field::graph::SoundInputs;
 use mariana_field::lang::{self, Diagnostic, Sources};
-use mariana_field::world::{World, WorldError};
+use mariana_field::world::{SurfaceOptions, World, WorldError};
 
 use super::bytes::hash;
 use super::random::Random;
@@ -63,9 +63,13 @@ pub(crate) fn scene(data: &[u8]) {
     for _ in 0..2 {
         let inputs = frame_of(&world, &mut random);
         world.frame_tape.values(&inputs);
-        let texels = buffers.texels(&inputs);
-        assert!(texels.len() <= buffers.texels_max());
-        words::check_directory(&texels, world.scene.objects.len());
+        for cells in [false, true] {
+            let options = SurfaceOptions { cells, ..SurfaceOptions::default() };
+            let texels = buffers.texels(&inputs, &options);
+            let most = if cells { options.texels_max } else { 0 };
+            assert!(texels.len() <= buffers.texels_max().max(most));
+            words::check_directory(&texels, world.scene.objects.len());
+        }
     }
     if buffers.cost.total <= GLSL_CLAUSES_MAX
         && let Err(error @ WorldError::Refused { .. }) = world.compiled_glsl()

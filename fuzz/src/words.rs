@@ -66,6 +66,12 @@ pub(crate) fn run(
     panic!("the texels end before the tape does");
 }
 
+/// Where the programs of a grid's cells begin.
+fn cells_of(texels: &[[u32; 4]], grid: u32) -> &[u32] {
+    let side = texels[grid as usize][3] as usize + 1;
+    &texels[grid as usize + 2..].as_flattened()[..side.pow(3)]
+}
+
 /// Every program that the directory of a world's texels names, and every tape of its textures' coordinates, ends.
 pub(crate) fn check_directory(texels: &[[u32; 4]], objects: usize) {
     let ends = |start: u32| {
@@ -75,7 +81,7 @@ pub(crate) fn check_directory(texels: &[[u32; 4]], objects: usize) {
     };
     let words = texels.as_flattened();
     let heads = words[..3].iter().chain(&words[4..4 + objects]);
-    for &program in heads {
+    for &program in heads.flat_map(|grid| cells_of(texels, *grid)) {
         let head = texels[program as usize];
         let textures = head[3];
         for texture in 0..textures {

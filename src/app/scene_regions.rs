@@ -86,7 +86,7 @@ impl SceneRegions {
         (params, hand): (&[f32], OrbitControls),
     ) -> Option<(Frame, Shown)> {
         let cells = self.uses_cells((id, mode), scene);
-        scene.set_cells(cells);
+        scene.set_cells(cells, mode);
         let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
         let frame = frame.by_hand(scene.world(), hand);
         let request = scene.region_request(&frame);
@@ -134,7 +134,7 @@ impl SceneRegions {
 
     /// Requests the first tree of a scene that is coming onto the stage, in place of any other scene's.
     pub(super) fn try_tree(&self, id: u64, scene: &SceneResources) {
-        scene.set_cells(self.wish != CellUse::Never || scene.world().steep);
+        scene.set_cells(self.wish != CellUse::Never || scene.world().steep, Mode::Interpreted);
         let frame = Frame::new(scene.world(), 0.0, Features::SILENCE, TRIAL_SIZE);
         let request = scene.region_request(&frame);
         let patience = Duration::from_secs_f64(LIMITS.picture_seconds_max);

@@ -123,7 +123,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
             if run.wall.len() >= FRAMES_MIN && run.wall.iter().sum::<f64>() > ROW_MS_MAX {
                 continue;
             }
-            resources.set_cells(run.regions);
+            resources.set_cells(run.regions, run.mode);
             resources.take_regions(run.built.clone());
             gl.finish();
             let (wall_start, cpu_start) = (Instant::now(), ProcessTime::now());
@@ -160,7 +160,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
     for mut run in runs {
         let variant = variant_of(&world, &buffers, &plan, run.mode, gl.info(), Counting::On)?;
         let program = link_scene(gl, library, &variant)?;
-        resources.set_cells(run.regions);
+        resources.set_cells(run.regions, run.mode);
         resources.take_regions(run.built.clone());
         counter.draw(&frame, &resources, &program)?;
         let evaluations = counter.evaluations().per_pixel(pixels);
@@ -206,7 +206,7 @@ fn measure_edges(
     run: &Run,
     frame: &Frame,
 ) -> Result<Vec<EdgeReport>, ExportError> {
-    resources.set_cells(run.regions);
+    resources.set_cells(run.regions, run.mode);
     resources.take_regions(run.built.clone());
     let mut frame = frame.clone();
     frame.picture.grain = 0.0;
@@ -239,7 +239,7 @@ const BUILDS: usize = 9;
 
 /// The tree of a frame, and how long it takes to build one, in ms.
 fn build(resources: &SceneResources, frame: &Frame, cells: bool) -> (Arc<BuiltRegions>, f64) {
-    resources.set_cells(cells);
+    resources.set_cells(cells, Mode::Interpreted);
     let once = || BuiltRegions::new(resources.plan(), &frame.inputs, resources.region_request(frame));
     let built = once();
     let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(once().time)).collect();

@@ -105,7 +105,7 @@ impl Painter {
             CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
             wish => wish,
         };
-        resources.set_cells(resources.uses_cells(wish, mode));
+        resources.set_cells(resources.uses_cells(wish, mode), mode);
         let view = choice.view.map(|view| (view, LegendPainter::default()));
         Ok(Self { renderer, program, resources, mode, view, held: HeldInputs::default(), context })
     }

@@ -24,8 +24,8 @@ use crate::frame::sound_tables;
 use crate::limits::LIMITS;
 use crate::view::setup::Drawn;
 use mariana_field::graph::FrameInputs;
-use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions};
-use mariana_field::world::{TapeBuffers, World};
+use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
+use mariana_field::world::{SurfaceOptions, TapeBuffers, World};
 
 /// When space is divided into cells. The picture is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,6 +61,8 @@ pub struct SceneResources {
     costs: Costs,
     /// Whether empty space is skipped.
     with_cells: Cell<bool>,
+    /// Whether programs of materials and light are shortened.
+    shortens: Cell<bool>,
     /// Those that were uploaded last.
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
 }
@@ -194,6 +196,7 @@ impl SceneResources {
             plan,
             costs: Costs::default(),
             with_cells: Cell::new(true),
+            shortens: Cell::new(true),
             uploaded: RefCell::new(None),
             texels_max: LIMITS.region_texels_max.min(gl.info().texture_buffer_texels_max as usize),
         })
@@ -245,8 +248,10 @@ impl SceneResources {
 
     /// Chooses whether space is divided into cells, of which empty ones are skipped, or the whole tape holds
     /// everywhere.
-    pub fn set_cells(&self, cells: bool) {
+    /// For the interpreted mode, cells also shorten the programs of materials and light.
+    pub fn set_cells(&self, cells: bool, mode: Mode) {
         self.with_cells.set(cells);
+        self.shortens.set(cells && mode == Mode::Interpreted);
     }
 
     /// What the regions of a frame are built for.
@@ -290,10 +295,25 @@ impl SceneResources {
         RegionTree { low, size, bounds, whole_tape }
     }
 
-    /// Uploads the programs and the tables of a frame.
-    pub(super) fn upload_inputs(&self, inputs: &FrameInputs) {
+    /// Uploads the programs and the tables of a frame, whose regions are there already.
+    pub(super) fn upload_inputs(&self, frame: &Frame) {
+        let inputs = &frame.inputs;
         if self.is_interpretable {
-            self.on_gpu.tape.replace(&bytes_of(&self.buffers.texels(inputs)));
+            let regions = self.regions();
+            let surfaces = regions.as_ref().map(|built| Surfaces {
+                regions: &built.regions,
+                planes: &frame.values.planes,
+                // As far as GLOW_PROBE in occlusion.glsl, and a little more.
+                around: 0.26 * frame.values.reach.max(0.0) + 1e-3,
+            });
+            let options = SurfaceOptions {
+                surfaces,
+                cells: self.shortens.get(),
+                texels_max: self.texels_max,
+                eye: frame.camera.position.as_vec3().to_array(),
+            };
+            let texels = self.buffers.texels(inputs, &options);
+            self.on_gpu.tape.replace(&bytes_of(&texels));
         }
         if self.hears_tables {
             self.on_gpu.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));

@@ -116,10 +116,10 @@ fn assert_modes_agree_at(
     let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
     let mut first: Option<RgbaImage> = None;
     for &time in times {
-        studio.resources.set_cells(true);
+        studio.resources.set_cells(true, Mode::Interpreted);
         let [skipping, short] =
             [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
-        studio.resources.set_cells(false);
+        studio.resources.set_cells(false, Mode::Interpreted);
         let [compiled, interpreted] =
             [0, 1].map(|mode| drawn(&mut studio, &programs[mode], time, loud_sound(), size));
         assert_alike(&format!("{name}-at-{time}-skipping"), &skipping.0, &compiled.0, tolerance);

@@ -84,8 +84,8 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::draw`].
     pub fn begin(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
-        scene.upload_inputs(&frame.inputs);
         let tree = scene.tree_of(frame);
+        scene.upload_inputs(frame);
         self.begin_block(frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
     }
 

@@ -11,7 +11,7 @@
 //! Several operators may stand as one compound ([`Compound`]): they are put together behind pruning, so that none of
 //! their choices is lost.
 
-use super::program::{Arg, Form, INPUTS, Program, Step, refill};
+use super::program::{Arg, Form, Program, Step, refill};
 use crate::graph::{Compound, Compounds, Operation, Uses, Values};
 use crate::tape::interpreter::is_rare;
 use crate::tape::{Instruction, opcode};
@@ -53,11 +53,15 @@ pub(super) struct Encoder {
     last_use: Vec<u32>,
     /// By value: its register.
     register: Vec<u8>,
+    /// By sample of a texture: whether it is in a register already.
+    sampled: Vec<bool>,
     texels: Vec<Texel>,
     /// Most registers that a program has needed so far.
     pub(super) registers: usize,
     /// Clauses of the last program.
     pub(super) clauses: usize,
+    /// The registers of its results.
+    pub(super) outputs: Vec<u8>,
 }
 
 impl Clause {
@@ -106,22 +110,25 @@ impl Encoder {
             uses: Vec::new(),
             last_use: Vec::new(),
             register: Vec::new(),
+            sampled: Vec::new(),
             texels: Vec::new(),
             registers: 0,
             clauses: 0,
+            outputs: Vec::new(),
         }
     }
 
-    /// The texels of the program that gives two of its roots.
+    /// The texels of the program that gives some of its roots.
     pub(super) fn encode(
         &mut self,
         program: &Program,
-        outputs: [usize; 2],
+        outputs: &[usize],
     ) -> Result<&[Texel], TooManyRegisters> {
-        let roots = outputs.map(|root| program.roots.get(root).copied().unwrap_or(Arg::Number(0.0)));
-        let mut highest = self.encode_with(self.compounds, program, roots);
+        let root = |root: &usize| program.roots.get(*root).copied().unwrap_or(Arg::Number(0.0));
+        let roots: Vec<Arg> = outputs.iter().map(root).collect();
+        let mut highest = self.encode_with(self.compounds, program, &roots);
         if self.compounds != Compounds::NONE && highest.is_none_or(|highest| highest > self.registers_max) {
-            highest = self.encode_with(Compounds::NONE, program, roots);
+            highest = self.encode_with(Compounds::NONE, program, &roots);
         }
         self.registers = self.registers.max(highest.ok_or(TooManyRegisters)?);
         Ok(&self.texels)
@@ -135,21 +142,33 @@ impl Encoder {
     }
 
     /// Encodes with some compounds; says how many registers that takes, if there are so many.
-    fn encode_with(&mut self, compounds: Compounds, program: &Program, roots: [Arg; 2]) -> Option<usize> {
+    fn encode_with(&mut self, compounds: Compounds, program: &Program, roots: &[Arg]) -> Option<usize> {
         self.list_clauses(compounds, program, roots);
         self.texels.clear();
         self.clauses = 0;
         self.register.clear();
-        self.register.extend(0..INPUTS as u8);
+        self.register.extend(0..program.in_registers as u8);
         self.register.resize(program.values(), 0);
         let mut free = FreeRegisters::default();
-        for input in 0..INPUTS {
+        for input in 0..program.in_registers {
             free.first &= !(u64::from(self.last_use[input] != 0) << input);
         }
-        let mut highest = INPUTS;
+        let mut highest = program.in_registers;
         let mut half = false;
         let list = std::mem::take(&mut self.list);
+        self.sampled.clear();
+        self.sampled.resize(program.inputs - program.in_registers, false);
         for clause in list.iter().rev() {
+            for value in [clause.a, clause.b] {
+                if (value as usize) < program.inputs {
+                    highest = highest
+                        .max(self.sample(value, program, &mut free, &mut half).unwrap_or(REGISTERS_MAX + 1));
+                }
+            }
+            if highest > REGISTERS_MAX {
+                self.list = list;
+                return None;
+            }
             let [a, b] = [clause.a, clause.b].map(|value| self.register[value as usize]);
             for (value, register) in [(clause.a, a), (clause.b, b)] {
                 free.give_if(self.last_use[value as usize] == clause.at, register);
@@ -165,25 +184,57 @@ impl Encoder {
             self.write(word, clause.number, clause.rare, &mut half);
         }
         self.list = list;
-        let mut registers = [0; 2];
-        for (register, root) in registers.iter_mut().zip(roots) {
-            *register = match root {
-                Arg::Value(value) => self.register[value as usize],
-                Arg::Number(number) => {
-                    let output = free.take()?;
-                    highest = highest.max(usize::from(output) + 1);
-                    self.write(
-                        Instruction::Load { output, entry: 0 }.encode().word(),
-                        number,
-                        false,
-                        &mut half,
-                    );
-                    output
+        self.outputs.clear();
+        let mut numbers: Vec<(u32, u8)> = Vec::new();
+        for root in roots {
+            let output = match *root {
+                Arg::Value(value) => {
+                    if (value as usize) < program.inputs {
+                        highest = highest.max(self.sample(value, program, &mut free, &mut half)?);
+                    }
+                    self.register[value as usize]
                 }
+                Arg::Number(number) => match numbers.iter().find(|(bits, _)| *bits == number.to_bits()) {
+                    Some((_, output)) => *output,
+                    None => {
+                        let output = free.take()?;
+                        highest = highest.max(usize::from(output) + 1);
+                        let load = Instruction::Load { output, entry: 0 }.encode().word();
+                        self.write(load, number, false, &mut half);
+                        numbers.push((number.to_bits(), output));
+                        output
+                    }
+                },
             };
+            self.outputs.push(output);
         }
-        self.end(registers, half);
+        let output = |place: usize| self.outputs.get(place).copied().unwrap_or(0);
+        self.end([output(0), output(1)], half);
         Some(highest)
+    }
+
+    /// Loads a sample of a texture when it is first read; gives the number of registers that takes, if there are so
+    /// many. Other inputs are in their registers.
+    fn sample(
+        &mut self,
+        value: u32,
+        program: &Program,
+        free: &mut FreeRegisters,
+        half: &mut bool,
+    ) -> Option<usize> {
+        let Some(sample) = (value as usize).checked_sub(program.in_registers) else { return Some(0) };
+        let Some(sampled) = self.sampled.get_mut(sample).filter(|sampled| !**sampled) else { return Some(0) };
+        *sampled = true;
+        let output = free.take()?;
+        self.register[value as usize] = output;
+        let word = u32::from_le_bytes([opcode::TEXTURE, output, 0, 0]);
+        self.write(word, f32::from_bits(sample as u32), true, half);
+        Some(usize::from(output) + 1)
+    }
+
+    /// Whether the program that was encoded last reads a texture.
+    pub(super) fn samples(&self) -> bool {
+        self.sampled.contains(&true)
     }
 
     /// The texels that were encoded last.
@@ -192,7 +243,7 @@ impl Encoder {
     }
 
     /// Lists the clauses that the roots need, last first, and finds the last use of each value.
-    fn list_clauses(&mut self, compounds: Compounds, program: &Program, roots: [Arg; 2]) {
+    fn list_clauses(&mut self, compounds: Compounds, program: &Program, roots: &[Arg]) {
         if compounds != Compounds::NONE {
             self.count_uses(program, roots);
         }
@@ -200,11 +251,11 @@ impl Encoder {
         refill(&mut self.last_use, program.values(), 0);
         for root in roots {
             if let Arg::Value(value) = root {
-                self.last_use[value as usize] = u32::MAX;
+                self.last_use[*value as usize] = u32::MAX;
             }
         }
         for (index, step) in program.steps.iter().enumerate().rev() {
-            let at = (INPUTS + index) as u32;
+            let at = (program.inputs + index) as u32;
             if self.last_use[at as usize] == 0 {
                 continue;
             }
@@ -231,15 +282,15 @@ impl Encoder {
         }
     }
 
-    fn count_uses(&mut self, program: &Program, roots: [Arg; 2]) {
+    fn count_uses(&mut self, program: &Program, roots: &[Arg]) {
         refill(&mut self.uses, program.values(), 0);
         for root in roots {
             if let Arg::Value(value) = root {
-                self.uses[value as usize] = 2;
+                self.uses[*value as usize] = 2;
             }
         }
         for (index, step) in program.steps.iter().enumerate().rev() {
-            if self.uses[INPUTS + index] == 0 {
+            if self.uses[program.inputs + index] == 0 {
                 continue;
             }
             self.uses[step.a as usize] = (self.uses[step.a as usize] + 1).min(2);

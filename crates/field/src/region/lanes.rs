@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-use super::program::{Form, INPUTS, Program};
+use super::program::{Form, Program};
 use crate::graph::{BoundsKernel, FrameInputs, Interval};
 
 /// Cells that are bounded at once: the children of a cell.
@@ -95,7 +95,7 @@ pub(super) fn bound(program: &Program, rows: &mut Vec<Lanes>, frame: &FrameInput
 #[multiversion(targets("x86_64+avx+avx2+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn bound_rows(program: &Program, rows: &mut [Lanes], frame: &FrameInputs) {
     for (index, step) in program.steps.iter().enumerate() {
-        let (before, from) = rows.split_at_mut(INPUTS + index);
+        let (before, from) = rows.split_at_mut(program.inputs + index);
         let Some(result) = from.first_mut() else { return };
         let (a, b) = (&before[step.a as usize], &before[step.b as usize]);
         let number = Interval::point(step.number);

@@ -47,10 +47,14 @@ mod part;
 mod program;
 mod prune;
 mod read;
+pub(crate) mod surface;
 mod tree;
 
 pub use part::Part;
 pub use read::Cell;
+#[cfg(test)]
+pub(crate) use read::run_texels;
+pub use surface::Surfaces;
 pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
@@ -170,14 +174,13 @@ impl RegionPlan {
         // have.
         let program = plan.folded(&Numbers::Unknown, &FrameInputs::default());
         let mut encoder = Encoder::new(Compounds::NONE, REGISTERS_MAX);
-        let fits = [[BOUND, ESTIMATE], [OBJECT, OBJECT]]
-            .iter()
-            .all(|roots| encoder.encode(&program, *roots).is_ok());
+        let fits =
+            [[BOUND, ESTIMATE], [OBJECT, OBJECT]].iter().all(|roots| encoder.encode(&program, roots).is_ok());
         let typical = plan.folded(&Numbers::Typical, &FrameInputs::default());
         let compounds = Compounds::that_pay(|compounds| {
             let mut uses = Uses::default();
             let mut encoder = Encoder::new(compounds, REGISTERS_MAX);
-            if encoder.encode(&typical, [BOUND, ESTIMATE]).is_ok() {
+            if encoder.encode(&typical, &[BOUND, ESTIMATE]).is_ok() {
                 encoder.count(&mut uses);
             }
             uses
@@ -244,35 +247,50 @@ impl RegionPlan {
 
     /// The program with the numbers of a frame folded in. Without a known frame its tables are unknown values.
     fn folded(&self, numbers: &Numbers, frame: &FrameInputs) -> Program {
-        let unknown = Arg::Value(program::PENUMBRA);
-        let reads_frame =
-            |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
         let mut program = Program { steps: Vec::with_capacity(self.nodes.len()), ..Program::default() };
-        let mut places = vec![Arg::Number(0.0); self.graph_nodes];
-        for (index, node) in &self.nodes {
-            places[*index] = match *node {
-                Node::Constant(number) => Arg::Number(number),
-                Node::Input(input) => match input.of_point() {
-                    Some(place) if place < program::INPUTS => Arg::Value(place as u32),
-                    // A distance does not depend on a normal.
-                    Some(_) => Arg::Number(0.0),
-                    None => match numbers {
-                        Numbers::Unknown => unknown,
-                        Numbers::Typical => Arg::Number(TYPICAL),
-                        Numbers::Of(frame) => Arg::Number(frame.value(input)),
-                    },
-                },
-                Node::Unary(op, _) if reads_frame(op) => program.push(op, unknown, Arg::Number(0.0), frame),
-                Node::Binary(op, ..) if reads_frame(op) => program.push(op, unknown, unknown, frame),
-                Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
-                Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
-                // Shapes do not read textures.
-                Node::Texture { .. } => Arg::Number(0.0),
-            };
-        }
-        program.roots = self.roots.map(|root| places[root]);
+        let of_point = |node: Node| match node {
+            Node::Input(input) => match input.of_point() {
+                Some(place) if place < program::INPUTS => Arg::Value(place as u32),
+                // A distance does not depend on a normal.
+                _ => Arg::Number(0.0),
+            },
+            // Shapes do not read textures.
+            _ => Arg::Number(0.0),
+        };
+        let places = fold(&mut program, (&self.nodes, self.graph_nodes), (numbers, frame), of_point);
+        program.roots = self.roots.iter().map(|root| places[*root]).collect();
         program
     }
+}
+
+/// Appends nodes, operands first, with the numbers of a frame folded in; gives the value of each node of their graph,
+/// which has so many. `of_point` says which value an input of the point is, or a sample of a texture.
+fn fold(
+    program: &mut Program,
+    (nodes, graph_nodes): (&[(usize, Node)], usize),
+    (numbers, frame): (&Numbers, &FrameInputs),
+    of_point: impl Fn(Node) -> Arg,
+) -> Vec<Arg> {
+    let unknown = Arg::Value(program::PENUMBRA);
+    let reads_frame =
+        |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
+    let mut places = vec![Arg::Number(0.0); graph_nodes];
+    for (index, node) in nodes {
+        places[*index] = match *node {
+            Node::Constant(number) => Arg::Number(number),
+            Node::Input(input) if input.of_point().is_none() => match numbers {
+                Numbers::Unknown => unknown,
+                Numbers::Typical => Arg::Number(TYPICAL),
+                Numbers::Of(frame) => Arg::Number(frame.value(input)),
+            },
+            Node::Input(_) | Node::Texture { .. } => of_point(*node),
+            Node::Unary(op, _) if reads_frame(op) => program.push(op, unknown, Arg::Number(0.0), frame),
+            Node::Binary(op, ..) if reads_frame(op) => program.push(op, unknown, unknown, frame),
+            Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
+            Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
+        };
+    }
+    places
 }
 
 #[cfg(test)]

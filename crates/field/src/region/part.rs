@@ -301,17 +301,17 @@ impl<'a> Part<'a> {
             Arg::Number(number) if (0.0..OBJECT_UNKNOWN as f32).contains(&number) => {
                 (number as u32, self.trunk.whole_object)
             }
-            Arg::Value(_) => (OBJECT_UNKNOWN, self.stored(program, [OBJECT, OBJECT], None)?),
+            Arg::Value(_) => (OBJECT_UNKNOWN, self.stored(program, &[OBJECT, OBJECT], None)?),
             Arg::Number(_) => (OBJECT_UNKNOWN, self.trunk.whole_object),
         };
-        let tape = self.stored(program, [BOUND, ESTIMATE], Some(object_tape))?;
+        let tape = self.stored(program, &[BOUND, ESTIMATE], Some(object_tape))?;
         self.stats.tapes += 1;
         self.stats.clauses += self.encoder.clauses;
         Some(tape | object << 24)
     }
 
     /// The address of a new tape, which stands behind the texel that names the tape of its object.
-    fn stored(&mut self, program: &Program, roots: [usize; 2], object_tape: Option<u32>) -> Option<u32> {
+    fn stored(&mut self, program: &Program, roots: &[usize], object_tape: Option<u32>) -> Option<u32> {
         let before = usize::from(object_tape.is_some());
         let count = self.encoder.encode(program, roots).ok()?.len();
         let at = self.address(before + count)?;

@@ -3,7 +3,7 @@
 pub(super) use crate::graph::Arg;
 use crate::graph::{FrameInputs, Op, Operation, Properties};
 
-/// Values that exist before the first step: x, y, z and the penumbra.
+/// Values of a distance that exist before its first step: x, y, z and the penumbra.
 pub(super) const INPUTS: usize = 4;
 /// The index of the penumbra, the last of them.
 pub(super) const PENUMBRA: u32 = 3;
@@ -67,16 +67,20 @@ pub(super) const BOUND: usize = 0;
 pub(super) const ESTIMATE: usize = 1;
 pub(super) const OBJECT: usize = 2;
 
-/// Steps, each of which reads only what precedes it, and their results: bound, estimate and object.
+/// Steps, each of which reads only what precedes it, and their results: of a distance bound, estimate and object.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Program {
+    /// Values that exist before the first step.
+    pub(super) inputs: usize,
+    /// Those of them that lie in registers at the start; the others are samples of textures.
+    pub(super) in_registers: usize,
     pub(super) steps: Vec<Step>,
-    pub(super) roots: [Arg; 3],
+    pub(super) roots: Vec<Arg>,
 }
 
 impl Default for Program {
     fn default() -> Self {
-        Self { steps: Vec::new(), roots: [Arg::Number(0.0); 3] }
+        Self { inputs: INPUTS, in_registers: INPUTS, steps: Vec::new(), roots: vec![Arg::Number(0.0); 3] }
     }
 }
 
@@ -124,7 +128,7 @@ impl Program {
     #[inline(always)]
     pub(super) fn push_step(&mut self, step: Step) -> Arg {
         self.steps.push(step);
-        Arg::Value((INPUTS + self.steps.len() - 1) as u32)
+        Arg::Value((self.inputs + self.steps.len() - 1) as u32)
     }
 
     /// A number that identifies the program; two programs share it only with a chance of one in 2^64.
@@ -151,12 +155,12 @@ impl Program {
     /// The step that gives a value; `None` for an input.
     #[inline]
     pub(super) fn step(&self, value: u32) -> Option<Step> {
-        self.steps.get((value as usize).checked_sub(INPUTS)?).copied()
+        self.steps.get((value as usize).checked_sub(self.inputs)?).copied()
     }
 
     /// Number of values: the inputs and the results of the steps.
     pub(super) fn values(&self) -> usize {
-        INPUTS + self.steps.len()
+        self.inputs + self.steps.len()
     }
 }
 
@@ -181,7 +185,7 @@ impl Structure {
         refill(&mut self.reader, count, u32::MAX);
         refill(&mut self.may_settle, count, false);
         for (index, step) in program.steps.iter().enumerate() {
-            let at = INPUTS + index;
+            let at = program.inputs + index;
             let (a, b) = (step.a as usize, step.b as usize);
             self.may_settle[at] = settles(step.op) | self.may_settle[a] | self.may_settle[b];
             // A minimum or maximum of a value with itself must not count as a second reader.
@@ -190,20 +194,20 @@ impl Structure {
             self.reader[a] = at as u32;
             self.reader[b] = at as u32;
         }
-        for root in program.roots {
+        for root in &program.roots {
             if let Arg::Value(value) = root {
-                self.uses[value as usize] = u8::MAX;
+                self.uses[*value as usize] = u8::MAX;
             }
         }
         self.outermost.clear();
         self.outermost.extend(0..count as u32);
         for (index, step) in program.steps.iter().enumerate().rev() {
-            let at = INPUTS + index;
+            let at = program.inputs + index;
             if !matches!(step.op, Op::Min | Op::Max) || self.uses[at] != 1 {
                 continue;
             }
             let reader = self.reader[at] as usize;
-            if program.steps.get(reader - INPUTS).is_some_and(|reader| reader.op == step.op) {
+            if program.steps.get(reader - program.inputs).is_some_and(|reader| reader.op == step.op) {
                 self.outermost[at] = self.outermost[reader];
             }
         }

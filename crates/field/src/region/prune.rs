@@ -8,7 +8,7 @@
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, mask};
-use super::program::{Arg, BOUND, ESTIMATE, Form, INPUTS, OBJECT, Program, Step, Structure, refill};
+use super::program::{Arg, BOUND, ESTIMATE, Form, OBJECT, Program, Step, Structure, refill};
 use crate::graph::{FrameInputs, Op};
 
 /// The decisions about a value, as masks of cells.
@@ -28,6 +28,8 @@ struct Decided {
 #[derive(Debug, Default)]
 pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
+    /// [`Program::inputs`].
+    inputs: usize,
     /// The steps that some cell needs, last first.
     needed: Vec<u32>,
     /// Those needed steps about which something was decided in some cell.
@@ -110,7 +112,19 @@ impl ChoiceTrace {
         together: &[u64],
     ) {
         let roots = [(BOUND, need), (ESTIMATE, need), (OBJECT, need_object)];
-        decide(self, program, structure, rows, roots, together);
+        decide(self, program, structure, rows, &roots, together);
+    }
+
+    /// The same for a program of which all results are needed in all cells.
+    pub(super) fn decide_all(
+        &mut self,
+        program: &Program,
+        structure: &Structure,
+        rows: &[Lanes],
+        together: &[u64],
+    ) {
+        let roots: Vec<(usize, u64)> = (0..program.roots.len()).map(|root| (root, u64::MAX)).collect();
+        decide(self, program, structure, rows, &roots, together);
     }
 
     /// The cells, grouped by equal decisions.
@@ -118,7 +132,7 @@ impl ChoiceTrace {
         groups.clear();
         groups.extend(cells.iter().copied().filter(|cells| *cells != 0));
         for index in self.settled.iter().rev() {
-            let at = INPUTS + *index as usize;
+            let at = self.inputs + *index as usize;
             let Decided { number, left, right, .. } = self.values[at];
             for decided in [left, right] {
                 if decided != 0 {
@@ -144,12 +158,13 @@ impl ChoiceTrace {
     ) {
         let cell = (group.trailing_zeros() as usize).min(63);
         let bit = 1u64 << cell;
+        (short.inputs, short.in_registers) = (program.inputs, program.in_registers);
         short.steps.clear();
         short.steps.reserve(self.needed.len());
         if places.len() < program.values() {
             places.resize(program.values(), Arg::Number(0.0));
         }
-        for (input, moved) in places.iter_mut().enumerate().take(INPUTS) {
+        for (input, moved) in places.iter_mut().enumerate().take(program.inputs) {
             *moved = Arg::Value(input as u32);
         }
         let moved = |args: &[Arg], arg: Arg| match arg {
@@ -157,7 +172,7 @@ impl ChoiceTrace {
             number => number,
         };
         for index in self.needed.iter().rev() {
-            let at = INPUTS + *index as usize;
+            let at = program.inputs + *index as usize;
             let Decided { live, number, left, right } = self.values[at];
             if live & bit == 0 {
                 continue;
@@ -182,9 +197,10 @@ impl ChoiceTrace {
                 moved(places, step.second())
             };
         }
-        short.roots = program.roots.map(|root| moved(places, root));
-        if !with_object {
-            short.roots[OBJECT] = Arg::Number(f32::NAN);
+        short.roots.clear();
+        short.roots.extend(program.roots.iter().map(|root| moved(places, *root)));
+        if let Some(object) = short.roots.get_mut(OBJECT).filter(|_| !with_object) {
+            *object = Arg::Number(f32::NAN);
         }
     }
 }
@@ -196,20 +212,21 @@ fn decide(
     program: &Program,
     structure: &Structure,
     rows: &[Lanes],
-    roots: [(usize, u64); 3],
+    roots: &[(usize, u64)],
     together: &[u64],
 ) {
     refill(&mut decisions.values, program.values(), Decided::default());
+    decisions.inputs = program.inputs;
     decisions.needed.clear();
     decisions.settled.clear();
     let values = &mut decisions.values[..];
-    for (root, cells) in roots {
+    for &(root, cells) in roots {
         if let Arg::Value(value) = program.roots[root] {
             values[value as usize].live |= cells;
         }
     }
     for (index, step) in program.steps.iter().enumerate().rev() {
-        let at = INPUTS + index;
+        let at = program.inputs + index;
         let live = values[at].live;
         if live == 0 {
             continue;

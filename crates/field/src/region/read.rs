@@ -60,45 +60,8 @@ impl Regions {
     /// Runs a tape at a point with a penumbra: gives bound and estimate, or the object twice.
     pub fn run(&self, tape: u32, point: [f32; 3], penumbra: f32, frame: &FrameInputs) -> [f32; 2] {
         let mut registers = [0.0f32; 256];
-        let inputs = [point[0], point[1], point[2], penumbra];
-        registers[..4].copy_from_slice(&inputs);
-        for texel in self.texels.get(tape as usize..).unwrap_or(&[]) {
-            for [word, immediate] in texel.as_chunks::<2>().0 {
-                let immediate = f32::from_bits(*immediate);
-                let [number, output, a, b] = word.to_le_bytes();
-                if let Some(compound) = Compound::from_number(number) {
-                    let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
-                    registers[usize::from(output)] = compound.value(a, b, immediate, frame);
-                    continue;
-                }
-                let Some(instruction) = Clause::from_word(*word).decode() else { continue };
-                let of = |registers: &[f32; 256], operand: Operand| match operand {
-                    Operand::Register(register) => registers[usize::from(register)],
-                    Operand::Immediate(_) => immediate,
-                };
-                match instruction {
-                    Instruction::Unary { op, output, a } => {
-                        registers[usize::from(output)] = op.value(registers[usize::from(a)], 0.0, frame);
-                    }
-                    Instruction::Binary { op, output, a, b } => {
-                        registers[usize::from(output)] =
-                            op.value(of(&registers, a), of(&registers, b), frame);
-                    }
-                    Instruction::Load { output, .. } => registers[usize::from(output)] = immediate,
-                    Instruction::Input { output, place } => {
-                        debug_assert!(usize::from(place) < Input::OF_POINT.len());
-                        registers[usize::from(output)] =
-                            inputs.get(usize::from(place)).copied().unwrap_or(0.0);
-                    }
-                    _ => {}
-                }
-            }
-            if texel[2] & 255 == u32::from(opcode::END) {
-                let [_, _, first, second] = texel[2].to_le_bytes();
-                return [first, second].map(|register| registers[usize::from(register)] + 0.0);
-            }
-        }
-        [0.0; 2]
+        registers[..4].copy_from_slice(&[point[0], point[1], point[2], penumbra]);
+        run_texels(self.texels.get(tape as usize..).unwrap_or(&[]), &mut registers, &[], frame)
     }
 
     /// Bound and estimate at a point, by its cell's tape.
@@ -118,4 +81,54 @@ impl Regions {
             tape.checked_sub(1).and_then(|head| self.texels.get(head)).map_or(0, |head| head[0]);
         self.run(object_tape, point, 0.0, frame)[0] as u32
     }
+}
+
+/// Runs a tape whose inputs are in the registers, with samples of textures, four channels each; gives its first two
+/// results. The others are in their registers.
+pub(crate) fn run_texels(
+    texels: &[[u32; 4]],
+    registers: &mut [f32; 256],
+    samples: &[f32],
+    frame: &FrameInputs,
+) -> [f32; 2] {
+    let inputs: [f32; 6] = std::array::from_fn(|place| registers[place]);
+    for texel in texels {
+        for [word, immediate] in texel.as_chunks::<2>().0 {
+            let immediate = f32::from_bits(*immediate);
+            let [number, output, a, b] = word.to_le_bytes();
+            if let Some(compound) = Compound::from_number(number) {
+                let [a, b] = [a, b].map(|register| registers[usize::from(register)]);
+                registers[usize::from(output)] = compound.value(a, b, immediate, frame);
+                continue;
+            }
+            let Some(instruction) = Clause::from_word(*word).decode() else { continue };
+            let of = |registers: &[f32; 256], operand: Operand| match operand {
+                Operand::Register(register) => registers[usize::from(register)],
+                Operand::Immediate(_) => immediate,
+            };
+            match instruction {
+                Instruction::Unary { op, output, a } => {
+                    registers[usize::from(output)] = op.value(registers[usize::from(a)], 0.0, frame);
+                }
+                Instruction::Binary { op, output, a, b } => {
+                    registers[usize::from(output)] = op.value(of(registers, a), of(registers, b), frame);
+                }
+                Instruction::Load { output, .. } => registers[usize::from(output)] = immediate,
+                Instruction::Texture { output, .. } => {
+                    let sampled = samples.get(immediate.to_bits() as usize);
+                    registers[usize::from(output)] = sampled.copied().unwrap_or(0.0);
+                }
+                Instruction::Input { output, place } => {
+                    debug_assert!(usize::from(place) < Input::OF_POINT.len());
+                    registers[usize::from(output)] = inputs.get(usize::from(place)).copied().unwrap_or(0.0);
+                }
+                _ => {}
+            }
+        }
+        if texel[2] & 255 == u32::from(opcode::END) {
+            let [_, _, first, second] = texel[2].to_le_bytes();
+            return [first, second].map(|register| registers[usize::from(register)] + 0.0);
+        }
+    }
+    [0.0; 2]
 }

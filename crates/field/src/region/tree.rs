@@ -207,11 +207,11 @@ impl Trunk<'_> {
     fn write_whole(&mut self) {
         let mut encoder = self.encoder();
         // A program that needs too many values at once has no tape here; the plan has reported it.
-        if let Ok(texels) = encoder.encode(&self.program, [OBJECT, OBJECT]) {
+        if let Ok(texels) = encoder.encode(&self.program, &[OBJECT, OBJECT]) {
             self.whole_object = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);
         }
-        if let Ok(texels) = encoder.encode(&self.program, [BOUND, ESTIMATE]) {
+        if let Ok(texels) = encoder.encode(&self.program, &[BOUND, ESTIMATE]) {
             self.texels.push([self.whole_object, 0, 0, 0]);
             self.whole_tape = self.texels.len() as u32;
             self.texels.extend_from_slice(texels);

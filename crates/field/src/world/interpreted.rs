@@ -2,8 +2,11 @@
 //!
 //! | texel | holds |
 //! |---|---|
-//! | 0 | where the programs of the sky, the ambient light and the glow begin |
-//! | 1.. | where the material of each object begins, four objects a texel |
+//! | 0 | where the grids of the sky, the ambient light and the glow begin |
+//! | 1.. | where the grid of each object's material begins, four objects a texel |
+//! | a grid | its lower corner, the number of its last cell along each axis (7, or 0 for a single cell) |
+//! | | cells per unit of length along each axis, 0 |
+//! | | where the program of each cell begins, four cells a texel, x first |
 //! | a program | a header: the registers of up to 12 outputs, a byte each; how many textures it samples |
 //! | | a texel for each of those: the number of the picture, the first texel of the tape of its coordinates |
 //! | | its tape |
@@ -12,11 +15,16 @@
 //! The tapes are those of [`crate::tape::interpreter`] with a frame's numbers filled in. Distances and objects are
 //! computed by the tapes of regions.
 //!
+//! **A program's cells** run what they need of it (`region::surface`): cells that need the same share a program. The
+//! coordinates of textures are those of the whole program.
+//!
 //! **Textures** are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
 //! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
 
-use super::{World, WorldError};
+use super::{Bounds, World, WorldError};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
+use crate::region::Surfaces;
+use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, Shortener, SurfacePlan};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
@@ -30,6 +38,8 @@ pub struct TapeBuffers {
     programs: Vec<Program>,
     /// The program of each object's material.
     of_objects: Vec<usize>,
+    /// Bounds of the surfaces at any sound and time, if they are known.
+    bounds: Option<Bounds>,
     /// The interpreter that runs all programs, on a GPU.
     pub variant: Variant,
     /// The same for a renderer that never skips a branch.
@@ -44,7 +54,33 @@ struct Program {
     tape: Tape,
     /// The number of the texture, and the tape of its coordinates u and v.
     textures: Vec<(u16, Tape)>,
+    /// What shortens the tape.
+    plan: SurfacePlan,
 }
+
+/// How the programs of a frame are written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceOptions<'a> {
+    /// Whether programs are shortened for the places where they run; if not, the whole ones serve everywhere.
+    pub cells: bool,
+    /// Most texels, as far as the whole programs leave room: what the driver reports for a texture buffer.
+    pub texels_max: usize,
+    /// Where the eye is: in a scene without bounds, the middle of the cells.
+    pub eye: [f32; 3],
+    /// Where surfaces are, if that is known: only there are programs shortened.
+    pub surfaces: Option<Surfaces<'a>>,
+}
+
+impl Default for SurfaceOptions<'_> {
+    fn default() -> Self {
+        Self { cells: true, texels_max: 1 << 16, eye: [0.0; 3], surfaces: None }
+    }
+}
+
+/// Most texels of a frame's shortened programs: they are uploaded for each frame.
+const SHORTENED_TEXELS_MAX: usize = 1 << 15;
+/// How far cells reach around the eye in a scene without bounds.
+const AROUND_EYE: f32 = 12.0;
 
 /// Number of clauses of the programs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -58,16 +94,17 @@ pub struct Cost {
 }
 
 impl Program {
-    fn build(graph: &Graph, roots: &[NodeId]) -> Result<Self, TapeError> {
+    fn build(graph: &Graph, roots: &[NodeId], over: Over) -> Result<Self, TapeError> {
         let (graph, roots, textures) = without_coordinates(graph, roots)?;
         let mut read: Vec<NodeId> =
             roots.iter().chain(textures.iter().flat_map(|(_, place)| place)).copied().collect();
         let graph = graph.fused(&mut read)?;
         let (roots, places) = read.split_at(roots.len());
         let tape = |roots: &[NodeId]| Tape::build(&graph, roots, &TapeOptions::default());
+        let plan = SurfacePlan::new(&graph, roots, textures.len(), over)?;
         let textures = textures.iter().zip(places.as_chunks::<2>().0);
         let textures = textures.map(|((picture, _), place)| Ok((*picture, tape(place)?)));
-        Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(roots)? })
+        Ok(Self { textures: textures.collect::<Result<_, TapeError>>()?, tape: tape(roots)?, plan })
     }
 
     fn tapes(&self) -> impl Iterator<Item = &Tape> + Clone {
@@ -78,15 +115,30 @@ impl Program {
         self.tapes().map(|tape| tape.clauses().len()).sum()
     }
 
-    /// Appends the program with a frame's numbers.
-    fn append(&self, inputs: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
+    /// The header of a tape that gives the program's results in these registers.
+    fn head(registers: &[u8], textures: usize) -> [u32; 4] {
         let mut outputs = [0; 12];
-        for (byte, register) in outputs.iter_mut().zip(self.tape.outputs()) {
+        for (byte, register) in outputs.iter_mut().zip(registers) {
             *byte = *register;
         }
         let four =
             |place: usize| outputs[place..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
-        texels.push([four(0), four(4), four(8), self.textures.len() as u32]);
+        [four(0), four(4), four(8), textures as u32]
+    }
+
+    /// Appends a shortened tape of the program, the whole of which begins at `whole`; gives its start.
+    fn append_short(&self, short: &ShortTape, whole: usize, texels: &mut Vec<[u32; 4]>) -> u32 {
+        let start = texels.len() as u32;
+        let textures = if short.samples { self.textures.len() } else { 0 };
+        texels.push(Self::head(&short.outputs, textures));
+        texels.extend_from_within(whole + 1..whole + 1 + textures);
+        texels.extend_from_slice(&short.texels);
+        start
+    }
+
+    /// Appends the program with a frame's numbers.
+    fn append(&self, inputs: &FrameInputs, compounds: Compounds, texels: &mut Vec<[u32; 4]>) {
+        texels.push(Self::head(self.tape.outputs(), self.textures.len()));
         let heads = texels.len();
         texels.resize(heads + self.textures.len(), [0; 4]);
         let mut numbers = Vec::new();
@@ -141,16 +193,28 @@ fn without_coordinates(
 
 impl TapeBuffers {
     /// The texels that the interpreter reads in a frame.
-    pub fn texels(&self, inputs: &FrameInputs) -> Vec<[u32; 4]> {
+    pub fn texels(&self, inputs: &FrameInputs, options: &SurfaceOptions) -> Vec<[u32; 4]> {
         let heads = 1 + self.of_objects.len().div_ceil(4);
         let mut texels = vec![[0; 4]; heads];
+        let room = options.texels_max.saturating_sub(self.texels_max()).min(SHORTENED_TEXELS_MAX);
+        let bounds = self.bounds.unwrap_or_else(|| Bounds::around(options.eye, AROUND_EYE));
+        let grid = Grid::of_box(bounds.low, bounds.high);
+        let limits = (self.variant.compounds, self.variant.registers);
+        let mut shortener = Shortener::new(inputs, grid, options.surfaces, limits, room);
         let starts: Vec<u32> = self
             .programs
             .iter()
             .map(|program| {
-                let start = texels.len() as u32;
+                let whole = texels.len();
                 program.append(inputs, self.variant.compounds, &mut texels);
-                start
+                let short = if options.cells {
+                    shortener.shorten(&program.plan, texels.len() - whole)
+                } else {
+                    ShortTapes::default()
+                };
+                let append = |tape| program.append_short(tape, whole, &mut texels);
+                let starts: Vec<u32> = short.tapes.iter().map(append).collect();
+                append_grid(&short, whole as u32, &starts, &mut texels)
             })
             .collect();
         let start = |program: usize| starts.get(program).copied().unwrap_or(0);
@@ -162,14 +226,31 @@ impl TapeBuffers {
         texels
     }
 
-    /// The most texels that a frame needs.
+    /// The most texels that a frame needs without shortened programs.
     pub fn texels_max(&self) -> usize {
         let of_programs = self
             .programs
             .iter()
-            .map(|program| 1 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>());
+            .map(|program| 4 + program.textures.len() + program.tapes().map(Tape::texels_max).sum::<usize>());
         1 + self.of_objects.len().div_ceil(4) + of_programs.sum::<usize>()
     }
+}
+
+/// Appends the grid of a program, whose whole tape begins at `whole` and whose shortened ones at `starts`; gives its
+/// start.
+fn append_grid(short: &ShortTapes, whole: u32, starts: &[u32], texels: &mut Vec<[u32; 4]>) -> u32 {
+    let start = texels.len() as u32;
+    let [x, y, z] = short.grid.low.map(f32::to_bits);
+    let of = |tape: &Option<usize>| tape.and_then(|tape| starts.get(tape)).copied().unwrap_or(whole);
+    let cells: Vec<u32> = short.cells.iter().map(of).collect();
+    if starts.is_empty() {
+        texels.extend([[0; 4], [0; 4], [whole; 4]]);
+    } else {
+        let [per_x, per_y, per_z] = short.grid.scale.map(f32::to_bits);
+        texels.extend([[x, y, z, SIDE as u32 - 1], [per_x, per_y, per_z, 0]]);
+        texels.extend_from_slice(cells.as_chunks::<4>().0);
+    }
+    start
 }
 
 impl World {
@@ -179,13 +260,18 @@ impl World {
     /// A tape that exceeds the limits.
     pub fn tape_buffers(&self) -> Result<TapeBuffers, WorldError> {
         let failed = |source| WorldError::Tape { scene: self.name.clone(), source };
-        let program = |roots: &[NodeId]| Program::build(&self.graph, roots).map_err(failed);
+        let program =
+            |(roots, over): (&[NodeId], Over)| Program::build(&self.graph, roots, over).map_err(failed);
         let tape =
             |roots: &[NodeId]| Tape::build(&self.graph, roots, &TapeOptions::default()).map_err(failed);
-        let of_light = [&self.roots.sky[..], &self.roots.ambient, &self.roots.glow];
+        let of_light = [
+            (&self.roots.sky[..], Over::Directions),
+            (&self.roots.ambient, Over::Directions),
+            (&self.roots.glow, Over::Points),
+        ];
         let mut programs = of_light.into_iter().map(program).collect::<Result<Vec<_>, _>>()?;
         for roots in &self.roots.materials {
-            programs.push(program(roots)?);
+            programs.push(program((roots, Over::Points))?);
         }
         let of_objects =
             self.scene.objects.iter().map(|object| PROGRAMS_OF_LIGHT + object.material).collect();
@@ -203,9 +289,20 @@ impl World {
                 Variant { textures: self.pictures.len(), compounds, ..variant }
             })
         };
-        Ok(TapeBuffers { variant: on_gpu, software_variant: on_processor, programs, of_objects, cost })
+        Ok(TapeBuffers {
+            variant: on_gpu,
+            software_variant: on_processor,
+            programs,
+            of_objects,
+            bounds: self.bounds,
+            cost,
+        })
     }
 }
+
+#[cfg(test)]
+#[path = "shortened_tests.rs"]
+mod shortened_tests;
 
 #[cfg(test)]
 mod tests {
@@ -222,18 +319,19 @@ mod tests {
         let inputs = FrameInputs::default();
         let buffers = world.tape_buffers().unwrap();
         let compounds = buffers.variant.compounds;
-        let texels = buffers.texels(&inputs);
+        let texels = buffers.texels(&inputs, &SurfaceOptions { cells: false, ..Default::default() });
         let directory = [texels[0], texels[1]];
         assert_eq!(directory[1][0], directory[1][2], "the first and the third object are of one material");
-        for (program, roots) in [
+        for (grid, roots) in [
             (directory[0][0], &world.roots.sky[..]),
             (directory[0][1], &world.roots.ambient),
             (directory[0][2], &world.roots.glow),
             (directory[1][0], &world.roots.materials[0]),
             (directory[1][1], &world.roots.materials[1]),
         ] {
+            let program = texels[grid as usize + 2][0];
             let mut alone = Vec::new();
-            Program::build(&world.graph, roots).unwrap().append(&inputs, compounds, &mut alone);
+            Program::build(&world.graph, roots, Over::Points).unwrap().append(&inputs, compounds, &mut alone);
             assert_eq!(texels[program as usize..][..alone.len()], alone);
         }
         assert!(texels.len() <= world.tape_buffers().unwrap().texels_max());
@@ -246,7 +344,7 @@ mod tests {
         let first = [0, 1].map(|channel| graph.texture(3, channel, x, y));
         let nested = graph.texture(1, 2, first[0], x);
         let sum = graph.add(first[1], nested);
-        let program = Program::build(&graph, &[sum]).unwrap();
+        let program = Program::build(&graph, &[sum], Over::Points).unwrap();
         let pictures: Vec<u16> = program.textures.iter().map(|(picture, _)| *picture).collect();
         assert_eq!(pictures, [3, 1]);
         let mut texels = Vec::new();

@@ -23,7 +23,7 @@ mod validate;
 pub use bounds::Bounds;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
-pub use interpreted::{Cost, TapeBuffers};
+pub use interpreted::{Cost, SurfaceOptions, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
 pub use traits::SceneFeatures;
 // What lights and pictures are made of is part of a scene.

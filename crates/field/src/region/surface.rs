@@ -1,0 +1,429 @@
+//! Programs of materials and light, shortened for the places where they run.
+//!
+//! A program's own grid of 8x8x8 cells says which tape runs at a point or, for the sky, in a direction. The outermost
+//! cells reach as far as anything is drawn, so every point has a cell. As in the tree of distances, intervals of a
+//! frame's values decide what a cell does not need, and cells that need the same share a tape, and so do the
+//! eight cells of a block unless some of them need much less than the block. In its cell a shortened tape gives the same bits as the whole
+//! one.
+//!
+//! Cells in which no surface may be seen keep the whole tape, so that no time is spent on them: the tree of distances
+//! and the planes say where surfaces are ([`Surfaces`]).
+
+use std::collections::HashMap;
+
+use super::encode::{Encoder, Texel};
+use super::lanes::{CELLS, Lanes, bound, mask};
+use super::program::{Arg, Program, Structure};
+use super::prune::{ChoiceTrace, Scratch};
+use super::tree::{cells_of, place_in};
+use super::{DIVIDED, Numbers, ROOT_SIDE, Regions, fold};
+use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, Node, NodeId};
+
+/// Cells of a grid along each axis.
+pub(crate) const SIDE: usize = 8;
+/// Values that exist before the first step: the point and the normal.
+const OF_POINT: usize = Input::OF_POINT.len();
+/// Nothing is drawn farther away than this.
+const FARTHEST: f32 = 1e7;
+/// Cells overlap by this share of their distance from the origin and their size, because shaders round differently.
+const OVERLAP: f32 = 1e-5;
+/// Components of normals and directions are at most this large, however they are rounded.
+const NORMAL_MAX: f32 = 1.001;
+/// What a texture gives lies between these numbers.
+const SAMPLED: Interval = Interval { lo: 0.0, hi: 1.0 };
+/// Texels of a grid beyond those of a single cell.
+const GRID_TEXELS: usize = SIDE * SIDE * SIDE / 4 - 1;
+/// Programs up to this length are the same everywhere.
+const WHOLE_MAX: usize = 24;
+/// Nodes of all programs of a frame that are shortened, at most: about 20 to 40 ms. Longer programs stay whole.
+const NODES_MAX: usize = 4096;
+/// A cell has a tape of its own where that has at most this share of the clauses of its block's.
+const OWN_SHARE: f32 = 0.75;
+/// Texels of a shortened tape, at most, as a share of those of the whole one.
+const SHORTER_SHARE: f32 = 0.9;
+
+/// What a program's grid divides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Over {
+    /// Space.
+    Points,
+    /// The directions in which the sky is seen; the point is the origin.
+    Directions,
+}
+
+/// A grid: the cell of a point, or of a direction, is the part of `(point - low) * scale` before the point, but at
+/// least 0 and at most [`SIDE`] - 1 along each axis.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Grid {
+    pub(crate) low: [f32; 3],
+    /// Cells per unit of length; 0 for a grid of one cell.
+    pub(crate) scale: [f32; 3],
+}
+
+impl Grid {
+    /// The grid whose cells would be as large as each other if the outermost did not reach farther than the box.
+    pub(crate) fn of_box(low: [f32; 3], high: [f32; 3]) -> Self {
+        let size = |axis: usize| (high[axis] - low[axis]).max(1e-3);
+        Self { low, scale: std::array::from_fn(|axis| SIDE as f32 / size(axis)) }
+    }
+
+    /// The number of a point's cell, as the shaders find it.
+    #[cfg(test)]
+    pub(crate) fn cell_of(&self, point: [f32; 3]) -> usize {
+        (0..3).rev().fold(0, |cell, axis| {
+            let place = (point[axis] - self.low[axis]) * self.scale[axis];
+            cell * SIDE + place.clamp(0.0, (SIDE - 1) as f32) as usize
+        })
+    }
+
+    /// Whether any vector of length 1 may lie in a cell of the grid over directions.
+    fn may_hold_a_direction(&self, cell: [usize; 3]) -> bool {
+        let (mut nearest, mut farthest) = (0.0, 0.0);
+        for (axis, place) in cell.into_iter().enumerate() {
+            let side = self.span(axis, place, place + 1, NORMAL_MAX);
+            let (low, high) = (side.lo.abs().min(side.hi.abs()), side.lo.abs().max(side.hi.abs()));
+            nearest += low * low;
+            farthest += high * high;
+        }
+        nearest <= NORMAL_MAX && farthest >= 2.0 - NORMAL_MAX
+    }
+
+    /// What the cells `first..end` along an axis span, and a little more.
+    fn span(&self, axis: usize, first: usize, end: usize, farthest: f32) -> Interval {
+        let face = |number: usize| self.low[axis] + number as f32 / self.scale[axis];
+        let around = OVERLAP * face(0).abs().max(face(SIDE).abs()).max(face(SIDE) - face(0));
+        Interval {
+            lo: if first == 0 { -farthest } else { face(first) - around },
+            hi: if end == SIDE { farthest } else { face(end) + around },
+        }
+    }
+}
+
+/// Where surfaces are in a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surfaces<'a> {
+    /// The tree of the distances; without cells it excludes nothing.
+    pub regions: &'a Regions,
+    /// The planes: `[a, b, c, d]` of `a*x + b*y + c*z + d`.
+    pub planes: &'a [[f32; 4]],
+    /// Programs are also asked this far from surfaces.
+    pub around: f32,
+}
+
+impl Surfaces<'_> {
+    /// Whether a program may be asked in a box.
+    fn may_meet(&self, sides: [Interval; 3]) -> bool {
+        let sides = sides.map(|side| Interval { lo: side.lo - self.around, hi: side.hi + self.around });
+        let meets = |[a, b, c, d]: &[f32; 4]| {
+            let (mut low, mut high) = (*d, *d);
+            for (factor, side) in [a, b, c].into_iter().zip(sides) {
+                low += (factor * side.lo).min(factor * side.hi);
+                high += (factor * side.lo).max(factor * side.hi);
+            }
+            !(low > 0.0 || high < 0.0)
+        };
+        self.planes.iter().any(meets) || self.regions.may_hold_a_surface(sides)
+    }
+}
+
+impl Regions {
+    /// Whether a surface may lie in a box, as far as the root's cells tell.
+    fn may_hold_a_surface(&self, sides: [Interval; 3]) -> bool {
+        let last = ROOT_SIDE as f32 - 1.0;
+        let place = |axis: usize, at: f32| (at - self.low[axis]) / self.size[axis] * ROOT_SIDE as f32;
+        let [low, high] = [0, 1].map(|end| {
+            let end = |side: Interval| if end == 0 { side.lo } else { side.hi };
+            std::array::from_fn::<f32, 3, _>(|axis| place(axis, end(sides[axis])))
+        });
+        let outside = (0..3).any(|axis| low[axis] < 0.0 || high[axis] > last + 1.0);
+        if self.size[0] <= 0.0 || outside && self.bounds.is_none() {
+            return true;
+        }
+        if (0..3).any(|axis| high[axis] < 0.0 || low[axis] > last + 1.0) {
+            return false;
+        }
+        let along = |axis: usize| low[axis].clamp(0.0, last) as usize..=high[axis].clamp(0.0, last) as usize;
+        let holds = |cell: usize| {
+            self.texels.get(cell).is_none_or(|[bound, ..]| *bound == DIVIDED || f32::from_bits(*bound) <= 0.0)
+        };
+        along(2).any(|z| along(1).any(|y| along(0).any(|x| holds(x + ROOT_SIDE * (y + ROOT_SIDE * z)))))
+    }
+}
+
+/// A program that can be shortened.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct SurfacePlan {
+    nodes: Vec<(usize, Node)>,
+    graph_nodes: usize,
+    roots: Vec<usize>,
+    textures: usize,
+    over: Over,
+}
+
+/// A shortened tape.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ShortTape {
+    /// The registers of the results.
+    pub(crate) outputs: Vec<u8>,
+    /// The clauses, with END.
+    pub(crate) texels: Vec<Texel>,
+    /// Whether it reads any texture.
+    pub(crate) samples: bool,
+}
+
+/// The tapes of a program in a frame.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct ShortTapes {
+    pub(crate) grid: Grid,
+    /// The tape of each cell; `None` where the whole one runs. Empty if that is so everywhere.
+    pub(crate) cells: Vec<Option<usize>>,
+    pub(crate) tapes: Vec<ShortTape>,
+}
+
+impl SurfacePlan {
+    /// The plan of a graph's roots, where textures have no coordinates: they are sampled before.
+    ///
+    /// # Errors
+    /// Those of [`Graph::check`].
+    pub(crate) fn new(
+        graph: &Graph,
+        roots: &[NodeId],
+        textures: usize,
+        over: Over,
+    ) -> Result<Self, GraphError> {
+        let order = graph.order(roots)?;
+        Ok(Self {
+            nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
+            graph_nodes: graph.len(),
+            roots: roots.iter().map(|root| root.index()).collect(),
+            textures,
+            over,
+        })
+    }
+
+    /// The program with a frame's numbers.
+    fn folded(&self, frame: &FrameInputs) -> Program {
+        let mut program = Program {
+            inputs: OF_POINT + 4 * self.textures,
+            in_registers: OF_POINT,
+            steps: Vec::with_capacity(self.nodes.len()),
+            roots: Vec::new(),
+        };
+        let of_point = |node: Node| match node {
+            Node::Input(input) => input.of_point().map_or(Arg::Number(0.0), |place| Arg::Value(place as u32)),
+            Node::Texture { texture, channel, .. } => {
+                Arg::Value(OF_POINT as u32 + 4 * u32::from(texture) + u32::from(channel))
+            }
+            _ => Arg::Number(0.0),
+        };
+        let nodes = (&self.nodes[..], self.graph_nodes);
+        let places = fold(&mut program, nodes, (&Numbers::Of(frame), frame), of_point);
+        program.roots = self.roots.iter().map(|root| places[*root]).collect();
+        program
+    }
+}
+
+/// Shortens the programs of a frame, one after the other.
+#[derive(Debug)]
+pub(crate) struct Shortener<'a> {
+    frame: &'a FrameInputs,
+    /// The grid over space.
+    grid: Grid,
+    /// By cell of that grid: whether programs may be asked in it.
+    asked: Vec<bool>,
+    /// Most registers of a tape.
+    registers: usize,
+    /// Texels there is room for.
+    room: usize,
+    /// Nodes of programs there is time for.
+    nodes: usize,
+    encoder: Encoder,
+    rows: Vec<Lanes>,
+    decisions: ChoiceTrace,
+    scratch: Scratch,
+    structure: Structure,
+}
+
+impl<'a> Shortener<'a> {
+    /// For an interpreter with these compounds and so many registers.
+    pub(crate) fn new(
+        frame: &'a FrameInputs,
+        grid: Grid,
+        surfaces: Option<Surfaces>,
+        (compounds, registers): (Compounds, usize),
+        room: usize,
+    ) -> Self {
+        let may_meet = |cell: usize| {
+            let place = [cell % SIDE, cell / SIDE % SIDE, cell / (SIDE * SIDE)];
+            let sides = std::array::from_fn(|axis| grid.span(axis, place[axis], place[axis] + 1, FARTHEST));
+            surfaces.is_none_or(|surfaces| surfaces.may_meet(sides))
+        };
+        Self {
+            frame,
+            grid,
+            asked: (0..SIDE.pow(3)).map(may_meet).collect(),
+            registers,
+            room,
+            nodes: NODES_MAX,
+            encoder: Encoder::new(compounds, registers),
+            rows: Vec::new(),
+            decisions: ChoiceTrace::default(),
+            scratch: Scratch::default(),
+            structure: Structure::default(),
+        }
+    }
+
+    /// The tapes of a program whose whole tape has `whole` texels, its header included.
+    pub(crate) fn shorten(&mut self, plan: &SurfacePlan, whole: usize) -> ShortTapes {
+        let grid = match plan.over {
+            Over::Points => self.grid,
+            Over::Directions => Grid::of_box([-1.0; 3], [1.0; 3]),
+        };
+        let mut short = ShortTapes { grid, ..ShortTapes::default() };
+        let Some(nodes) = self.nodes.checked_sub(plan.nodes.len()) else { return short };
+        let Some(room) = self.room.checked_sub(GRID_TEXELS) else { return short };
+        let program = plan.folded(self.frame);
+        if program.steps.len() <= WHOLE_MAX {
+            return short;
+        }
+        (self.nodes, self.room) = (nodes, room);
+        self.structure.look_at(&program);
+        let is_asked = |cell: &[usize; 3]| match plan.over {
+            Over::Points => self.asked[number_of(*cell)],
+            Over::Directions => grid.may_hold_a_direction(*cell),
+        };
+        let cells: Vec<[usize; 3]> = blocks().flatten().filter(is_asked).collect();
+        let mut known = HashMap::new();
+        short.cells.resize(SIDE.pow(3), None);
+        for cells in cells.chunks(CELLS) {
+            // Where there are fewer, the last one is repeated.
+            let at = |lane: usize| cells.get(lane).or(cells.last()).copied().unwrap_or_default();
+            let lanes: [[usize; 3]; CELLS] = std::array::from_fn(at);
+            self.bound(&program, plan, grid, &lanes);
+            let tapes = self.tapes(&program, &lanes, whole, &mut known, &mut short.tapes);
+            for (cell, tape) in lanes.iter().zip(tapes) {
+                short.cells[number_of(*cell)] = tape;
+            }
+        }
+        short
+    }
+
+    /// Bounds a program's values in 64 cells.
+    fn bound(&mut self, program: &Program, plan: &SurfacePlan, grid: Grid, cells: &[[usize; 3]; CELLS]) {
+        let nothing = Lanes::splat(Interval::point(0.0));
+        self.rows.resize(self.rows.len().max(program.inputs), nothing);
+        let (divided, other) = match plan.over {
+            Over::Points => ((0, FARTHEST), (3, Interval { lo: -NORMAL_MAX, hi: NORMAL_MAX })),
+            Over::Directions => ((3, NORMAL_MAX), (0, Interval::point(0.0))),
+        };
+        for axis in 0..3 {
+            let row = &mut self.rows[divided.0 + axis];
+            for (lane, cell) in cells.iter().enumerate() {
+                let span = grid.span(axis, cell[axis], cell[axis] + 1, divided.1);
+                (row.lo[lane], row.hi[lane]) = (span.lo, span.hi);
+            }
+            self.rows[other.0 + axis] = Lanes::splat(other.1);
+        }
+        for row in &mut self.rows[OF_POINT..program.inputs] {
+            *row = Lanes::splat(SAMPLED);
+        }
+        bound(program, &mut self.rows, self.frame);
+    }
+
+    /// The tapes of 64 cells in which the program's values are bounded. A cell has a tape of its own where that is much
+    /// shorter than the one that it would share with its block: tapes that hardly differ would cost more than they save.
+    fn tapes(
+        &mut self,
+        program: &Program,
+        cells: &[[usize; 3]; CELLS],
+        whole: usize,
+        known: &mut HashMap<u64, Option<usize>>,
+        tapes: &mut Vec<ShortTape>,
+    ) -> [Option<usize>; CELLS] {
+        let block = |lane: usize| cells[lane].map(|along| along / 2);
+        let mut together = Vec::new();
+        let mut left = u64::MAX;
+        while left != 0 {
+            let first = left.trailing_zeros() as usize;
+            together.push(mask(|lane| block(lane) == block(first)));
+            left &= !together.last().copied().unwrap_or(left);
+        }
+        let mut groups = Vec::new();
+        self.decisions.decide_all(program, &self.structure, &self.rows, &together);
+        self.decisions.groups(&self.rows, &[u64::MAX], &mut groups);
+        let shared: Vec<(u64, Program)> =
+            groups.iter().map(|group| (*group, self.shortened(program, *group))).collect();
+        self.decisions.decide_all(program, &self.structure, &self.rows, &[]);
+        self.decisions.groups(&self.rows, &[u64::MAX], &mut groups);
+        let mut found = [None; CELLS];
+        for group in groups {
+            let own = self.shortened(program, group);
+            for (with, shared) in &shared {
+                let lanes = group & with;
+                if lanes != 0 {
+                    let pays = own.steps.len() as f32 <= OWN_SHARE * shared.steps.len() as f32;
+                    let tape = self.tape(if pays { &own } else { shared }, whole, known, tapes);
+                    cells_of(lanes).for_each(|lane| found[lane] = tape);
+                }
+            }
+        }
+        found
+    }
+
+    /// The program of a group of cells, as was decided last.
+    fn shortened(&mut self, program: &Program, group: u64) -> Program {
+        let mut short = Program::default();
+        let (frame, scratch) = (self.frame, &mut self.scratch);
+        self.decisions.shortened(program, &self.rows, (group, true), frame, scratch, &mut short);
+        short
+    }
+
+    /// The number of a program's tape; `None` if the whole one is hardly longer or there is no room.
+    fn tape(
+        &mut self,
+        program: &Program,
+        whole: usize,
+        known: &mut HashMap<u64, Option<usize>>,
+        tapes: &mut Vec<ShortTape>,
+    ) -> Option<usize> {
+        let hash = program.hash();
+        if let Some(tape) = known.get(&hash) {
+            return *tape;
+        }
+        let outputs: Vec<usize> = (0..program.roots.len()).collect();
+        // The header, and the texel of each texture.
+        let beside = 1 + (program.inputs - program.in_registers) / 4;
+        self.encoder.registers = 0;
+        let texels = self.encoder.encode(program, &outputs).map(<[Texel]>::to_vec);
+        let fits = texels.ok().filter(|texels| {
+            let texels = texels.len() + beside;
+            self.encoder.registers <= self.registers
+                && texels as f32 <= SHORTER_SHARE * whole as f32
+                && texels <= self.room
+        });
+        let tape = fits.map(|texels| {
+            self.room -= texels.len() + beside;
+            tapes.push(ShortTape {
+                outputs: self.encoder.outputs.clone(),
+                texels,
+                samples: self.encoder.samples(),
+            });
+            tapes.len() - 1
+        });
+        known.insert(hash, tape);
+        tape
+    }
+}
+
+/// The number of a cell.
+fn number_of([x, y, z]: [usize; 3]) -> usize {
+    x + SIDE * (y + SIDE * z)
+}
+
+/// The cells of each block of 2x2x2.
+fn blocks() -> impl Iterator<Item = [[usize; 3]; 8]> {
+    let child = |block: [usize; 3]| {
+        move |child: usize| std::array::from_fn(|axis| 2 * block[axis] + (child >> axis & 1))
+    };
+    (0..CELLS).map(move |block| std::array::from_fn(child(place_in(block))))
+}

@@ -1,0 +1,218 @@
+//! A shortened program gives in its cell what the whole one gives.
+
+use std::sync::Arc;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::graph::{Point, SoundInput, SoundInputs, random};
+use crate::region::{RegionOptions, RegionPlan, run_texels};
+use crate::world::testing::{SPEAKERS, world_of};
+
+/// What the interpreter computes for a place of the directory, as `run_program` of the shaders does, and the number of
+/// texels of the tape that it runs.
+fn run(texels: &[[u32; 4]], place: usize, over: Over, at: &Point, frame: &FrameInputs) -> (Vec<f32>, usize) {
+    let inputs: [f32; 6] = std::array::from_fn(|i| if i < 3 { at.position[i] } else { at.normal[i - 3] });
+    let asked = if over == Over::Points { at.position } else { at.normal };
+    let grid = texels.as_flattened()[place] as usize;
+    let [low, scale] =
+        [texels[grid], texels[grid + 1]].map(|texel| [0, 1, 2].map(|i| f32::from_bits(texel[i])));
+    let cell = if texels[grid][3] == 0 { 0 } else { Grid { low, scale }.cell_of(asked) };
+    let program = texels[grid + 2..].as_flattened()[cell] as usize;
+    let head = texels[program];
+    let mut samples = Vec::new();
+    let mut registers = [0.0; 256];
+    let mut own = |first: usize, samples: &[f32]| {
+        registers = [0.0; 256];
+        registers[..6].copy_from_slice(&inputs);
+        let two = run_texels(&texels[first..], &mut registers, samples, frame);
+        (two, registers)
+    };
+    for number in 0..head[3] as usize {
+        let [picture, first, ..] = texels[program + 1 + number];
+        let ([u, v], _) = own(first as usize, &samples);
+        samples.extend((0..4).map(|channel| frame.texture(picture as u16, channel, u, v)));
+    }
+    let first = program + 1 + head[3] as usize;
+    let (_, registers) = own(first, &samples);
+    let end = texels[first..].iter().position(|texel| texel[2] & 255 == 0).unwrap();
+    let outputs = head[..3].iter().flat_map(|word| word.to_le_bytes());
+    (outputs.map(|register| registers[usize::from(register)] + 0.0).collect(), end + 1)
+}
+
+/// The i-th of points spread over a box around the origin and, some of them, far outside; its normal has length 1.
+fn point(number: u32, reach: f32) -> Point {
+    let place = |step: f64| (f64::from(number) * step + 0.5).fract() as f32 * 2.0 - 1.0;
+    let reach = if number.is_multiple_of(8) { 30.0 * reach } else { reach };
+    let position = [place(0.754_877_67), place(0.569_840_3), place(0.438_579_22)].map(|place| place * reach);
+    let (up, turn) = (place(0.819_172_5), 3.1 * place(0.671_043_6));
+    let side = (1.0 - up * up).sqrt();
+    Point { position, normal: [side * turn.cos(), up, side * turn.sin()] }
+}
+
+fn frame_of(world: &World, time: f32, loud: f32) -> FrameInputs {
+    let mut frame = FrameInputs {
+        time,
+        sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.3 * loud), (SoundInput::Bass, loud)]),
+        params: world.scene.params.iter().map(|param| param.default).collect(),
+        ..Default::default()
+    };
+    for (band, value) in frame.bands.iter_mut().enumerate() {
+        *value = loud * (0.5 + 0.5 * (band as f32 * 1.7 + time).sin());
+    }
+    frame.hoisted = world.hoisted.values(&frame);
+    frame
+}
+
+/// Lamps in rooms, a floor that is lit within a square, a pattern that changes from place to place, and a sky with an
+/// horizon.
+const ROOMS: &str = "
+fn room(p) = clamp(round(p.x / 4), -2, 2)
+fn wave(q, i) = sin(i * length(q - vec2(i, 2)) - t) / (1 + length(q))
+material lamp { color = vec3(1) emission = vec3(0.2 + band(3), room(p) + 3, 1) * smoothstep(2, 1, abs(p.y)) }
+material floor {
+  let lit  = smoothstep(3, 2, max(abs(p.x), abs(p.z)))
+  color    = mix(vec3(0.2), vec3(0.5, 0.4, noise(3 * p)), lit)
+  emission = lit * vec3(sum(for i in 1..9: wave(p.xz, i)), 0.1, 0.3) * (1 + volume.x)
+  roughness = if n.y > 0.9 then 0.2 else 0.7
+}
+material wall { color = if p.x < -2 then vec3(0.1) else if p.x > 5 then vec3(noise(p)) else vec3(0.3, 0.2, fract(p.z)) }
+object lamps { shape = sphere(vec3(p.x - 4 * room(p), p.y - 1, p.z), 0.4) material = lamp }
+object wall { shape = box(p - vec3(0, 1, 4), vec3(10, 2, 0.2)) material = wall }
+object floor { shape = p.y material = floor }
+sky {
+  let up = max(direction.y, 0)
+  color = mix(vec3(0.1, 0.2, noise_2d(9 * direction.xz / (0.1 + up))) , vec3(0.02), smoothstep(0.01, -0.01, direction.y))
+  ambient = vec3(0.1 + 0.1 * direction.y)
+}
+";
+
+/// Compares all programs of a world at many points; gives the mean share of the whole tapes' texels that were run.
+fn assert_the_same(world: &World, frame: &FrameInputs, options: &SurfaceOptions<'_>) -> f64 {
+    let buffers = world.tape_buffers().unwrap();
+    let [whole, short] =
+        [false, true].map(|cells| buffers.texels(frame, &SurfaceOptions { cells, ..*options }));
+    let materials = world.scene.objects.iter().enumerate();
+    let materials =
+        materials.map(|(object, its)| (4 + object, Over::Points, world.roots.materials[its.material].len()));
+    let light = [(0, Over::Directions, 3), (1, Over::Directions, 3), (2, Over::Points, 4)];
+    let places = light.into_iter().chain(materials);
+    let (mut ran, mut whole_ran) = (0, 0);
+    for (place, over, outputs) in places {
+        for number in 0..4_000 {
+            let at = point(number, 8.0);
+            let at = if place == 0 { Point { position: [0.0; 3], ..at } } else { at };
+            let (wanted, length) = run(&whole, place, over, &at, frame);
+            let (got, shorter) = run(&short, place, over, &at, frame);
+            for (got, wanted) in got.iter().zip(&wanted).take(outputs) {
+                assert!(random::same(*got, *wanted), "{place} at {at:?}: {got} and not {wanted}");
+            }
+            assert!(shorter <= length, "{place} at {at:?}: {shorter} texels and not {length}");
+            (ran, whole_ran) = (ran + shorter, whole_ran + length);
+        }
+    }
+    ran as f64 / whole_ran as f64
+}
+
+#[test]
+fn materials_and_light_are_the_same_in_every_cell() {
+    for (text, share_max) in [(ROOMS, 0.6), (SPEAKERS, 1.0)] {
+        let world = world_of(text);
+        for (time, loud) in [(0.0, 0.0), (31.0, 0.6)] {
+            let frame = frame_of(&world, time, loud);
+            let share = assert_the_same(&world, &frame, &SurfaceOptions::default());
+            assert!(share < share_max, "{share} of the texels were run");
+        }
+    }
+}
+
+#[test]
+fn programs_without_room_are_whole() {
+    let world = world_of(ROOMS);
+    let frame = frame_of(&world, 3.0, 0.5);
+    let buffers = world.tape_buffers().unwrap();
+    let most = buffers.texels_max();
+    for texels_max in [0, most, most + 300, most + 1_500] {
+        let options = SurfaceOptions { texels_max, ..Default::default() };
+        assert!(buffers.texels(&frame, &options).len() <= most.max(texels_max));
+        assert_the_same(&world, &frame, &options);
+    }
+}
+
+/// No program is asked away from surfaces, so nothing is shortened there.
+#[test]
+fn programs_are_shortened_where_surfaces_are() {
+    let world = world_of(ROOMS);
+    let frame = frame_of(&world, 3.0, 0.5);
+    let regions = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
+    let planes = world.frame_tape.values(&frame).planes;
+    let surfaces = Surfaces { regions: &regions, planes: &planes, around: 0.3 };
+    let options = SurfaceOptions { surfaces: Some(surfaces), ..Default::default() };
+    assert_the_same(&world, &frame, &options);
+    let buffers = world.tape_buffers().unwrap();
+    let everywhere = buffers.texels(&frame, &SurfaceOptions::default());
+    let where_asked = buffers.texels(&frame, &options);
+    let whole = buffers.texels(&frame, &SurfaceOptions { cells: false, ..options });
+    let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
+    let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
+    // How many tapes are shortened near surfaces and away from them, with and without knowing where they are.
+    let (mut near, mut away) = ([0; 2], [0; 2]);
+    for number in 0..40_000 {
+        let mut at = point(number, 6.0);
+        if number % 3 == 0 {
+            at.position[1] = 0.0;
+        }
+        let height = distance.at(&at)[0].abs().min(at.position[1].abs());
+        let counts = if height < 0.25 { &mut near } else { &mut away };
+        for place in [2, 4, 5, 6] {
+            let length = |texels| run(texels, place, Over::Points, &at, &frame).1;
+            let most = length(&whole);
+            for (count, texels) in counts.iter_mut().zip([&where_asked, &everywhere]) {
+                *count += usize::from(length(texels) < most);
+            }
+        }
+    }
+    // A block of which fewer cells are asked may have a shorter tape.
+    assert!(near[1] > 1_000 && near[0] >= near[1], "near: {near:?}");
+    assert!(away[0] < away[1], "away: {away:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+    #[test]
+    fn random_programs_are_the_same_in_every_cell(
+        steps in random::steps(80),
+        corner in [-8.0f32..8.0, -8.0..8.0, -8.0..8.0],
+        side in 0.01f32..12.0,
+        directions in any::<bool>(),
+    ) {
+        let mut graph = Graph::new();
+        let built = random::build(&mut graph, &steps, true);
+        let from_end = |back: usize| built[built.len().saturating_sub(1 + back)];
+        let roots = [0, 3, 1, 7].map(from_end);
+        let over = if directions { Over::Directions } else { Over::Points };
+        let program = Program::build(&graph, &roots, over).unwrap();
+        let variant = Variant::of(program.tapes(), false);
+        let buffers = TapeBuffers {
+            software_variant: variant.clone(),
+            variant: Variant { compounds: Compounds::ALL, ..variant },
+            programs: vec![program],
+            of_objects: Vec::new(),
+            bounds: Some(Bounds { low: corner, high: corner.map(|low| low + side) }),
+            cost: Cost::default(),
+        };
+        let frame = FrameInputs { textures: random::frame().textures.as_ref().map(Arc::clone), ..random::frame() };
+        let options = SurfaceOptions { texels_max: 1 << 20, ..Default::default() };
+        let texels = buffers.texels(&frame, &options);
+        let whole = buffers.texels(&frame, &SurfaceOptions { cells: false, ..options });
+        for number in 0..600 {
+            let at = point(number, 10.0);
+            let at = if directions { Point { position: [0.0; 3], ..at } } else { at };
+            let wanted = run(&whole, 0, over, &at, &frame).0;
+            let got = run(&texels, 0, over, &at, &frame).0;
+            for (got, wanted) in got.iter().zip(wanted).take(roots.len()) {
+                prop_assert!(random::same(*got, wanted), "{at:?}: {got} and not {wanted}");
+            }
+        }
+    }
+}
