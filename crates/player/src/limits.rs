@@ -25,6 +25,8 @@ pub struct Limits {
     /// Longest stream duration, in seconds, that is believed when a container claims it (a year); beyond, it is
     /// unknown.
     pub claimed_duration_max: f64,
+    /// Longest time, in seconds, for which ffmpeg may give nothing of a file.
+    pub ffmpeg_wait_seconds: f64,
     /// Longest track, in seconds, whose loudness is measured for a picture of it.
     pub shape_seconds_max: f64,
     /// Largest shift of the picture against the sound, in milliseconds, either way.
@@ -42,6 +44,7 @@ pub const LIMITS: Limits = Limits {
     playlist_depth_max: 16,
     playlist_looks_max: 200_000,
     claimed_duration_max: 31_536_000.0,
+    ffmpeg_wait_seconds: 10.0,
     shape_seconds_max: 3.0 * 3_600.0,
     latency_ms_max: 5_000.0,
 };
