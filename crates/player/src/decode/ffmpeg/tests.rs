@@ -89,7 +89,7 @@ fn a_name_is_never_an_option_an_address_or_a_list() {
     }
     // A list of other files is no sound, even if it is one that ffmpeg knows.
     let list = folder.path().join("list.wma");
-    std::fs::write(&list, format!("ffconcat version 1.0\nfile {}\n", sound.display())).unwrap();
+    std::fs::write(&list, "ffconcat version 1.0\nfile a.wma\n").unwrap();
     let told = error(FfmpegDecoder::open(&list, "list.wma", &refusal(), &Programs::default()));
     assert!(
         told.contains("list.wma is damaged") && !told.contains(folder.path().to_str().unwrap()),
