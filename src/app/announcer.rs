@@ -18,7 +18,8 @@ pub(super) struct Announcer {
     shown: Option<Sentence>,
     troubles: u64,
     unheard: u64,
-    track: Option<(usize, String)>,
+    /// The id and the name of the track that was looked at last.
+    track: Option<(u64, String)>,
 }
 
 /// What shows.
@@ -73,7 +74,7 @@ impl Announcer {
     pub(super) fn look(&mut self, status: &PlayerStatus) {
         self.look_at_troubles(&status.troubles);
         self.look_at_unheard(status.unheard);
-        let track = (status.track.entry, status.track.name.clone());
+        let track = (status.track.id, status.track.name.clone());
         if self.track.as_ref() != Some(&track) {
             // The first words tell which track plays at the start.
             if self.track.is_some() {

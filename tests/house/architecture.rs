@@ -25,6 +25,7 @@ const CRATES: &[(&str, &[&str])] = &[
             "rubato",
             "rustix",
             "serde",
+            "serde_json",
             "symphonia",
             "symphonia-adapter-libopus",
             "thiserror",

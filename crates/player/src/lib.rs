@@ -57,4 +57,6 @@ mod worker;
 pub use device::Target;
 pub use error::{DeviceError, Direction, PlayerError};
 pub use listed::{ListedTrack, ListedTracks};
-pub use player::{Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard};
+pub use player::{
+    LoudnessShape, Moment, OutputChoice, Player, PlayerOptions, PlayerStatus, Troubles, Unheard,
+};

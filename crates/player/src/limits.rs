@@ -27,6 +27,10 @@ pub struct Limits {
     pub claimed_duration_max: f64,
     /// Most bytes of a cover; a larger one counts as none.
     pub cover_bytes_max: usize,
+    /// Longest time, in seconds, for which ffmpeg may give nothing of a file.
+    pub ffmpeg_wait_seconds: f64,
+    /// Longest track, in seconds, whose loudness is measured for a picture of it.
+    pub shape_seconds_max: f64,
     /// Largest shift of the picture against the sound, in milliseconds, either way.
     pub latency_ms_max: f64,
 }
@@ -43,5 +47,7 @@ pub const LIMITS: Limits = Limits {
     playlist_looks_max: 200_000,
     claimed_duration_max: 31_536_000.0,
     cover_bytes_max: 1 << 24,
+    ffmpeg_wait_seconds: 10.0,
+    shape_seconds_max: 3.0 * 3_600.0,
     latency_ms_max: 5_000.0,
 };

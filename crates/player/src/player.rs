@@ -13,6 +13,7 @@ mod analysis;
 mod decoding;
 mod filling;
 mod listing;
+mod shape;
 mod unheard;
 
 use std::path::PathBuf;
@@ -37,6 +38,8 @@ pub use listing::Troubles;
 use listing::{Request, SharedTroubles};
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 use mariana_music::{Features, Gain, Sound};
+pub use shape::LoudnessShape;
+use shape::Shapes;
 pub use unheard::Unheard;
 use unheard::UnheardWatch;
 
@@ -146,6 +149,7 @@ pub struct Player {
     /// The track that was last audible, where it stands in the list now.
     track: Arc<TrackInfo>,
     listing: SharedListing,
+    shapes: Shapes,
     repeat: Repeat,
     shuffled: bool,
     troubles: SharedTroubles,
@@ -210,6 +214,7 @@ impl Player {
             list_thread,
             track,
             listing,
+            shapes: Shapes::default(),
             repeat: options.repeat,
             shuffled: options.shuffled,
             troubles,
@@ -266,6 +271,14 @@ impl Player {
     /// The list as it is now. This is cheap enough to be asked for each picture, however long the list is.
     pub fn playlist(&self) -> Arc<ListedTracks> {
         self.listing.tracks()
+    }
+
+    /// How loud the track that [`Player::status`] told last is from its start to its end, as far as is known. It becomes
+    /// known while this is asked for, a little at a time; nothing is done before it is asked for once. None while
+    /// nothing is known, and for tracks of unknown length, of more than the limits' `shape_seconds_max`, or that cannot
+    /// be opened twice.
+    pub fn shape(&self) -> Option<Arc<LoudnessShape>> {
+        self.shapes.of(&self.track)
     }
 
     /// Plays the track at this index of the list from its start, or the next one that can be played. An index beyond

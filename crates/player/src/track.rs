@@ -1,5 +1,6 @@
 //! Tracks, and what a player asks of the list that they come from.
 
+use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -33,6 +34,41 @@ pub struct TrackInfo {
     pub duration: Option<f64>,
     /// The factor for its samples before they are analysed, so that quiet and loud tracks drive a scene alike.
     pub scene_gain: f32,
+    /// How its frames come a second time, from its start, for who wants to know it before it is heard.
+    pub reopen: Reopen,
+}
+
+type Opening = dyn Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync;
+
+/// A way to open a track again, if there is one.
+#[derive(Clone, Default)]
+pub struct Reopen(Option<Arc<Opening>>);
+
+impl Reopen {
+    /// By calling this.
+    pub fn by(open: impl Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(open)))
+    }
+
+    /// Opens the track; none if there is no way. This may take its time.
+    pub fn open(&self) -> Option<Result<Box<dyn FrameSource>, SourceError>> {
+        self.0.as_ref().map(|open| open())
+    }
+}
+
+impl PartialEq for Reopen {
+    fn eq(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
+    }
+}
+
+impl fmt::Debug for Reopen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(if self.0.is_some() { "Reopen(by a function)" } else { "Reopen(not at all)" })
+    }
 }
 
 /// A track that is open and stands at its start.
@@ -56,6 +92,7 @@ impl Track {
             artist: about.artist.clone(),
             duration: about.duration,
             scene_gain: about.scene_gain,
+            reopen: Reopen::default(),
         };
         Self { source: Box::new(decoder), info: Arc::new(info) }
     }
@@ -71,6 +108,7 @@ impl Track {
             artist: None,
             duration: source.duration(),
             scene_gain: 1.0,
+            reopen: Reopen::default(),
         };
         Self { source, info: Arc::new(info) }
     }

@@ -7,6 +7,7 @@ use std::hash::{Hash, Hasher};
 use egui::{
     Align, Area, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, UiKind, WidgetInfo, pos2, vec2,
 };
+use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
 use super::icons::{self, Icon};
@@ -29,6 +30,8 @@ const WORDS: f32 = 19.0;
 const GAP: f32 = 3.0;
 /// Height of a sign.
 const SIGN: f32 = 15.0;
+/// Distance of two bars of the loudness.
+const BAR_STEP: f32 = 3.0;
 /// Width of the volume's rail.
 const VOLUME_WIDTH: f32 = 84.0;
 
@@ -37,6 +40,8 @@ const VOLUME_WIDTH: f32 = 84.0;
 pub struct Bar<'a> {
     /// What plays.
     pub now: &'a NowPlaying,
+    /// How loud the track is from its start to its end, as far as is known.
+    pub shape: Option<&'a LoudnessShape>,
     /// How loud it is at this moment, 0..1.
     pub level: f32,
     /// The scene on the stage, such as "speakers, 12 of 17".
@@ -55,6 +60,7 @@ const LEVEL_STEPS: f32 = 24.0;
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         (self.now, self.scene, self.open, self.help, self.sliders).hash(state);
+        self.shape.map(|shape| shape.revision).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
     }
 }
@@ -116,7 +122,10 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     let pointed = response.interact_pointer_pos().or_else(|| response.hover_pos()).map(|at| share_at(at.x));
     let held = response.dragged() || response.is_pointer_button_down_on();
     let shown = pointed.filter(|_| held).unwrap_or(share);
-    draw_share(&painter, rail, shown);
+    match bar.shape {
+        Some(shape) => draw_shape(&painter, place, shape, shown),
+        None => draw_share(&painter, rail, shown),
+    }
     let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
     painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
     response.widget_info(|| WidgetInfo::slider(true, bar.now.position, "position in the track"));
@@ -135,6 +144,24 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     let label = Rect::from_center_size(pos2(x, place.top() - 0.5 * size.y - 2.0), size);
     style::ground(&front, label);
     front.galley(label.center() - 0.5 * galley.size(), galley, style::TEXT);
+}
+
+/// Draws how loud the track is as bars around the middle of `place`; those up to `share` of it have passed. What is not
+/// known yet is a line.
+fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, share: f32) {
+    let bars = (place.width() / BAR_STEP).floor().max(1.0) as usize;
+    for bar in 0..bars {
+        let (from, to) =
+            (bar * shape.parts / bars, ((bar + 1) * shape.parts / bars).max(bar * shape.parts / bars + 1));
+        let known = shape.levels.get(from..to.min(shape.levels.len())).unwrap_or_default();
+        let level = known.iter().copied().fold(0.0, f32::max).clamp(0.0, 1.0);
+        let left = place.left() + bar as f32 * place.width() / bars as f32;
+        let height = 2.0 + level * (place.height() - 6.0);
+        let middle = pos2(left + 0.5 * BAR_STEP, place.center().y);
+        let passed = (bar as f32 + 0.5) / bars as f32 <= share;
+        let color = if passed { style::ACCENT } else { style::AHEAD };
+        painter.rect_filled(Rect::from_center_size(middle, vec2(BAR_STEP - 1.0, height)), 1.0, color);
+    }
 }
 
 fn draw_share(painter: &Painter, rail: Rect, share: f32) {

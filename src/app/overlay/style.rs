@@ -11,6 +11,8 @@ use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeK
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 /// Less important text.
 pub(super) const DIM: Color32 = Color32::from_rgb(152, 158, 170);
+/// What of a track is still to come.
+pub(super) const AHEAD: Color32 = Color32::from_rgb(92, 98, 110);
 /// Signs on buttons.
 pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
 /// What is wrong.

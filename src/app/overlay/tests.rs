@@ -166,7 +166,7 @@ fn playing() -> NowPlaying {
 }
 
 fn bar(now: &NowPlaying) -> Bar<'_> {
-    Bar { now, level: 0.5, scene: "city, 2 of 17", open: None, help: false, sliders: false }
+    Bar { now, shape: None, level: 0.5, scene: "city, 2 of 17", open: None, help: false, sliders: false }
 }
 
 /// Moves the pointer to `place` and clicks; returns what was asked for.

@@ -17,7 +17,7 @@ use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneSource;
-use mariana_player::{ListedTracks, Moment};
+use mariana_player::{ListedTracks, LoudnessShape, Moment};
 
 /// How often a window without a picture is painted again: something may have covered it.
 const WAITING_AGAIN: Duration = Duration::from_millis(250);
@@ -70,6 +70,7 @@ impl Stage {
         let tracks = self.listed_tracks();
         self.note_scene();
         let awake = self.is_pointer_awake(begun);
+        let shape = self.loudness_shape(awake);
         let mut content = self.scene.overlay(corner.as_deref(), self.panels);
         let around = Around {
             panels: self.panels,
@@ -80,6 +81,7 @@ impl Stage {
             browser: self.browser.as_ref(),
             files: self.files.as_ref(),
             clean: self.clean,
+            shape: shape.as_deref(),
         };
         around.add_to(&mut content, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
@@ -145,6 +147,7 @@ impl Stage {
         let corner = self.corner_line();
         let tracks = self.listed_tracks();
         let awake = self.is_pointer_awake(now);
+        let shape = self.loudness_shape(awake);
         let mut content = self.scene.overlay(corner.as_deref(), self.panels);
         let around = Around {
             panels: self.panels,
@@ -155,6 +158,7 @@ impl Stage {
             browser: self.browser.as_ref(),
             files: self.files.as_ref(),
             clean: self.clean,
+            shape: shape.as_deref(),
         };
         around.add_to(&mut content, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
@@ -172,6 +176,12 @@ impl Stage {
     fn listed_tracks(&mut self) -> Option<Arc<ListedTracks>> {
         let shows = self.panels.open() == Some(Panel::Tracks);
         shows.then(|| self.listening.with_song(|player| player.playlist())).flatten()
+    }
+
+    /// How loud the track is from its start to its end. It is not measured before the bar shows it.
+    fn loudness_shape(&mut self, shows: bool) -> Option<Arc<LoudnessShape>> {
+        let shows = shows && !self.clean;
+        shows.then(|| self.listening.with_song(|player| player.shape()).flatten()).flatten()
     }
 
     /// Notes which scene is on the stage, and its place among the others.
@@ -265,6 +275,7 @@ struct Around<'a> {
     files: Option<&'a FileBrowser>,
     /// Whether nothing shows but what was asked for and what is wrong.
     clean: bool,
+    shape: Option<&'a LoudnessShape>,
 }
 
 impl<'a> Around<'a> {
@@ -288,6 +299,7 @@ impl<'a> Around<'a> {
         } else if self.awake {
             content.bar = Some(Bar {
                 now: playing,
+                shape: self.shape,
                 level: listening.level(),
                 scene,
                 open,

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 /// What went wrong with a file or stream. Every message is one sentence: what, where, what to do.
 ///
 /// A malformed input is [`NotAudio`](Self::NotAudio) or [`Damaged`](Self::Damaged), an unsupported one
-/// [`UnsupportedFormat`](Self::UnsupportedFormat), [`UnsupportedCodec`](Self::UnsupportedCodec) or
+/// [`UnsupportedFormat`](Self::UnsupportedFormat), [`UnsupportedCodec`](Self::UnsupportedCodec),
+/// [`NeedsFfmpeg`](Self::NeedsFfmpeg) or
 /// [`NoAudioTrack`](Self::NoAudioTrack), and one past a ceiling of [`crate::limits`]
 /// [`OverLimit`](Self::OverLimit).
 #[derive(Debug, thiserror::Error)]
@@ -74,6 +75,16 @@ pub enum DecodeError {
         /// The codec or the part of it that is missing.
         codec: String,
     },
+    /// Only ffmpeg decodes it, and that is not installed.
+    #[error(
+        "{name} {what}, which is decoded by ffmpeg, and that is not installed; install ffmpeg, or convert the file, for example to flac"
+    )]
+    NeedsFfmpeg {
+        /// The file's name.
+        name: String,
+        /// What it is or holds, after its name.
+        what: String,
+    },
     /// There is no sound in the container.
     #[error("{name} has no audio track; choose a file with sound")]
     NoAudioTrack {
@@ -106,4 +117,11 @@ pub enum DecodeError {
         /// The library's own message.
         what: String,
     },
+}
+
+impl DecodeError {
+    /// Whether the sound is in a form that is not decoded here: something else may decode it.
+    pub(super) fn is_unsupported(&self) -> bool {
+        matches!(self, Self::UnsupportedFormat { .. } | Self::UnsupportedCodec { .. })
+    }
 }

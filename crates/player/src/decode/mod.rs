@@ -1,22 +1,9 @@
 //! Decoding of audio files to stereo frames.
 //!
 //! [`Decoder`] opens a file, finds the container by its content, picks the first audio track that can be decoded and
-//! yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file.
-//!
-//! - Containers: WAV, AIFF, FLAC, MP3, Ogg, MP4, CAF, Matroska/WebM, ADTS. Codecs: PCM (integer and float), ADPCM, FLAC,
-//!   ALAC, MP1-3, Vorbis, Opus (mono and stereo), AAC-LC.
-//! - Encoder delay and padding are cut off where the file reports them, so frame 0 is the first frame that went into
-//!   the encoder.
-//! - A seek lands on the exact frame. Where the container cannot jump, or its clock is too coarse for the codec, the
-//!   file is decoded again from its start. Samples after a seek equal those of an uninterrupted run. With lossless
-//!   codecs they are equal bit for bit; with lossy ones half a second before the target is decoded first, which
-//!   brings the decoder to the same state (except for AAC's substituted noise, which is drawn at random).
-//! - Damaged packets are skipped and counted. Where the clock says how long they were, silence takes their place, so
-//!   that the rest stays in time. A truncated file plays as far as it goes (but not CAF, and not MP4 with its tables
-//!   at the end).
-//! - Chained streams (Ogg) play one after the other. A change of channels changes the down-mix; a stream with another
-//!   rate is resampled to the first rate.
-//! - No buffer is sized by what a file claims, and a panic in a codec library becomes an error.
+//! yields its frames, mixed down to stereo ([`downmix`]), at the rate of the file. What is common is decoded here, by
+//! [`native`]; where that says that a format or a codec is not supported, [`ffmpeg`] is asked, if it is installed.
+//! Damaged files stay here.
 
 mod clock;
 mod codecs;
@@ -24,16 +11,16 @@ mod containment;
 mod cover;
 mod downmix;
 mod error;
+mod ffmpeg;
 mod gapless;
 mod input;
 mod loudness;
+mod native;
 mod packets;
 mod sniff;
 
 use std::path::Path;
 
-use crate::limits::LIMITS;
-use crate::resample::Resampler;
 use crate::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
@@ -41,15 +28,9 @@ use containment::contained;
 pub use containment::quiet_contained_panics;
 pub use cover::{Cover, CoverKind};
 pub use error::DecodeError;
+use ffmpeg::{FfmpegDecoder, Programs};
 use input::Input;
-use packets::{Block, PacketReader};
-
-/// Longest silence that fills holes in the container's clock, in seconds from one seek to the next. More than this
-/// means that the clock is broken.
-const HOLE_SECONDS_MAX: i64 = 10;
-
-/// A forward seek by no more than this many seconds decodes on instead of jumping.
-const NEAR_SECONDS: i64 = 1;
+use native::NativeDecoder;
 
 /// What is known about a stream.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,340 +56,86 @@ pub struct StreamInfo {
 }
 
 /// A file that is being decoded.
-pub struct Decoder {
-    input: Input,
-    reader: PacketReader,
-    info: StreamInfo,
-    /// Raw frames before the first one that is heard.
-    delay: i64,
-    /// Number of frames that are heard, where the container is exact about it.
-    length: Option<i64>,
-    /// The next raw frame; not settled until the first packet after a start or a jump has given it.
-    raw: i64,
-    settled: bool,
-    /// True from the start until the first packet.
-    at_start: bool,
-    /// Frames before this one are dropped.
-    from: i64,
-    /// Frames of silence that filled holes since the start or the last jump.
-    filled: i64,
-    /// Frames to drop at the start of a further stream.
-    drop_next: usize,
-    /// Frames decoded but not fetched yet; the first is at `position`.
-    pending: Vec<StereoFrame>,
-    position: i64,
-    /// For streams whose rate differs from the first one's.
-    resampler: Option<Resampler>,
-    /// True once the rate changed or another stream began: from then on the clock means nothing.
-    uneven: bool,
-    ended: bool,
-    /// Packets skipped by readers that were opened before.
-    skipped_before: u64,
-    scratch: Vec<StereoFrame>,
+pub struct Decoder(By);
+
+/// Who decodes it.
+enum By {
+    Native(Box<NativeDecoder>),
+    Ffmpeg(Box<FfmpegDecoder>),
 }
 
 impl Decoder {
     /// Opens a file and decodes its first packet.
     pub fn open(path: &Path) -> Result<Self, DecodeError> {
-        Self::start(Input::file(path)?)
+        let input = Input::file(path)?;
+        let name = input.name();
+        let refusal = match NativeDecoder::open(input) {
+            Err(refusal) if refusal.is_unsupported() => refusal,
+            opened => return Ok(Self(By::Native(Box::new(opened?)))),
+        };
+        let decoder = FfmpegDecoder::open(path, &name, &refusal, &Programs::default())?;
+        Ok(Self(By::Ffmpeg(Box::new(decoder))))
     }
 
     /// Opens a file that is part of the program.
     pub fn from_bytes(name: &str, bytes: &'static [u8]) -> Result<Self, DecodeError> {
-        Self::start(Input::Bytes { name: name.into(), bytes })
+        let decoder = NativeDecoder::open(Input::Bytes { name: name.into(), bytes })?;
+        Ok(Self(By::Native(Box::new(decoder))))
     }
 
-    /// The picture that the file brings along, if it has one.
+    /// The picture that the file brings along, if it has one; what ffmpeg decodes has none here.
     ///
     /// # Errors
     /// What the demuxer says about the file.
     pub fn cover(&self) -> Result<Option<Cover>, DecodeError> {
-        cover::of(&self.input)
-    }
-
-    fn start(input: Input) -> Result<Self, DecodeError> {
-        let mut reader = PacketReader::open(&input)?;
-        let mut first = Vec::new();
-        let Some(block) = reader.next(&mut first)? else {
-            return Err(reader.damaged("no sound in it could be decoded"));
-        };
-        let rate = block.rate;
-        sniff::check(&input.name(), reader.channels(), rate)?;
-        let (length, duration) = reader.length(rate);
-        let (container, codec) = reader.describe();
-        let tags = reader.tags();
-        let mut decoder = Self {
-            info: StreamInfo {
-                name: input.name(),
-                container,
-                codec,
-                sample_rate: rate,
-                source_channels: reader.channels(),
-                duration,
-                title: tags.title,
-                artist: tags.artist,
-                scene_gain: tags.loudness.scene_gain(),
-            },
-            delay: i64::try_from(reader.delay(rate)).unwrap_or(i64::MAX / 4),
-            length: length.and_then(|frames| i64::try_from(frames).ok()),
-            input,
-            reader,
-            raw: 0,
-            settled: false,
-            at_start: true,
-            from: 0,
-            filled: 0,
-            drop_next: 0,
-            pending: Vec::new(),
-            position: 0,
-            resampler: None,
-            uneven: false,
-            ended: false,
-            skipped_before: 0,
-            scratch: first,
-        };
-        decoder.take(block)?;
-        Ok(decoder)
+        match &self.0 {
+            By::Native(decoder) => decoder.cover(),
+            By::Ffmpeg(_) => Ok(None),
+        }
     }
 
     /// What is known about the stream.
     pub fn info(&self) -> &StreamInfo {
-        &self.info
+        match &self.0 {
+            By::Native(decoder) => decoder.info(),
+            By::Ffmpeg(decoder) => decoder.info(),
+        }
     }
 
-    /// Packets so far that were damaged and skipped.
+    /// Packets so far that were damaged and skipped, where that is known.
     pub fn skipped_packets(&self) -> u64 {
-        self.skipped_before + self.reader.skipped()
+        match &self.0 {
+            By::Native(decoder) => decoder.skipped_packets(),
+            By::Ffmpeg(_) => 0,
+        }
     }
 
     /// Appends the next frames to `out` and returns how many; 0 is the end. One call appends at most a packet.
     ///
     /// After an error the stream has ended; a seek starts it again.
     pub fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
-        while self.pending.is_empty() && self.advance()? {}
-        let frames = self.pending.len();
-        out.append(&mut self.pending);
-        self.position += frames as i64;
-        Ok(frames)
+        match &mut self.0 {
+            By::Native(decoder) => decoder.next_block(out),
+            By::Ffmpeg(decoder) => decoder.next_block(out),
+        }
     }
 
     /// Moves to the frame nearest to `seconds` (clamped to the stream) and returns the time reached, in seconds.
     pub fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
-        let rate = f64::from(self.info.sample_rate);
-        // The conversion saturates and turns NaN into 0; a quarter of the range leaves room for sums.
-        let target = ((seconds * rate).round() as i64).clamp(0, i64::MAX / 4);
-        let near = i64::from(self.info.sample_rate) * NEAR_SECONDS;
-        let ahead = !self.ended && (self.position..self.position + near).contains(&target);
-        if ahead {
-            let skip = usize::try_from(target - self.position).unwrap_or(0).min(self.pending.len());
-            self.pending.drain(..skip);
-            self.position += skip as i64;
-            self.from = target;
-            self.fill()?;
-        } else if !self.jump(target)? {
-            self.restart()?;
-            self.from = target;
-            self.fill()?;
-        }
-        Ok(self.position as f64 / rate)
-    }
-
-    /// Decodes until there is something to fetch, or to the end.
-    fn fill(&mut self) -> Result<(), DecodeError> {
-        while self.pending.is_empty() && self.advance()? {}
-        Ok(())
-    }
-
-    /// Starts again at the first frame.
-    fn restart(&mut self) -> Result<(), DecodeError> {
-        self.forget();
-        self.skipped_before = 0;
-        self.reader = PacketReader::open(&self.input)?;
-        self.at_start = true;
-        (self.raw, self.position, self.from) = (0, 0, 0);
-        Ok(())
-    }
-
-    fn forget(&mut self) {
-        self.pending.clear();
-        self.scratch.clear();
-        self.resampler = None;
-        (self.settled, self.at_start, self.ended) = (false, false, false);
-        (self.filled, self.drop_next) = (0, 0);
-    }
-
-    /// Jumps by the container's own means. False where it has none or they failed; then only a restart helps.
-    fn jump(&mut self, target: i64) -> Result<bool, DecodeError> {
-        if self.uneven {
-            return Ok(false);
-        }
-        let rate = self.info.sample_rate;
-        // A target past the end is approached from a second before the end, so that the end is reached and known.
-        let claimed_end = self.info.duration.map_or(i64::MAX / 4, |s| ((s - 1.0) * f64::from(rate)) as i64);
-        let skipped = self.reader.skipped();
-        if !self.reader.jump(target.min(claimed_end) + self.delay, rate)? {
-            return Ok(false);
-        }
-        self.forget();
-        self.from = target;
-        // If this fails, the seek is tried again from the start.
-        if self.fill().is_err() || !self.settled || self.uneven {
-            return Ok(false);
-        }
-        // Packets of the pre-roll may lack what came before them; that is not damage.
-        let by_jump = self.reader.skipped() - skipped;
-        self.skipped_before = self.skipped_before.saturating_sub(by_jump);
-        Ok(self.pending.is_empty() || self.position == target)
-    }
-
-    /// Decodes one packet into `pending`; false at the end.
-    fn advance(&mut self) -> Result<bool, DecodeError> {
-        if self.ended {
-            return Ok(false);
-        }
-        self.scratch.clear();
-        match self.reader.next(&mut self.scratch) {
-            Ok(Some(block)) => {
-                let taken = self.take(block);
-                self.ended |= taken.is_err();
-                taken?;
-                Ok(true)
-            }
-            Ok(None) => {
-                self.end();
-                Ok(!self.pending.is_empty())
-            }
-            Err(error) => {
-                self.end();
-                Err(error)
-            }
-        }
-    }
-
-    /// Puts the block in `scratch` at its place in time.
-    fn take(&mut self, block: Block) -> Result<(), DecodeError> {
-        let padding = block.padding.min(self.scratch.len());
-        self.scratch.truncate(self.scratch.len() - padding);
-        if let Some(delay) = block.new_link {
-            self.uneven = true;
-            let begun = usize::try_from(block.start.unwrap_or(0)).unwrap_or(0);
-            self.drop_next = usize::try_from(delay).unwrap_or(0).saturating_sub(begun);
-        }
-        let drop = self.drop_next.min(self.scratch.len());
-        self.scratch.drain(..drop);
-        self.drop_next -= drop;
-        self.equalise(block.rate)?;
-
-        if !self.settled {
-            self.settle(&block);
-        } else if let (Some(start), true, false) = (block.start, block.exact, self.uneven) {
-            // Smaller differences are jitter of the clock.
-            if start - self.raw >= self.scratch.len() as i64 {
-                self.fill_hole(start - self.raw);
-            }
-        }
-        let (first, last) = (self.raw - self.delay, self.raw - self.delay + self.scratch.len() as i64);
-        self.raw += self.scratch.len() as i64;
-        let from = self.from.max(0).clamp(first, last);
-        let to = self.length.filter(|_| !self.uneven).unwrap_or(i64::MAX).clamp(from, last.max(from));
-        if to > from {
-            self.scratch.truncate((to - first) as usize);
-            self.scratch.drain(..(from - first) as usize);
-            std::mem::swap(&mut self.pending, &mut self.scratch);
-            self.position = from;
-        }
-        if to < last {
-            self.end();
-        }
-        Ok(())
-    }
-
-    /// The first block after a start or a jump says where the stream is.
-    fn settle(&mut self, block: &Block) {
-        self.settled = true;
-        match block.start {
-            Some(start) if self.at_start && block.exact => {
-                self.raw = start.min(self.delay);
-                if start > self.delay {
-                    self.fill_hole(start - self.raw);
-                }
-            }
-            Some(start) if !self.at_start => self.raw = start,
-            _ => self.raw = 0,
-        }
-        self.at_start = false;
-    }
-
-    /// Inserts silence where packets were lost.
-    fn fill_hole(&mut self, frames: i64) {
-        let room = HOLE_SECONDS_MAX * i64::from(self.info.sample_rate) - self.filled;
-        if (1..=room).contains(&frames) {
-            self.filled += frames;
-            let frames = (frames as usize).min(LIMITS.packet_frames_max);
-            self.scratch.splice(..0, std::iter::repeat_n([0.0; 2], frames));
-        }
-    }
-
-    /// Converts the frames in `scratch` to the rate that the stream began with.
-    fn equalise(&mut self, rate: u32) -> Result<(), DecodeError> {
-        let wanted = self.info.sample_rate;
-        if self.resampler.as_ref().map_or(wanted, Resampler::from_hz) == rate {
-            if self.resampler.is_none() {
-                return Ok(());
-            }
-        } else {
-            self.uneven = true;
-        }
-        let mut converted = Vec::new();
-        let broken = |e: crate::resample::ResampleError| DecodeError::Damaged {
-            name: self.info.name.clone(),
-            what: format!("its sample rate changes to {rate} Hz ({e})"),
-        };
-        if let Some(mut old) = self.resampler.take_if(|old| old.from_hz() != rate) {
-            old.finish(&mut converted).map_err(broken)?;
-        }
-        if rate != wanted && self.resampler.is_none() {
-            self.resampler = Some(Resampler::new(rate, wanted).map_err(broken)?);
-        }
-        match &mut self.resampler {
-            Some(resampler) => resampler.process(&self.scratch, &mut converted).map_err(broken)?,
-            None => converted.append(&mut self.scratch),
-        }
-        self.scratch = converted;
-        Ok(())
-    }
-
-    /// Nothing more is decoded until the next seek.
-    fn end(&mut self) {
-        if self.ended {
-            return;
-        }
-        self.ended = true;
-        if let Some(mut resampler) = self.resampler.take() {
-            // The filter holds at most one block; an error here would only cut that off.
-            let mut tail = Vec::new();
-            let _ = resampler.finish(&mut tail);
-            let first = self.raw - self.delay;
-            self.raw += tail.len() as i64;
-            let skip = (self.from - first).clamp(0, tail.len() as i64) as usize;
-            if self.pending.is_empty() && skip < tail.len() {
-                self.position = first + skip as i64;
-                self.pending.extend_from_slice(&tail[skip..]);
-            }
-        }
-        if self.pending.is_empty() {
-            self.position = (self.raw - self.delay).clamp(0, self.length.unwrap_or(i64::MAX).max(0));
+        match &mut self.0 {
+            By::Native(decoder) => decoder.seek(seconds),
+            By::Ffmpeg(decoder) => decoder.seek(seconds),
         }
     }
 }
 
 impl FrameSource for Decoder {
     fn sample_rate(&self) -> u32 {
-        self.info.sample_rate
+        self.info().sample_rate
     }
 
     fn duration(&self) -> Option<f64> {
-        self.info.duration
+        self.info().duration
     }
 
     fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, SourceError> {

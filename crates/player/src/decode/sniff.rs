@@ -9,7 +9,7 @@ use super::error::DecodeError;
 /// How many bytes from the start are looked at.
 pub(super) const SNIFF_BYTES: usize = 4096;
 
-/// Containers of sound or video that are known but not supported: offset, mark, name.
+/// Containers of sound or video that are known but not decoded here: offset, mark, name.
 const FOREIGN_MEDIA: &[(usize, &[u8], &str)] = &[
     (0, b"\x30\x26\xB2\x75\x8E\x66\xCF\x11", "a Windows Media file (WMA, ASF)"),
     (8, b"AVI ", "an AVI file"),
@@ -20,11 +20,31 @@ const FOREIGN_MEDIA: &[(usize, &[u8], &str)] = &[
     (0, b"TTA1", "a True Audio file"),
     (0, b"DSD ", "a DSD file"),
     (0, b"FRM8", "a DSD file"),
-    (0, b"MThd", "a MIDI file"),
     (0, b".RMF", "a RealMedia file"),
     (0, b"FLV\x01", "a Flash video"),
     (0, b"#!AMR", "an AMR file"),
     (0, b"\x00\x00\x01\xBA", "an MPEG program stream"),
+    (0, b".snd", "an AU file"),
+    (0, b"riff\x2E\x91\xCF\x11", "a Wave64 file"),
+    (28, b"Speex   ", "a Speex file"),
+    (0, b"RF64", "an RF64 file"),
+    (0, b"BW64", "a BW64 file"),
+    (0, b"Creative Voice File", "a Creative Voice file"),
+    (0, b"\x0B\x77", "an AC-3 file (Dolby Digital)"),
+    (0, b"\x7F\xFE\x80\x01", "a DTS file"),
+    (0, b"\xFE\x7F\x01\x80", "a DTS file"),
+    (0, b"\x1F\xFF\xE8\x00", "a DTS file"),
+    (0, b"\xFF\x1F\x00\xE8", "a DTS file"),
+    (0, b"DTSHDHDR", "a DTS file"),
+    (0, b"Extended Module: ", "a tracker's module"),
+    (0, b"IMPM", "a tracker's module"),
+    (44, b"SCRM", "a tracker's module"),
+    (1080, b"M.K.", "a tracker's module"),
+    (1080, b"M!K!", "a tracker's module"),
+    (1080, b"FLT4", "a tracker's module"),
+    (1080, b"4CHN", "a tracker's module"),
+    (1080, b"6CHN", "a tracker's module"),
+    (1080, b"8CHN", "a tracker's module"),
 ];
 
 /// Other files that are often mistaken for sound.
@@ -37,6 +57,7 @@ const OTHER_FILES: &[(usize, &[u8], &str)] = &[
     (0, b"PK\x03\x04", "it is a zip archive"),
     (0, b"\x1F\x8B", "it is a gzip archive"),
     (0, b"\x7FELF", "it is a program"),
+    (0, b"MThd", "it is a MIDI file, which holds notes and no sound"),
     (0, b"#EXTM3U", "it is a playlist, not the sound itself"),
 ];
 

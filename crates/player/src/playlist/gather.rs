@@ -17,8 +17,9 @@ use crate::song::{Song, track_name};
 
 /// Extensions of the files that are taken from a folder.
 const AUDIO_EXTENSIONS: &[&str] = &[
-    "aac", "aif", "aifc", "aiff", "alac", "caf", "flac", "m4a", "m4b", "mka", "mkv", "mp1", "mp2", "mp3",
-    "mp4", "oga", "ogg", "opus", "wav", "wave", "webm",
+    "aac", "ac3", "aif", "aifc", "aiff", "alac", "amr", "ape", "au", "bw64", "caf", "dsf", "dts", "eac3",
+    "flac", "it", "m4a", "m4b", "mka", "mkv", "mod", "mp1", "mp2", "mp3", "mp4", "mpc", "oga", "ogg", "opus",
+    "rf64", "s3m", "snd", "spx", "tta", "voc", "w64", "wav", "wave", "webm", "wma", "wv", "xm",
 ];
 
 /// Most messages that are kept about what could not be taken.

@@ -39,7 +39,7 @@ pub use text::Reference;
 use super::listed::{Edit, Edited, ListedTrack, SharedListing};
 use super::song::{Song, one_line, track_name};
 use super::source::SourceError;
-use super::track::{Found, Repeat, Track, TrackList, Wanted};
+use super::track::{Found, Reopen, Repeat, Track, TrackList, Wanted};
 
 /// Most messages that are kept about entries before the first playable track, besides the last one.
 const TROUBLES_KEPT: usize = 20;
@@ -231,21 +231,20 @@ impl Playlist {
 impl Entry {
     /// Opens it as entry `index` of `count`.
     fn open(&self, index: usize, count: usize) -> Result<Track, SourceError> {
-        let entry = self;
-        let decoder = entry.song.open()?;
-        let mut track = Track::of_decoder(decoder, index, count);
-        if let Some(cut) = entry.cut {
-            let Track { source, info } = track;
-            let source = Box::new(Excerpt::new(source, cut)?);
-            let title = entry.title.as_deref().map(one_line).or_else(|| info.title.clone());
-            let artist = entry.artist.as_deref().map(one_line).or_else(|| info.artist.clone());
-            let mut info = info.as_ref().clone();
-            info.duration = super::source::FrameSource::duration(&*source);
-            info.name = track_name(artist.as_deref(), title.as_deref(), &info.name);
-            (info.title, info.artist) = (title, artist);
-            track = Track { source, info: Arc::new(info) };
+        let decoder = self.song.open()?;
+        let Track { mut source, mut info } = Track::of_decoder(decoder, index, count);
+        let about = Arc::make_mut(&mut info);
+        if let Some(cut) = self.cut {
+            source = Box::new(Excerpt::new(source, cut)?);
+            let title = self.title.as_deref().map(one_line).or_else(|| about.title.clone());
+            let artist = self.artist.as_deref().map(one_line).or_else(|| about.artist.clone());
+            about.duration = source.duration();
+            about.name = track_name(artist.as_deref(), title.as_deref(), &about.name);
+            (about.title, about.artist) = (title, artist);
         }
-        Ok(track)
+        let entry = self.clone();
+        about.reopen = Reopen::by(move || Ok(entry.open(0, 1)?.source));
+        Ok(Track { source, info })
     }
 }
 

@@ -15,9 +15,9 @@ use mariana_player::decode::{DecodeError, Decoder};
 use mariana_player::source::FrameSource;
 use mariana_testing::wave::write_wav;
 
-type Frame = [f32; 2];
+pub(super) type Frame = [f32; 2];
 
-const SECONDS: f64 = 4.0;
+pub(super) const SECONDS: f64 = 4.0;
 
 /// Sweeps and tone bursts, left and right at `t` seconds; never above 0.7.
 fn signal(t: f64) -> Frame {
@@ -34,11 +34,11 @@ fn signal(t: f64) -> Frame {
     [left as f32, right as f32]
 }
 
-fn reference(rate: u32, frames: usize) -> Vec<Frame> {
+pub(super) fn reference(rate: u32, frames: usize) -> Vec<Frame> {
     (0..frames).map(|n| signal(n as f64 / f64::from(rate))).collect()
 }
 
-fn ffmpeg(args: &[&str], output: &Path) {
+pub(super) fn ffmpeg(args: &[&str], output: &Path) {
     let run = Command::new("ffmpeg")
         .args(["-v", "error", "-nostdin", "-y"])
         .args(args)
@@ -209,20 +209,21 @@ static MEDIA: LazyLock<Media> = LazyLock::new(|| {
     media
 });
 
-fn decode_all(decoder: &mut Decoder) -> Result<Vec<Frame>, DecodeError> {
+pub(super) fn decode_all(decoder: &mut Decoder) -> Result<Vec<Frame>, DecodeError> {
     let mut frames = Vec::new();
     while decoder.next_block(&mut frames)? > 0 {}
     Ok(frames)
 }
 
-fn decode_file(path: &Path) -> Vec<Frame> {
+pub(super) fn decode_file(path: &Path) -> Vec<Frame> {
     let mut decoder = Decoder::open(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     decode_all(&mut decoder).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// The shift of `got` against `wanted` with the highest correlation, and that correlation (1 is equality).
-fn best_shift(got: &[Frame], wanted: &[Frame], side: usize) -> (isize, f64) {
-    let (start, length, reach) = (20_000usize, 2048usize, 1500isize);
+/// The shift of `got` against `wanted` with the highest correlation, of those of at most `reach` frames, and that
+/// correlation (1 is equality).
+pub(super) fn best_shift(got: &[Frame], wanted: &[Frame], side: usize, reach: isize) -> (isize, f64) {
+    let (start, length) = (20_000usize, 2048usize);
     let wanted: Vec<f64> = wanted[start..start + length].iter().map(|f| f64::from(f[side])).collect();
     let got: Vec<f64> = got.iter().map(|f| f64::from(f[side])).collect();
     let energy = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
@@ -239,7 +240,7 @@ fn best_shift(got: &[Frame], wanted: &[Frame], side: usize) -> (isize, f64) {
     best
 }
 
-fn rms(frames: &[Frame], side: usize) -> f64 {
+pub(super) fn rms(frames: &[Frame], side: usize) -> f64 {
     (frames.iter().map(|f| f64::from(f[side]).powi(2)).sum::<f64>() / frames.len() as f64).sqrt()
 }
 
@@ -283,7 +284,7 @@ fn every_format_gives_the_signal_back() {
             check(worst <= case.lossless, format!("off by {worst}"));
         }
         for side in 0..2 {
-            let (shift, correlation) = best_shift(&got, &wanted, side);
+            let (shift, correlation) = best_shift(&got, &wanted, side, 1500);
             check(shift == case.untold as isize, format!("side {side} shifted by {shift}"));
             check(correlation > 0.99, format!("side {side} correlates by {correlation}"));
             let middle = 4000..frames - 4000;
@@ -407,7 +408,13 @@ fn mono_is_heard_on_both_sides_at_full_level() {
 }
 
 /// Left and right level of every channel in turn, against full scale in that channel alone.
-fn downmix_levels(folder: &Path, layout: &str, channels: usize, file: &str, args: &[&str]) -> Vec<[f64; 2]> {
+pub(super) fn downmix_levels(
+    folder: &Path,
+    layout: &str,
+    channels: usize,
+    file: &str,
+    args: &[&str],
+) -> Vec<[f64; 2]> {
     let source = folder.join(format!("{layout}-{channels}.wav"));
     let part = 12_000usize;
     let samples = (0..part * channels).flat_map(|n| {
@@ -503,7 +510,7 @@ fn each_kind_of_bad_input_has_its_error() {
         error(&put("picture.wav", b"\x89PNG\r\n\x1a\n and so on")),
         DecodeError::NotAudio { .. }
     ));
-    assert!(matches!(error(&put("a.wma", &asf)), DecodeError::UnsupportedFormat { .. }));
+    assert!(matches!(error(&put("a.wma", &asf)), DecodeError::Damaged { .. }));
     assert!(matches!(error(&put("header.wav", &wave_header(2, 44_100)[..40])), DecodeError::Damaged { .. }));
     for (file, channels, rate, number) in [
         ("still.wav", 2, 0, "0 Hz"),
@@ -518,27 +525,9 @@ fn each_kind_of_bad_input_has_its_error() {
     }
     assert!(Decoder::open(&put("sound.wav", &wave_header(2, 44_100))).is_ok());
 
-    for (file, codec, named) in
-        [("six.opus", "libopus", "Opus with 6 channels"), ("six.m4a", "aac", "AAC with 6 channels")]
-    {
-        let path = folder.path().join(file);
-        ffmpeg(&["-f", "lavfi", "-i", "anullsrc=cl=5.1:d=0.2", "-c:a", codec], &path);
-        let refusal = error(&path);
-        assert!(
-            matches!(refusal, DecodeError::UnsupportedCodec { .. }) && refusal.to_string().contains(named),
-            "{refusal}"
-        );
-    }
     let silent = folder.path().join("silent.mkv");
     ffmpeg(&["-f", "lavfi", "-i", "testsrc=s=64x64:d=0.5", "-c:v", "libvpx"], &silent);
     assert!(matches!(error(&silent), DecodeError::NoAudioTrack { .. }));
-    let dolby = folder.path().join("dolby.mkv");
-    ffmpeg(&["-f", "lavfi", "-i", "sine=d=0.5", "-c:a", "ac3"], &dolby);
-    let refusal = error(&dolby);
-    assert!(
-        matches!(refusal, DecodeError::UnsupportedCodec { .. }) && refusal.to_string().contains("AC-3"),
-        "{refusal}"
-    );
 }
 
 #[test]

@@ -114,8 +114,10 @@ impl TrackQueue {
             self.go_back_to(audible);
         }
         // What was opened ahead may follow no more. A list that has ended is not begun again because its order changed.
+        // One that is to go on, because an earlier change was asked about, still is.
+        let goes_on = !ended || edited.appended || matches!(self.next, Next::Asked(_));
         self.next = Next::Unasked;
-        if !ended || edited.appended {
+        if goes_on {
             self.ask(false);
         }
         ahead
@@ -302,6 +304,23 @@ mod tests {
         queue.set_order(Repeat::All, false);
         assert!(queue.take(asked(&requests).0, Found::Track(Track::silence(4, 9)), true));
         assert_eq!(queue.passages.track().info.entry, 4);
+    }
+
+    #[test]
+    fn a_list_that_has_ended_goes_on_after_an_append_whatever_is_changed_besides() {
+        let (mut queue, requests) = queue();
+        queue.ask_ahead();
+        queue.take(asked(&requests).0, Found::End, false);
+        assert!(matches!(queue.following(false), Following::End));
+        let removed = |id| Edited { removed: Some(id), ..Edited::default() };
+        assert!(!queue.take_edit(removed(7), 0, true));
+        assert!(requests.try_iter().next().is_none(), "it begins again because an entry was removed");
+        assert!(!queue.take_edit(Edited { appended: true, ..Edited::default() }, 0, true));
+        let early = asked(&requests).0;
+        assert!(!queue.take_edit(removed(8), 0, true));
+        assert!(!queue.take(early, Found::Track(Track::silence(8, 9)), true), "that one was removed");
+        assert!(queue.take(asked(&requests).0, Found::Track(Track::silence(5, 9)), true));
+        assert_eq!(queue.passages.track().info.entry, 5);
     }
 
     #[test]

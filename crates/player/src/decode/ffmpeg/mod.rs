@@ -1,0 +1,308 @@
+//! Decoding by `ffmpeg`, where it is installed, of what is not decoded here.
+//!
+//! `ffprobe` tells what is in the file, and `ffmpeg` writes the sound as 32-bit floats, with the file's own rate and
+//! channels, into a pipe. A seek starts it anew at another time (`-ss`), so it lands as exactly as the container tells
+//! its times: on the frame in lossless formats, within some milliseconds in others. Both programs are found through
+//! `PATH` and started without a shell. The file is named as `file:` with its whole path, so that no name is an option or
+//! an address, and nothing but [`FORMATS`] is read by nothing but the protocol `file`: no list of other files or
+//! addresses is followed.
+
+mod probe;
+mod process;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use mariana_music::StereoFrame;
+use symphonia::core::audio::{Channels, Position};
+
+use super::downmix::Downmix;
+use super::{DecodeError, StreamInfo, sniff};
+use crate::limits::LIMITS;
+use probe::{Answer, Stream};
+use process::{Failure, Process};
+
+/// The containers that are read, by ffmpeg's names: sound, and pictures with sound. Its lists and streams are not.
+const FORMATS: &str = "aac,ac3,aiff,amr,ape,asf,au,avi,caf,dsf,dts,dtshd,eac3,flac,flv,iff,it,libgme,libmodplug,libopenmpt,\
+    matroska,mov,mp3,mp4,mpc,mpc8,mpeg,ogg,rm,tta,voc,w64,wav,webm,wv";
+
+/// Most bytes of an answer of `ffprobe` that are read: pictures of covers are not in it.
+const ANSWER_MAX: usize = 1 << 20;
+
+/// A forward seek by no more than this many seconds decodes on.
+const NEAR_SECONDS: u64 = 1;
+
+/// The programs, and how long they may give nothing.
+#[derive(Debug, Clone)]
+pub(super) struct Programs {
+    ffprobe: PathBuf,
+    ffmpeg: PathBuf,
+    patience: Duration,
+}
+
+impl Default for Programs {
+    fn default() -> Self {
+        let patience = Duration::from_secs_f64(LIMITS.ffmpeg_wait_seconds);
+        Self { ffprobe: "ffprobe".into(), ffmpeg: "ffmpeg".into(), patience }
+    }
+}
+
+/// A file that ffmpeg decodes.
+pub(super) struct FfmpegDecoder {
+    programs: Programs,
+    /// The file, as ffmpeg is told.
+    address: OsString,
+    /// The stream within it.
+    stream: u32,
+    info: StreamInfo,
+    downmix: Downmix,
+    process: Process,
+    /// Bytes that are not a whole frame yet.
+    rest: Vec<u8>,
+    /// Frames that are ready; the first is at `position`.
+    pending: Vec<StereoFrame>,
+    position: u64,
+    /// Frames to drop before the next one that is heard.
+    skip: u64,
+    ended: bool,
+}
+
+impl FfmpegDecoder {
+    /// Opens the file at `path`, which is called `name`, because it is refused here with the error `refusal`.
+    pub(super) fn open(
+        path: &Path,
+        name: &str,
+        refusal: &DecodeError,
+        programs: &Programs,
+    ) -> Result<Self, DecodeError> {
+        let reader = Reader { name, refusal: describe(refusal) };
+        let path = std::path::absolute(path)
+            .map_err(|reason| DecodeError::Read { name: name.to_owned(), reason })?;
+        let mut address = OsString::from("file:");
+        address.push(&path);
+        let answer = reader.probe(programs, &address)?;
+        let stream = answer.sound().ok_or_else(|| DecodeError::NoAudioTrack { name: name.to_owned() })?;
+        if !stream.is_known() {
+            return Err(DecodeError::UnsupportedCodec {
+                name: name.to_owned(),
+                codec: "an unknown codec".into(),
+            });
+        }
+        if stream.channels == 0 || stream.rate() == 0 {
+            let what = "ffmpeg finds no sound in it".into();
+            return Err(DecodeError::Damaged { name: name.to_owned(), what });
+        }
+        sniff::check(name, stream.channels, stream.rate())?;
+        let info = StreamInfo {
+            name: name.to_owned(),
+            container: answer.format.name().to_owned(),
+            codec: stream.codec().to_owned(),
+            sample_rate: stream.rate(),
+            source_channels: stream.channels,
+            duration: answer.duration(stream),
+            title: answer.tag(stream, "title"),
+            artist: answer.tag(stream, "artist"),
+            scene_gain: answer.loudness(stream).scene_gain(),
+        };
+        let process =
+            start(programs, &address, stream.index, &info, 0.0).map_err(|failure| reader.error(failure))?;
+        let mut decoder = Self {
+            programs: programs.clone(),
+            address,
+            stream: stream.index,
+            downmix: downmix(stream),
+            info,
+            process,
+            rest: Vec::new(),
+            pending: Vec::new(),
+            position: 0,
+            skip: 0,
+            ended: false,
+        };
+        decoder.advance()?;
+        if decoder.pending.is_empty() {
+            return Err(reader.refused(&mut decoder.process, &decoder.address));
+        }
+        Ok(decoder)
+    }
+
+    pub(super) fn info(&self) -> &StreamInfo {
+        &self.info
+    }
+
+    /// Appends the next frames to `out` and returns how many; 0 is the end.
+    pub(super) fn next_block(&mut self, out: &mut Vec<StereoFrame>) -> Result<usize, DecodeError> {
+        self.advance()?;
+        let count = self.pending.len();
+        out.append(&mut self.pending);
+        self.position += count as u64;
+        Ok(count)
+    }
+
+    /// Moves to the frame nearest to `seconds` and returns the time reached.
+    pub(super) fn seek(&mut self, seconds: f64) -> Result<f64, DecodeError> {
+        let rate = f64::from(self.info.sample_rate);
+        // What is no number is the start. Past what is claimed to be the end may still be sound, but little.
+        let latest = self.info.duration.unwrap_or(LIMITS.claimed_duration_max);
+        let target = (seconds.clamp(0.0, latest) * rate).round() as u64;
+        let near = u64::from(self.info.sample_rate) * NEAR_SECONDS;
+        if self.ended || !(self.position..=self.position + near).contains(&target) {
+            let time = target as f64 / rate;
+            let started = start(&self.programs, &self.address, self.stream, &self.info, time);
+            let reader = Reader { name: &self.info.name, refusal: String::new() };
+            self.process = started.map_err(|failure| reader.error(failure))?;
+            self.rest.clear();
+            self.pending.clear();
+            (self.position, self.skip, self.ended) = (target, 0, false);
+        }
+        self.skip = target - self.position;
+        self.drop_skipped();
+        self.advance()?;
+        Ok(self.position as f64 / rate)
+    }
+
+    /// Decodes until there is something to fetch, or to the end.
+    fn advance(&mut self) -> Result<(), DecodeError> {
+        while self.pending.is_empty() && !self.ended {
+            match self.process.next() {
+                Ok(Some(piece)) => self.take(&piece),
+                Ok(None) => self.ended = true,
+                Err(failure) => {
+                    self.ended = true;
+                    return Err(Reader { name: &self.info.name, refusal: String::new() }.error(failure));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes bytes of samples, the channels in turn.
+    fn take(&mut self, piece: &[u8]) {
+        self.rest.extend_from_slice(piece);
+        let channels = self.downmix.channels();
+        let frames = self.rest.len() / (4 * channels);
+        let whole = frames * 4 * channels;
+        let mut planes = vec![Vec::with_capacity(frames); channels];
+        for (n, sample) in self.rest.get(..whole).unwrap_or_default().as_chunks::<4>().0.iter().enumerate() {
+            if let Some(plane) = planes.get_mut(n % channels) {
+                plane.push(f32::from_le_bytes(*sample));
+            }
+        }
+        self.rest.drain(..whole);
+        self.downmix.mix(&planes, frames, &mut self.pending);
+        self.drop_skipped();
+    }
+
+    fn drop_skipped(&mut self) {
+        let skipped = usize::try_from(self.skip).unwrap_or(usize::MAX).min(self.pending.len());
+        self.pending.drain(..skipped);
+        self.position += skipped as u64;
+        self.skip -= skipped as u64;
+    }
+}
+
+/// Starts to decode a stream of a file, from a time on.
+fn start(
+    programs: &Programs,
+    address: &OsString,
+    stream: u32,
+    info: &StreamInfo,
+    seconds: f64,
+) -> Result<Process, Failure> {
+    let mut arguments: Vec<OsString> = ["-v", "error", "-nostdin"].map(OsString::from).into();
+    arguments.extend(guarded());
+    if seconds > 0.0 {
+        arguments.extend(["-ss".into(), format!("{seconds:.6}").into()]);
+    }
+    arguments.extend(["-i".into(), address.clone(), "-map".into(), format!("0:{stream}").into()]);
+    arguments.extend(["-ar".into(), info.sample_rate.to_string().into()]);
+    arguments.extend(["-ac".into(), info.source_channels.to_string().into()]);
+    arguments.extend(["-c:a", "pcm_f32le", "-f", "f32le", "pipe:1"].map(OsString::from));
+    Process::start(&programs.ffmpeg, arguments, programs.patience)
+}
+
+/// What keeps the programs from opening anything but the file.
+fn guarded() -> [OsString; 4] {
+    ["-protocol_whitelist", "file", "-format_whitelist", FORMATS].map(OsString::from)
+}
+
+/// Who reads the file, for the sentences about it.
+struct Reader<'a> {
+    name: &'a str,
+    /// Why it is not decoded here.
+    refusal: String,
+}
+
+impl Reader<'_> {
+    fn probe(&self, programs: &Programs, address: &OsString) -> Result<Answer, DecodeError> {
+        let mut arguments: Vec<OsString> = ["-v", "error"].map(OsString::from).into();
+        arguments.extend(guarded());
+        arguments.extend(["-show_entries", probe::ENTRIES, "-of", "json"].map(OsString::from));
+        arguments.extend(["-i".into(), address.clone()]);
+        let ask = || {
+            let mut process = Process::start(&programs.ffprobe, arguments, programs.patience)?;
+            let answer = process.all(ANSWER_MAX)?;
+            Ok((process, answer))
+        };
+        let (mut process, answer) = ask().map_err(|failure| self.error(failure))?;
+        if !process.succeeded() {
+            return Err(self.refused(&mut process, address));
+        }
+        // What it writes about a file is never malformed, whatever the file is.
+        serde_json::from_slice(&answer).map_err(|error| DecodeError::Damaged {
+            name: self.name.to_owned(),
+            what: format!("ffprobe's answer about it makes no sense ({error})"),
+        })
+    }
+
+    /// The error for a program that gave nothing.
+    fn refused(&self, process: &mut Process, address: &OsString) -> DecodeError {
+        // It has closed its pipe; once it has ended, its words are complete.
+        process.succeeded();
+        let complaint = process.complaint(&address.to_string_lossy());
+        DecodeError::Damaged {
+            name: self.name.to_owned(),
+            what: format!("ffmpeg cannot decode it ({complaint})"),
+        }
+    }
+
+    fn error(&self, failure: Failure) -> DecodeError {
+        let name = self.name.to_owned();
+        match failure {
+            Failure::Missing => DecodeError::NeedsFfmpeg { name, what: self.refusal.clone() },
+            Failure::Start(reason) => DecodeError::Read { name, reason },
+            Failure::Stalled => {
+                let limit = LIMITS.ffmpeg_wait_seconds;
+                DecodeError::Damaged { name, what: format!("ffmpeg gave nothing of it for {limit} s") }
+            }
+        }
+    }
+}
+
+/// What is in the file that is not decoded here.
+fn describe(refusal: &DecodeError) -> String {
+    match refusal {
+        DecodeError::UnsupportedFormat { what, .. } => format!("is {what}"),
+        DecodeError::UnsupportedCodec { codec, .. } => format!("holds sound in {codec}"),
+        other => other.to_string(),
+    }
+}
+
+/// The down-mix for a stream. ffmpeg's order of channels is that of WAVE files; layouts that are not the usual ones for
+/// their number are told apart by name.
+fn downmix(stream: &Stream) -> Downmix {
+    const FRONT: Position = Position::FRONT_LEFT.union(Position::FRONT_RIGHT);
+    let mask = match stream.channel_layout.as_str() {
+        "2.1" => Some(FRONT | Position::LFE1),
+        "3.0(back)" => Some(FRONT | Position::REAR_CENTER),
+        "4.0" => Some(FRONT | Position::FRONT_CENTER | Position::REAR_CENTER),
+        "4.1" => Some(FRONT | Position::FRONT_CENTER | Position::LFE1 | Position::REAR_CENTER),
+        _ => None,
+    };
+    let by_count = Channels::Discrete(u16::try_from(stream.channels.max(1)).unwrap_or(1));
+    Downmix::new(&mask.map_or(by_count, Channels::Positioned))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,166 @@
+//! A program that writes to a pipe: never waited for without a limit, and never left behind.
+
+use std::ffi::OsStr;
+use std::io::{self, Read};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::Builder;
+use std::time::{Duration, Instant};
+
+/// Bytes that are read from the pipe at a time.
+const PIECE: usize = 1 << 15;
+
+/// Pieces that wait to be fetched; then the program has to wait.
+const PIECES_WAITING: usize = 4;
+
+/// Bytes of the program's complaints that are kept: the last ones.
+const WORDS_MAX: usize = 1 << 12;
+
+/// How long to wait for the end of a program that has closed its pipe or was killed.
+const END_LIMIT: Duration = Duration::from_millis(500);
+
+/// Why nothing more comes.
+#[derive(Debug)]
+pub(super) enum Failure {
+    /// There is no such program.
+    Missing,
+    /// It could not be started.
+    Start(io::Error),
+    /// It gave nothing for too long.
+    Stalled,
+}
+
+/// A running program. Dropping it ends the program; if this process ends, the pipe is closed and so the program ends.
+pub(super) struct Process {
+    child: Child,
+    pieces: Receiver<Vec<u8>>,
+    words: Arc<Mutex<Vec<u8>>>,
+    /// How long it may give nothing.
+    patience: Duration,
+}
+
+impl Process {
+    /// Starts a program without input.
+    pub(super) fn start<A: AsRef<OsStr>>(
+        program: &Path,
+        arguments: impl IntoIterator<Item = A>,
+        patience: Duration,
+    ) -> Result<Self, Failure> {
+        let mut child = Command::new(program)
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|error| match error.kind() {
+                io::ErrorKind::NotFound => Failure::Missing,
+                _ => Failure::Start(error),
+            })?;
+        let (to_reader, pieces) = sync_channel(PIECES_WAITING);
+        let words = Arc::new(Mutex::new(Vec::new()));
+        let (stdout, stderr) = (child.stdout.take(), child.stderr.take());
+        // From here on the program is ended whatever happens.
+        let process = Self { child, pieces, words: words.clone(), patience };
+        let thread = || Builder::new().name("ffmpeg".into());
+        if let Some(mut stdout) = stdout {
+            let read = move || {
+                while let Some(piece) = read_piece(&mut stdout) {
+                    if to_reader.send(piece).is_err() {
+                        break;
+                    }
+                }
+            };
+            thread().spawn(read).map_err(Failure::Start)?;
+        }
+        if let Some(mut stderr) = stderr {
+            let read = move || {
+                while let Some(piece) = read_piece(&mut stderr) {
+                    let mut words = words.lock().unwrap_or_else(PoisonError::into_inner);
+                    words.extend(piece);
+                    let surplus = words.len().saturating_sub(WORDS_MAX);
+                    words.drain(..surplus);
+                }
+            };
+            thread().spawn(read).map_err(Failure::Start)?;
+        }
+        Ok(process)
+    }
+
+    /// The next bytes that it writes; none once it has closed its pipe.
+    pub(super) fn next(&mut self) -> Result<Option<Vec<u8>>, Failure> {
+        match self.pieces.recv_timeout(self.patience) {
+            Ok(piece) => Ok(Some(piece)),
+            Err(RecvTimeoutError::Disconnected) => Ok(None),
+            Err(RecvTimeoutError::Timeout) => Err(Failure::Stalled),
+        }
+    }
+
+    /// All that it writes, up to `limit` bytes.
+    pub(super) fn all(&mut self, limit: usize) -> Result<Vec<u8>, Failure> {
+        let start = Instant::now();
+        let mut all = Vec::new();
+        while let Some(piece) = self.next()? {
+            all.extend(piece);
+            if all.len() > limit || start.elapsed() > self.patience {
+                return Err(Failure::Stalled);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Whether it ended well, once it has closed its pipe.
+    pub(super) fn succeeded(&mut self) -> bool {
+        self.wait().is_some_and(|success| success)
+    }
+
+    /// The last thing that it complained about, on one line; `path` is left out.
+    pub(super) fn complaint(&self, path: &str) -> String {
+        let words = self.words.lock().unwrap_or_else(PoisonError::into_inner);
+        let words = String::from_utf8_lossy(&words);
+        let last = words.lines().rev().map(str::trim).find(|line| !line.is_empty());
+        let last = last.unwrap_or("it says nothing").replace(path, "");
+        crate::song::one_line(last.trim_start_matches([':', ' ']))
+    }
+
+    /// Waits for its end within the limit, and tells whether it was a good one.
+    fn wait(&mut self) -> Option<bool> {
+        let start = Instant::now();
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => return Some(status.success()),
+                Ok(None) if start.elapsed() < END_LIMIT => std::thread::sleep(Duration::from_millis(1)),
+                _ => return None,
+            }
+        }
+    }
+
+    #[cfg(test)]
+    pub(super) fn id(&self) -> u32 {
+        self.child.id()
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        if self.wait().is_none() {
+            tracing::debug!("a program that was killed does not end");
+        }
+    }
+}
+
+/// The next bytes; none at the end or after a failure.
+fn read_piece(from: &mut impl Read) -> Option<Vec<u8>> {
+    let mut piece = vec![0; PIECE];
+    let count = loop {
+        match from.read(&mut piece) {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            read => break read.ok()?,
+        }
+    };
+    piece.truncate(count);
+    (count > 0).then_some(piece)
+}

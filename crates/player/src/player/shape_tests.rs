@@ -1,0 +1,125 @@
+//! The shape of tracks whose loudness is known.
+
+use std::time::{Duration, Instant};
+
+use super::*;
+use crate::player::tests::silent;
+use crate::player::{Player, PlayerOptions};
+use crate::playlist::Playlist;
+use crate::track::{Reopen, Repeat, Track};
+use mariana_testing::wave::write_wav;
+
+/// Waits for the whole shape of what plays.
+fn whole(player: &mut Player) -> Arc<LoudnessShape> {
+    let start = Instant::now();
+    loop {
+        player.status();
+        match player.shape() {
+            Some(shape) if shape.levels.len() == shape.parts => return shape,
+            _ => assert!(start.elapsed() < Duration::from_secs(20), "no shape"),
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A second of silence, one at -20 dB, one at full scale and one at -10 dB.
+fn write_steps(path: &std::path::Path) {
+    let levels = [0.0, 0.1, 1.0, 0.1_f32.sqrt()];
+    write_wav(
+        path,
+        48_000,
+        1,
+        (0..4 * 48_000).map(|n| if n % 2 == 0 { levels[n / 48_000] } else { -levels[n / 48_000] }),
+    );
+}
+
+fn played(path: &std::path::Path) -> Player {
+    let opened = Playlist::open(&[path.to_owned()], Repeat::All, false).unwrap();
+    let options = PlayerOptions { paused: true, ..silent(true) };
+    Player::start(opened.first, Box::new(opened.list), options).unwrap()
+}
+
+#[test]
+fn ten_decibels_more_are_twice_as_loud() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("steps.wav");
+    write_steps(&path);
+    let mut player = played(&path);
+    player.status();
+    assert!(player.shapes.is_idle(), "nobody has asked");
+    let shape = whole(&mut player);
+    assert_eq!(shape.levels.len(), PARTS);
+    for (part, wanted) in [(75, 0.0), (225, 0.25), (375, 1.0), (525, 0.5)] {
+        assert!((shape.levels[part] - wanted).abs() < 0.01, "part {part} is {}", shape.levels[part]);
+    }
+    assert!(Arc::ptr_eq(&shape, &player.shape().unwrap()), "it is measured again");
+}
+
+#[test]
+fn a_part_of_a_file_has_the_shape_of_that_part() {
+    let folder = tempfile::tempdir().unwrap();
+    write_steps(&folder.path().join("steps.wav"));
+    let sheet = "FILE steps.wav WAVE\nTRACK 01 AUDIO\nINDEX 01 00:00:00\nTRACK 02 AUDIO\nINDEX 01 00:02:00\n";
+    let path = folder.path().join("steps.cue");
+    std::fs::write(&path, sheet).unwrap();
+    let mut player = played(&path);
+    assert!((whole(&mut player).levels[PARTS - 9] - 1.0).abs() < 0.01);
+    player.play_entry(1);
+    let start = Instant::now();
+    while player.status().track.entry != 1 {
+        assert!(start.elapsed() < Duration::from_secs(10));
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let shape = whole(&mut player);
+    assert!((shape.levels[9] - 1.0).abs() < 0.01 && (shape.levels[PARTS - 9] - 0.5).abs() < 0.01);
+}
+
+/// Frames of full scale that may go on for ever.
+struct Endless {
+    duration: Option<f64>,
+}
+
+impl FrameSource for Endless {
+    fn sample_rate(&self) -> u32 {
+        8000
+    }
+
+    fn duration(&self) -> Option<f64> {
+        self.duration
+    }
+
+    fn next_block(&mut self, out: &mut Vec<[f32; 2]>) -> Result<usize, crate::source::SourceError> {
+        out.extend([[1.0; 2]; 100]);
+        Ok(100)
+    }
+
+    fn seek(&mut self, seconds: f64) -> Result<f64, crate::source::SourceError> {
+        Ok(seconds)
+    }
+}
+
+/// The track with that id, which says that it lasts `duration`.
+fn endless(id: u64, duration: Option<f64>) -> Arc<TrackInfo> {
+    let mut info = Track::silence(0, 1).info.as_ref().clone();
+    info.reopen = Reopen::by(move || Ok(Box::new(Endless { duration })));
+    Arc::new(TrackInfo { id, ..info })
+}
+
+#[test]
+fn what_is_too_long_or_of_unknown_length_has_no_shape_and_another_track_is_measured_at_once() {
+    let shapes = Shapes::default();
+    let limit = LIMITS.shape_seconds_max;
+    for (id, duration) in [None, Some(limit + 1.0), Some(f64::NAN), Some(0.0)].into_iter().enumerate() {
+        assert_eq!(shapes.of(&endless(id as u64, duration)), None);
+    }
+    // This one takes long, and is left for the next, which never ends but says that it does.
+    shapes.of(&endless(10, Some(limit)));
+    let last = endless(11, Some(1.0));
+    let start = Instant::now();
+    let known = || shapes.of(&last).filter(|shape| shape.levels.len() == shape.parts);
+    while known().is_none() {
+        assert!(start.elapsed() < Duration::from_secs(20), "no shape");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!((0..4).all(|id| shapes.shared.of(id).is_none()));
+}
