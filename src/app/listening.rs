@@ -136,6 +136,11 @@ impl Listening {
         self.sound.settings()
     }
 
+    /// Keeps a list of tracks for the next show, or none.
+    pub(super) fn keep_tracks(&mut self, tracks: Option<&[PathBuf]>) {
+        self.sound.keep_tracks(tracks);
+    }
+
     /// Remembers a change of it.
     pub(super) fn remember(&mut self, change: impl Fn(&mut Settings)) {
         self.sound.remember(change);

@@ -1,5 +1,6 @@
 //! What the show listens to: the song or a live input, and how much later the picture is shown.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::error::AppError;
@@ -314,6 +315,13 @@ impl Sound {
     /// What is remembered from run to run.
     pub(super) fn settings(&self) -> &Settings {
         self.file.settings()
+    }
+
+    /// Keeps a list of tracks for the next show, or none.
+    pub(super) fn keep_tracks(&mut self, tracks: Option<&[PathBuf]>) {
+        if let Err(error) = self.file.keep_tracks(tracks) {
+            self.complain(&error.to_string());
+        }
     }
 
     /// Remembers a change of it, here and in the file.

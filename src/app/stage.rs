@@ -1,6 +1,7 @@
 //! What lives as long as the window: the sound, the scene, the pace of the drawing, the reports, and the overlay.
 
 mod drawing;
+mod leaving;
 mod opening;
 
 use std::path::{Path, PathBuf};
@@ -138,10 +139,19 @@ impl Stage {
             return;
         }
         let waker = self.waker.clone();
-        match FileBrowser::start(self.last_folder.clone(), move || waker.wake()) {
+        let folder = self.last_folder.clone().or_else(|| self.folder_of_track());
+        match FileBrowser::start(folder, move || waker.wake()) {
             Ok(files) => self.files = Some(files),
             Err(error) => self.reports.answer(format!("folders cannot be read: {error}")),
         }
+    }
+
+    /// The folder of the track that plays, if it is a file.
+    fn folder_of_track(&mut self) -> Option<PathBuf> {
+        let entry = self.reports.playing().place.0;
+        let tracks = self.listening.with_song(|player| player.playlist())?;
+        let file = tracks.entries.get(entry)?.file.as_deref()?;
+        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
     }
 
     /// Does what was picked in the list of files.

@@ -54,6 +54,11 @@ pub(super) struct OneScene {
 }
 
 impl OneScene {
+    /// Whether the flag is absent.
+    pub(super) fn is_default(&self) -> bool {
+        self.scene.is_none()
+    }
+
     /// The scene that was named, with the flag or as a file beside the songs.
     pub(super) fn choose(
         &self,

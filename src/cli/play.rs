@@ -1,18 +1,21 @@
 //! Without a subcommand: the window.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::choices::{Quality, RepeatChoice, Switch};
-use super::common::{CommonArguments, OneScene};
+use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
 use super::view::ViewArguments;
 use crate::app;
-use crate::config::{ListenChoice, PlaySettings};
+use crate::config::{LastShow, ListenChoice, PlaySettings, SettingsFile};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
+use crate::export::print::tell;
+use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
 use mariana_player::playlist::{Opened, Playlist};
 use mariana_player::track::Repeat;
@@ -44,9 +47,9 @@ pub(super) struct PlayArguments {
     /// End with the last track instead of starting over
     #[arg(long, conflicts_with = "repeat")]
     once: bool,
-    /// Volume at the start, in percent
-    #[arg(long, value_name = "PERCENT", default_value = "100", value_parser = parse_percent, allow_negative_numbers = true)]
-    volume: u8,
+    /// Volume at the start, in percent [default: the last one, at first 100]
+    #[arg(long, value_name = "PERCENT", value_parser = parse_percent, allow_negative_numbers = true)]
+    volume: Option<u8>,
     /// How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]
     #[arg(long, value_name = "MS", value_parser = parse_latency, allow_negative_numbers = true)]
     latency: Option<f64>,
@@ -74,9 +77,12 @@ pub(super) struct PlayArguments {
     /// Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar
     #[arg(long)]
     clean: bool,
-    /// Size of the window in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
-    size: (u32, u32),
+    /// Size of the window in pixels [default: the last one, at first 1280x720]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
+    size: Option<(u32, u32)>,
+    /// Begin anew instead of where the last show ended, and leave nothing to the next one
+    #[arg(long)]
+    new: bool,
     /// Print which OpenGL is available, and exit
     #[arg(long)]
     gl_info: bool,
@@ -113,11 +119,17 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         (false, true) => Some(ListenChoice::System),
         (false, false) => None,
     };
-    let settings = PlaySettings {
+    // What is wrong with the file is told when the window opens.
+    let (file, _) = SettingsFile::of_user();
+    let last = match arguments.new {
+        true => LastShow::default(),
+        false => file.settings().last_show.clone().unwrap_or_default(),
+    };
+    let mut settings = PlaySettings {
         device: arguments.device,
         silent: arguments.silent,
         once: arguments.once,
-        volume: f32::from(arguments.volume) / 100.0,
+        volume: arguments.volume.map(|percent| f32::from(percent) / 100.0).or(last.volume).unwrap_or(1.0),
         latency: arguments.latency.map(|milliseconds| milliseconds / 1000.0),
         gain: common.gain.into(),
         listen,
@@ -130,9 +142,12 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
             Switch::On => ProgramCache::of_user(),
             Switch::Off => ProgramCache::off(),
         },
-        fullscreen: arguments.fullscreen,
+        fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
+        begin_at: 0.0,
+        sliders: BTreeMap::new(),
+        remembered: !arguments.new && !arguments.gl_info,
         clean: arguments.clean,
-        size: arguments.size,
+        size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         gl_info: arguments.gl_info,
     };
     let repeat = match arguments.repeat {
@@ -142,12 +157,62 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         RepeatChoice::Off => Repeat::Off,
     };
     let Files { songs, scene } = Files::of(arguments.files)?;
-    let scene = SceneChoice { view: arguments.view.view, ..arguments.scene.choose(scene, &common)? };
-    let tracks = match listen {
-        Some(_) => None,
-        None => Some(open_songs(&songs, repeat, arguments.shuffle)?),
+    let chosen = match last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default()) {
+        Some(name) => last_scene(name, &common)?,
+        None => arguments.scene.choose(scene, &common)?,
+    };
+    let scene = SceneChoice { view: arguments.view.view, ..chosen };
+    if !arguments.new {
+        settings.sliders = file.settings().sliders.get(&scene.source.title()).cloned().unwrap_or_default();
+    }
+    let goes_on = songs.is_empty() && !arguments.new && !arguments.once;
+    let last_tracks = file.last_tracks().filter(|_| goes_on);
+    let tracks = match (listen, last_tracks) {
+        (Some(_), _) => None,
+        (None, Some(list)) => {
+            let repeat = last.repeat.as_deref().and_then(repeat_of).unwrap_or(repeat);
+            // Tracks that have gone meanwhile cost the list, never the start.
+            match Playlist::open_at(&[list], repeat, last.shuffled || arguments.shuffle, Some(last.track)) {
+                Ok(opened) if opened.playable => {
+                    let is_same = opened.first.info.entry == last.track && last.seconds.is_finite();
+                    settings.begin_at = if is_same { last.seconds.max(0.0) } else { 0.0 };
+                    Some(opened)
+                }
+                _ => {
+                    tell("the tracks of the last show cannot be played any more: the demo track plays");
+                    Some(open_songs(&songs, repeat, arguments.shuffle)?)
+                }
+            }
+        }
+        (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
     app::run(tracks, settings, scene)
+}
+
+/// Size of the first window, in pixels.
+const SIZE: (u32, u32) = (1280, 720);
+
+/// Whether a size that was remembered is one that a window may have.
+fn fits((width, height): (u32, u32)) -> bool {
+    let sides = LIMITS.picture_side_min.max(64)..=LIMITS.picture_side_max;
+    let pixels = u64::from(width) * u64::from(height);
+    sides.contains(&width) && sides.contains(&height) && pixels <= LIMITS.picture_pixels_max
+}
+
+fn repeat_of(name: &str) -> Option<Repeat> {
+    let modes = [("all", Repeat::All), ("one", Repeat::One), ("off", Repeat::Off)];
+    modes.into_iter().find(|(known, _)| *known == name).map(|(_, repeat)| repeat)
+}
+
+/// The scene of the last show, if it can still be shown; else the first one, and a sentence.
+fn last_scene(name: &str, common: &CommonArguments) -> anyhow::Result<SceneChoice> {
+    if let Ok(choice) = common.scene(name.as_ref())
+        && choice.source.compile().is_ok_and(|compiled| compiled.scene.is_some())
+    {
+        return Ok(choice);
+    }
+    tell(&format!("the scene of the last show, {name}, cannot be shown any more: {DEFAULT_SCENE} is shown"));
+    common.scene(DEFAULT_SCENE.as_ref())
 }
 
 /// The list of the songs that were named.

@@ -1,8 +1,12 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
+mod last_show;
 mod settings;
 
+pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
+
+use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
 use mariana_music::Gain;
@@ -76,6 +80,12 @@ pub struct PlaySettings {
     pub program_cache: ProgramCache,
     /// Start in full screen.
     pub fullscreen: bool,
+    /// Where in the first track to begin, in seconds.
+    pub begin_at: f64,
+    /// The sliders of the scene at the start that were moved, by name.
+    pub sliders: BTreeMap<String, f32>,
+    /// Whether the next show goes on where this one ends.
+    pub remembered: bool,
     /// Show nothing over the picture but what was asked for and what is wrong.
     pub clean: bool,
     /// Size of the window in pixels at the start.

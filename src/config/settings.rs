@@ -20,6 +20,7 @@ use directories::ProjectDirs;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use serde::{Deserialize, Serialize};
 
+use super::last_show::{self, LastShow};
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
@@ -36,6 +37,12 @@ pub struct Settings {
     /// Names of the scenes that the user has marked.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub favourite_scenes: BTreeSet<String>,
+    /// The last show, with which the next one begins.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub last_show: Option<LastShow>,
+    /// By a scene's name: the sliders that were moved, by theirs.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub sliders: BTreeMap<String, BTreeMap<String, f32>>,
     /// By a device's id: how much later than the device says the picture is shown, in milliseconds.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub latency_ms: BTreeMap<String, f64>,
@@ -101,6 +108,20 @@ impl SettingsFile {
         &self.settings
     }
 
+    /// The file with the list of the last show's tracks, if there is one.
+    pub fn last_tracks(&self) -> Option<PathBuf> {
+        self.path.as_deref().map(last_show::tracks_file).filter(|file| file.is_file())
+    }
+
+    /// Keeps the list of tracks for the next show, if there is a place for it and each can be named; else there is
+    /// none for it.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn keep_tracks(&self, tracks: Option<&[PathBuf]>) -> Result<(), SettingsError> {
+        self.path.as_deref().map_or(Ok(()), |path| last_show::keep_tracks(path, tracks))
+    }
+
     /// How much later the picture is shown for a device, in milliseconds; none if nothing is remembered for it.
     pub fn latency_ms(&self, device: &str) -> Option<f64> {
         self.settings.latency_ms.get(device).copied()
@@ -129,7 +150,7 @@ impl SettingsFile {
     }
 }
 
-fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SettingsError {
+pub(super) fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SettingsError {
     SettingsError::System { path: path.to_owned(), doing, reason: error.to_string() }
 }
 
@@ -151,6 +172,9 @@ fn read(path: &Path) -> Result<Settings, SettingsError> {
         toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
     let range = -PLAYER_LIMITS.latency_ms_max..=PLAYER_LIMITS.latency_ms_max;
     settings.latency_ms.retain(|_, shift| range.contains(shift));
+    for sliders in settings.sliders.values_mut() {
+        sliders.retain(|_, value| value.is_finite());
+    }
     Ok(settings)
 }
 

@@ -21,8 +21,9 @@ pub(crate) const PROGRAM: &str = env!("CARGO_BIN_EXE_mariana");
 pub(crate) const SCREEN: (u32, u32) = (800, 600);
 
 /// Scenes beside the one that is tested are prepared only where a test asks for it: they are large, and would take the
-/// processors from the others.
-const ALONE: [&str; 2] = ["--prepare-ahead", "off"];
+/// processors from the others. Nothing stands over the picture that a test did not ask for, and no window begins where
+/// the one before ended.
+const ALONE: [&str; 4] = ["--prepare-ahead", "off", "--clean", "--new"];
 
 /// Ticks per second in which the system counts the time of processors.
 const TICKS_PER_SECOND: f64 = 100.0;

@@ -6,6 +6,7 @@ mod playlist_window;
 mod window;
 mod window_changes;
 mod window_live;
+mod window_panels;
 mod window_programs;
 mod window_quality;
 mod window_scenes;

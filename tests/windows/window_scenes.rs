@@ -295,6 +295,7 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
         assert_alike(&format!("window-{other}"), &after, &before, TIGHT);
         app.press(&["c"]);
         wait_for_mode(&mut app, first);
+        app.wait_until_told(if first == "on" { "told: regions" } else { "told: no regions" });
         wait_until("the picture of before", || app.picture() == before);
         quit(app);
     }
@@ -305,13 +306,13 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
     let place = Place::new();
     place.save("own.scene", VARIED);
     for (mode, first) in [("interpreted", "on"), ("compiled", "off")] {
-        let mut app = place.open("own.scene", &["--sdf", mode, "--regions", first]);
+        let mut app = place.open("own.scene", &["--sdf", mode, "--regions", first, "-v"]);
         wait_for_mode(&mut app, mode);
         pause(&mut app);
         app.press(&["Left"]);
         let before = settled(&app);
         app.press(&["r"]);
-        wait_until("the notice", || app.picture() != before);
+        app.wait_until_told(if first == "on" { "told: no regions" } else { "told: regions" });
         let after = settled(&app);
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
         app.press(&["r"]);

@@ -7,7 +7,7 @@ use crate::scenes::SceneSource;
 
 impl SceneStage {
     /// The name of the scene on the stage.
-    pub(super) fn name(&self) -> Option<String> {
+    pub(crate) fn name(&self) -> Option<String> {
         self.on_stage.as_ref().map(|cast| cast.source.title())
     }
 

@@ -69,7 +69,7 @@ impl Opening<'_> {
         // Requested first: the driver compiles it while everything else is made.
         let of_scenes = waker.clone();
         let choice = scene;
-        let scene = SceneStage::new(
+        let mut scene = SceneStage::new(
             window.gl(),
             window.worker_contexts(COMPILERS),
             sources(settings, choice),
@@ -78,6 +78,7 @@ impl Opening<'_> {
             first,
             move || of_scenes.wake(),
         )?;
+        scene.move_sliders(&settings.sliders);
         let renderer = renderer(&window, settings, choice)?;
         // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
@@ -97,7 +98,11 @@ impl Opening<'_> {
             }
             let (repeat, shuffled) = (tracks.repeat, tracks.shuffled);
             let options = PlayerOptions { repeat, shuffled, ..options };
-            player = Some(Player::start(tracks.first, Box::new(tracks.list), options)?);
+            let started = Player::start(tracks.first, Box::new(tracks.list), options)?;
+            if settings.begin_at > 0.0 {
+                started.seek_to(settings.begin_at);
+            }
+            player = Some(started);
         }
         let sound = Sound::start(Start {
             player,

@@ -87,6 +87,16 @@ impl Playlist {
     /// Fails if the only file named cannot be played, or if there is no track at all. If there are several tracks and
     /// none can be played, the first track is silence.
     pub fn open(paths: &[PathBuf], repeat: Repeat, shuffled: bool) -> Result<Opened, PlaylistError> {
+        Self::open_at(paths, repeat, shuffled, None)
+    }
+
+    /// The same, beginning with the entry at this place of the list.
+    pub fn open_at(
+        paths: &[PathBuf],
+        repeat: Repeat,
+        shuffled: bool,
+        place: Option<usize>,
+    ) -> Result<Opened, PlaylistError> {
         if let [path] = paths
             && (!is_many(path) || !path.exists())
         {
@@ -96,8 +106,9 @@ impl Playlist {
         let gathered = gather(paths);
         let troubles = gathered.troubles.iter().map(ToString::to_string).collect();
         let mut list = Self::new(gathered.entries);
-        list.arrange(repeat, shuffled, None);
-        let Some(first) = list.order.first() else {
+        let wanted = place.and_then(|place| Some(list.slots.get(place)?.id));
+        list.arrange(repeat, shuffled, wanted);
+        let Some(first) = wanted.or_else(|| list.order.first()) else {
             let name = paths.first().map(|path| error::name_of(path)).unwrap_or_default();
             return Err(gathered.troubles.into_iter().next().unwrap_or(PlaylistError::Empty { name }));
         };

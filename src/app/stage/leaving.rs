@@ -1,0 +1,70 @@
+//! What a show leaves to the next one when it ends: volume, window, scene, sliders, and where its tracks had got to.
+
+use super::Stage;
+use crate::config::{LastShow, PlaySettings};
+use crate::scenes::SceneSource;
+use mariana_player::track::Repeat;
+
+/// A track of which less is left than this is not gone on with, in seconds: the next one begins.
+const LEFT_MIN: f64 = 5.0;
+
+impl Stage {
+    /// Remembers the show for the next one, unless the user wants nothing remembered.
+    pub(in crate::app) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
+        // A show that has shown nothing is none to go on with.
+        if !settings.remembered || self.pace.shown().is_none() {
+            return;
+        }
+        let before = self.listening.settings().last_show.clone().unwrap_or_default();
+        let fullscreen = self.window.is_fullscreen();
+        let mut show = LastShow {
+            fullscreen,
+            size: self.window.size().filter(|_| !fullscreen).or(before.size),
+            scene: self.scene.shown_source().and_then(name_of).or(before.scene),
+            volume: before.volume,
+            track: before.track,
+            seconds: before.seconds,
+            shuffled: before.shuffled,
+            repeat: before.repeat,
+        };
+        if let Some((status, list)) = self.listening.with_song(|player| (player.status(), player.playlist()))
+        {
+            let remaining = status.track.duration.map(|duration| duration - status.position);
+            let is_over = remaining.is_some_and(|remaining| remaining < LEFT_MIN);
+            show.volume = Some(status.volume);
+            show.track = status.track.entry;
+            show.seconds = if is_over { 0.0 } else { status.position };
+            show.shuffled = status.shuffled;
+            show.repeat = Some(repeat_name(status.repeat).to_owned());
+            // A track inside the program has no file, and a part of one cannot be named in a list.
+            let files = list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none()));
+            self.listening.keep_tracks(files.collect::<Option<Vec<_>>>().as_deref());
+        }
+        let (scene, sliders) = (self.scene.name().unwrap_or_default(), self.scene.moved_sliders());
+        self.listening.remember(move |settings| {
+            settings.last_show = Some(show.clone());
+            if sliders.is_empty() {
+                settings.sliders.remove(&scene);
+            } else {
+                settings.sliders.insert(scene.clone(), sliders.clone());
+            }
+        });
+    }
+}
+
+/// How the next show names a scene; a formula has no name.
+fn name_of(source: &SceneSource) -> Option<String> {
+    match source {
+        SceneSource::Shipped(name) => Some(name.clone()),
+        SceneSource::File(path) => std::path::absolute(path).ok()?.to_str().map(str::to_owned),
+        SceneSource::Formula(_) => None,
+    }
+}
+
+fn repeat_name(repeat: Repeat) -> &'static str {
+    match repeat {
+        Repeat::All => "all",
+        Repeat::One => "one",
+        Repeat::Off => "off",
+    }
+}
