@@ -85,7 +85,9 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
                     show.stage = stage;
                 }
                 ended => {
-                    show.stage.leave_to_the_next(&show.settings);
+                    if ended.is_ok() {
+                        show.stage.leave_to_the_next(&show.settings);
+                    }
                     tracing::info!("{}", show.stage.frame_times());
                     return ended;
                 }

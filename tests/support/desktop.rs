@@ -231,7 +231,12 @@ impl App<'_> {
 
     /// Waits until the title is as wanted.
     pub(crate) fn wait_for_title(&mut self, what: &str, wanted: impl Fn(&str) -> bool) {
-        self.wait(&format!("a title that says {what}"), |app| wanted(&app.title()).then_some(()));
+        let start = Instant::now();
+        self.wait(&format!("a title that says {what}"), |app| {
+            let title = app.title();
+            assert!(wanted(&title) || start.elapsed() < WAIT_LIMIT, "no title says {what}, it is '{title}'");
+            wanted(&title).then_some(())
+        });
     }
 
     /// Size of the window without its frame.

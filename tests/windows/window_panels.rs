@@ -17,8 +17,11 @@ const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// A window in which every panel has its room.
 const SIZE: &str = "640x360";
 /// A scene that never moves and costs little: what changes in the picture is what stands over it.
-const STILL: &str = "object wall { shape = p.z - 5  material = red }\nmaterial red { color = vec3(0.5, 0.1, 0.1) }\n\
-                     camera { position = vec3(0, 0, 0)  target = vec3(0, 0, 5) }\n";
+const STILL: &str = "material paint { color = 0  roughness = 1  emission = vec3(0.5, 0.1, 0.1) }\n\
+                     object wall { shape = 5 - p.z  material = paint }\n\
+                     light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+                     camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
+                     sky { color = 0  ambient = 0 }\n";
 
 struct Place {
     desktop: Desktop,

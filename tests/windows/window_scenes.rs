@@ -295,7 +295,6 @@ fn the_mode_is_as_told_and_c_changes_it_but_not_the_picture() {
         assert_alike(&format!("window-{other}"), &after, &before, TIGHT);
         app.press(&["c"]);
         wait_for_mode(&mut app, first);
-        app.wait_until_told(if first == "on" { "told: regions" } else { "told: no regions" });
         wait_until("the picture of before", || app.picture() == before);
         quit(app);
     }
@@ -316,6 +315,7 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
         let after = settled(&app);
         assert_alike(&format!("window-{mode}-regions-not-{first}"), &after, &before, TIGHT);
         app.press(&["r"]);
+        app.wait_until_told(if first == "on" { "told: regions" } else { "told: no regions" });
         wait_until("the picture of before", || app.picture() == before);
         quit(app);
     }

@@ -138,7 +138,8 @@ impl SceneStage {
             self.awaited = None;
             if is_another {
                 self.fade_if_it_can();
-                self.tell(self.name().unwrap_or_default());
+                let words = self.shown_source().map(|source| self.placed_name(source));
+                self.tell(words.unwrap_or_default());
                 self.hand = OrbitControls::OFF;
             }
         }

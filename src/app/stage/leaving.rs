@@ -11,8 +11,7 @@ const LEFT_MIN: f64 = 5.0;
 impl Stage {
     /// Remembers the show for the next one, unless the user wants nothing remembered.
     pub(in crate::app) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
-        // A show that has shown nothing is none to go on with.
-        if !settings.remembered || self.pace.shown().is_none() {
+        if !settings.remembered {
             return;
         }
         let before = self.listening.settings().last_show.clone().unwrap_or_default();
