@@ -3,7 +3,7 @@
 use mariana_field::graph::FrameInputs;
 use mariana_field::graph::SoundInputs;
 use mariana_field::lang::{self, Diagnostic, Sources};
-use mariana_field::world::{SurfaceOptions, World, WorldError};
+use mariana_field::world::{ShortPrograms, ShortenOptions, World, WorldError};
 
 use super::bytes::hash;
 use super::random::Random;
@@ -63,10 +63,11 @@ pub(crate) fn scene(data: &[u8]) {
     for _ in 0..2 {
         let inputs = frame_of(&world, &mut random);
         world.frame_tape.values(&inputs);
-        for cells in [false, true] {
-            let options = SurfaceOptions { cells, ..SurfaceOptions::default() };
-            let texels = buffers.texels(&inputs, &options);
-            let most = if cells { options.texels_max } else { 0 };
+        let options = ShortenOptions::default();
+        let request = buffers.worth_shortening().request(&buffers, &inputs);
+        let short = buffers.shorten(&inputs, &request, &options);
+        for (short, most) in [(ShortPrograms::default(), 0), (short, options.texels_max)] {
+            let texels = buffers.texels(&inputs, &short);
             assert!(texels.len() <= buffers.texels_max().max(most));
             words::check_directory(&texels, world.scene.objects.len());
         }

@@ -17,8 +17,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crate::frame::Frame;
-use crate::gpu::scene_resources::{BuiltRegions, RegionRequest};
-use mariana_field::region::RegionPlan;
+use crate::gpu::scene_resources::{BuiltRegions, RegionMaker, RegionRequest};
 
 /// A tree to be built.
 pub(super) struct TreeJob<Tag> {
@@ -27,7 +26,7 @@ pub(super) struct TreeJob<Tag> {
     /// The frame that is to be drawn with it.
     pub frame: Frame,
     /// What builds it.
-    pub plan: Arc<RegionPlan>,
+    pub maker: RegionMaker,
     /// What it is built for.
     pub request: RegionRequest,
     /// How long it may take.
@@ -138,16 +137,14 @@ fn work<Tag: Send>(shared: &Shared<Tag>, wake: &dyn Fn()) {
         let Some(job) = state.next.take().filter(|_| !state.over) else { return };
         let forgotten = state.forgotten;
         drop(state);
-        let TreeJob { tag, frame, plan, request, patience } = job;
+        let TreeJob { tag, frame, maker, request, patience } = job;
         let begun = Instant::now();
         let is_wanted = || {
             let state = shared.lock();
             state.forgotten == forgotten && !state.over && begun.elapsed() < patience
         };
         // After a panic the picture must not wait for ever: the next request is another chance.
-        let built = catch_unwind(AssertUnwindSafe(|| {
-            BuiltRegions::new_while(&plan, &frame.inputs, request, &is_wanted)
-        }));
+        let built = catch_unwind(AssertUnwindSafe(|| maker.build_while(&frame, request, &is_wanted)));
         match built {
             Ok(regions) => {
                 let mut state = shared.lock();
@@ -168,25 +165,31 @@ mod tests {
     use super::*;
     use crate::frame::testing::world_of;
     use crate::gpu::scene_resources::RegionRequest;
-    use mariana_field::region::RegionOptions;
+    use mariana_field::region::{RegionOptions, RegionPlan};
+    use mariana_field::world::World;
     use mariana_music::Features;
     use std::sync::mpsc::{Receiver, channel};
 
+    fn maker_of(world: &World) -> RegionMaker {
+        let (plan, buffers) = (RegionPlan::new(world).into(), world.tape_buffers().unwrap().into());
+        RegionMaker { plan, buffers, last: None }
+    }
+
     /// A builder, its wakes, and what it takes to ask it for a tree that is not built at once.
-    fn long_tree() -> (RegionBuilder<usize>, Receiver<()>, Frame, Arc<RegionPlan>, RegionRequest) {
+    fn long_tree() -> (RegionBuilder<usize>, Receiver<()>, Frame, RegionMaker, RegionRequest) {
         let world = world_of("union(for i in 0..200: sphere(p - vec3(i, 0, 0), 0.3 + 0.01 * sin(t)))");
-        let plan = Arc::new(RegionPlan::new(&world));
+        let maker = maker_of(&world);
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let frame = Frame::new(&world, 1.0, Features::SILENCE, (8, 8));
-        let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
-        (builder, wakes, frame, plan, request)
+        let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
+        (builder, wakes, frame, maker, request)
     }
 
     #[test]
     fn what_is_forgotten_while_it_is_built_does_not_come() {
-        let (builder, wakes, frame, plan, request) = long_tree();
-        builder.request(TreeJob { tag: 1, frame, plan, request, patience: Duration::MAX });
+        let (builder, wakes, frame, maker, request) = long_tree();
+        builder.request(TreeJob { tag: 1, frame, maker, request, patience: Duration::MAX });
         while builder.shared.lock().next.is_some() {
             std::thread::yield_now();
         }
@@ -197,8 +200,8 @@ mod tests {
 
     #[test]
     fn a_tree_that_takes_too_long_kept_others_waiting() {
-        let (builder, wakes, frame, plan, request) = long_tree();
-        builder.request(TreeJob { tag: 1, frame, plan, request, patience: Duration::ZERO });
+        let (builder, wakes, frame, maker, request) = long_tree();
+        builder.request(TreeJob { tag: 1, frame, maker, request, patience: Duration::ZERO });
         wakes.recv_timeout(Duration::from_secs(20)).unwrap();
         let built = builder.poll().unwrap();
         assert!(built.tag == 1 && built.regions.is_none());
@@ -207,13 +210,13 @@ mod tests {
     #[test]
     fn the_latest_request_is_built_and_comes_with_its_frame() {
         let world = world_of("object ball { shape = sphere(p, 1 + 0.1 * sin(t)) }");
-        let plan = Arc::new(RegionPlan::new(&world));
+        let maker = maker_of(&world);
         let (woken, wakes) = channel();
         let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
         let job = |tag: usize| {
             let frame = Frame::new(&world, tag as f64, Features::SILENCE, (8, 8));
-            let request = RegionRequest::of(&plan, &frame, RegionOptions::default());
-            TreeJob { tag, frame, plan: plan.clone(), request, patience: Duration::MAX }
+            let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
+            TreeJob { tag, frame, maker: maker.clone(), request, patience: Duration::MAX }
         };
         for tag in 0..50 {
             builder.request(job(tag));
@@ -226,8 +229,38 @@ mod tests {
             }
         };
         assert_eq!(last.frame.inputs.time, 49.0);
-        let alone = plan.build(&last.frame.inputs, &RegionOptions::default());
-        assert_eq!(last.regions.unwrap().regions, alone);
+        let alone = maker.plan.build(&last.frame.inputs, &RegionOptions::default());
+        assert_eq!(*last.regions.unwrap().regions, alone);
         assert!(builder.poll().is_none(), "a tree comes once");
+    }
+
+    #[test]
+    fn programs_are_shortened_beside_the_tree_which_stays_where_only_they_change() {
+        let text = "material lit { emission = vec3(sum(for i in 1..9: sin(i * p.x - t))) * smoothstep(1, 0, abs(p.x)) }\n\
+                    object wall { shape = box(p, 2) material = lit }";
+        let world = world_of(text);
+        let mut maker = maker_of(&world);
+        let (woken, wakes) = channel();
+        let builder = RegionBuilder::start(move || woken.send(()).unwrap_or_default()).unwrap();
+        let mut built = Vec::new();
+        for tag in 0..2 {
+            let frame = Frame::new(&world, tag as f64, Features::SILENCE, (8, 8));
+            let programs = maker.buffers.worth_shortening().request(&maker.buffers, &frame.inputs);
+            let request = RegionRequest {
+                programs,
+                ..RegionRequest::of(&maker.plan, &frame, RegionOptions::default())
+            };
+            let inputs = frame.inputs.clone();
+            builder.request(TreeJob { tag, frame, maker: maker.clone(), request, patience: Duration::MAX });
+            wakes.recv_timeout(Duration::from_secs(20)).unwrap();
+            let regions = builder.poll().unwrap().regions.unwrap();
+            let [short, whole] = [&regions.programs, &Default::default()]
+                .map(|programs| maker.buffers.texels(&inputs, programs).len());
+            assert!(short > whole, "nothing was shortened");
+            maker.last = Some(regions.clone());
+            built.push(regions);
+        }
+        assert!(Arc::ptr_eq(&built[0].regions, &built[1].regions));
+        assert_ne!(built[0].programs, built[1].programs);
     }
 }

@@ -101,8 +101,8 @@ impl SceneRegions {
         }
         let tag = (id, wanted);
         if self.asked != Some(tag) {
-            let (plan, patience) = (scene.plan().clone(), Duration::MAX);
-            self.builder.request(TreeJob { tag, frame, plan, request, patience });
+            let (maker, patience) = (scene.region_maker(), Duration::MAX);
+            self.builder.request(TreeJob { tag, frame, maker, request, patience });
             self.asked = Some(tag);
         }
         let BuiltTree { tag, mut frame, regions } = self.builder.poll()?;
@@ -139,7 +139,7 @@ impl SceneRegions {
         let request = scene.region_request(&frame);
         let patience = Duration::from_secs_f64(LIMITS.picture_seconds_max);
         self.trials.forget();
-        self.trials.request(TreeJob { tag: id, frame, plan: scene.plan().clone(), request, patience });
+        self.trials.request(TreeJob { tag: id, frame, maker: scene.region_maker(), request, patience });
     }
 
     /// A first tree that was requested, and its scene; no tree if it takes longer than anyone waits.

@@ -23,7 +23,7 @@ use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Evaluations, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
-use crate::gpu::scene_resources::{BuiltRegions, CellUse, SceneResources};
+use crate::gpu::scene_resources::{BuiltRegions, CellUse, RegionMaker, SceneResources};
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
 use crate::gpu::timer::GpuTimer;
 use crate::scenes::ReadyScene;
@@ -89,7 +89,7 @@ pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
         let ways: &[bool] =
             if request.both { &[true, false] } else { &[request.scene.cells != CellUse::Never] };
         for &regions in ways {
-            let (built, build_ms) = build(&resources, &frame, regions);
+            let (built, build_ms) = build(&resources, &frame, regions, mode);
             resources.take_regions(built.clone());
             let start = Instant::now();
             renderer.draw(&frame, &resources, &program)?;
@@ -237,10 +237,15 @@ const FRAMES_MIN: usize = 3;
 /// Trees that are built to find out how long it takes.
 const BUILDS: usize = 9;
 
-/// The tree of a frame, and how long it takes to build one, in ms.
-fn build(resources: &SceneResources, frame: &Frame, cells: bool) -> (Arc<BuiltRegions>, f64) {
-    resources.set_cells(cells, Mode::Interpreted);
-    let once = || BuiltRegions::new(resources.plan(), &frame.inputs, resources.region_request(frame));
+/// The regions of a frame in a mode, and how long it takes to build them, in ms. Programs of materials and light of
+/// which a first attempt saves little are left whole.
+fn build(resources: &SceneResources, frame: &Frame, cells: bool, mode: Mode) -> (Arc<BuiltRegions>, f64) {
+    resources.set_cells(cells, mode);
+    let once = || {
+        let maker = RegionMaker { last: None, ..resources.region_maker() };
+        maker.build(frame, resources.region_request(frame))
+    };
+    resources.take_regions(once().into());
     let built = once();
     let mut times: Vec<f64> = (0..BUILDS).map(|_| milliseconds(once().time)).collect();
     (Arc::new(built), percentile(&mut times, 0.5))

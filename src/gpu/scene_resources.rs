@@ -25,7 +25,9 @@ use crate::limits::LIMITS;
 use crate::view::setup::Drawn;
 use mariana_field::graph::FrameInputs;
 use mariana_field::region::{Part, RegionKey, RegionOptions, RegionPlan, Regions, Surfaces};
-use mariana_field::world::{SurfaceOptions, TapeBuffers, World};
+use mariana_field::world::{
+    ShortPrograms, ShortenOptions, ShortenRequest, TapeBuffers, World, WorthShortening,
+};
 
 /// When space is divided into cells. The picture is the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -63,6 +65,8 @@ pub struct SceneResources {
     with_cells: Cell<bool>,
     /// Whether programs of materials and light are shortened.
     shortens: Cell<bool>,
+    /// Which of them.
+    worth: RefCell<WorthShortening>,
     /// Those that were uploaded last.
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
 }
@@ -70,13 +74,15 @@ pub struct SceneResources {
 /// Grid spacing of the possible centres of the tree of a scene without bounds.
 const CENTER_STEP: f32 = 8.0;
 
-/// What a tree of regions was built for: equal requests give equal trees.
+/// What regions were built for: equal requests give equal trees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionRequest {
     /// What the distance reads.
     pub key: RegionKey,
     /// How the tree is built.
     pub options: RegionOptions,
+    /// Which programs of materials and light are shortened, and what they read.
+    pub programs: ShortenRequest,
 }
 
 /// Regions, and what they were built for.
@@ -85,36 +91,78 @@ pub struct BuiltRegions {
     /// What they were built for.
     pub request: RegionRequest,
     /// The tree.
-    pub regions: Regions,
+    pub regions: Arc<Regions>,
+    /// The programs of materials and light.
+    pub programs: ShortPrograms,
     /// How long it took.
     pub time: Duration,
 }
 
+/// What builds the regions of a scene's frames, on any thread.
+#[derive(Debug, Clone)]
+pub struct RegionMaker {
+    /// Its tree.
+    pub plan: Arc<RegionPlan>,
+    /// Its programs.
+    pub buffers: Arc<TapeBuffers>,
+    /// The last regions: their tree need not be built again where only numbers of materials and light have changed.
+    pub last: Option<Arc<BuiltRegions>>,
+}
+
 impl RegionRequest {
-    /// What the regions of a frame are built for.
+    /// What the tree of a frame is built for, with whole programs.
     pub fn of(plan: &RegionPlan, frame: &Frame, options: RegionOptions) -> Self {
-        Self { key: plan.key(&frame.inputs), options }
+        Self { key: plan.key(&frame.inputs), options, programs: ShortenRequest::default() }
+    }
+
+    /// Whether the trees are equal.
+    fn has_tree_of(&self, other: &Self) -> bool {
+        self.key == other.key && self.options == other.options
+    }
+
+    /// Whether a picture can be drawn with what was built for `other`.
+    fn is_served_by(&self, other: &Self) -> bool {
+        self.has_tree_of(other) && self.programs.is_served_by(&other.programs)
     }
 }
 
-impl BuiltRegions {
-    /// Builds the tree of a frame.
-    pub fn new(plan: &RegionPlan, inputs: &FrameInputs, request: RegionRequest) -> Self {
-        Self::new_while(plan, inputs, request, &|| true)
+impl RegionMaker {
+    /// Builds the regions of a frame.
+    pub fn build(&self, frame: &Frame, request: RegionRequest) -> BuiltRegions {
+        self.build_while(frame, request, &|| true)
     }
 
-    /// The same, for as long as somebody wants it. Unusable if it was given up.
-    pub fn new_while(
-        plan: &RegionPlan,
-        inputs: &FrameInputs,
+    /// The same, for as long as somebody wants them. Unusable if they were given up.
+    pub fn build_while(
+        &self,
+        frame: &Frame,
         request: RegionRequest,
         is_wanted: &(dyn Fn() -> bool + Sync),
-    ) -> Self {
+    ) -> BuiltRegions {
         let start = Instant::now();
-        let parts = if plan.whole_texels() < SMALL_TAPE { 1 } else { processors() };
-        let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
-        let regions = plan.build_in_parts(inputs, &request.options, parts, run);
-        Self { regions, time: start.elapsed(), request }
+        let last = self.last.as_ref().filter(|last| last.request.has_tree_of(&request));
+        let regions = last.map_or_else(
+            || {
+                let parts = if self.plan.whole_texels() < SMALL_TAPE { 1 } else { processors() };
+                let run = |parts: &mut [Part]| build_side_by_side(parts, is_wanted);
+                Arc::new(self.plan.build_in_parts(&frame.inputs, &request.options, parts, run))
+            },
+            |last| last.regions.clone(),
+        );
+        let surfaces = Surfaces {
+            regions: &regions,
+            planes: &frame.values.planes,
+            // As far as GLOW_PROBE in occlusion.glsl, and a little more.
+            around: 0.26 * frame.values.reach.max(0.0) + 1e-3,
+        };
+        let RegionOptions { texels_max, center, .. } = request.options;
+        let options = ShortenOptions { texels_max, center, surfaces: Some(surfaces) };
+        let programs = if is_wanted() {
+            self.buffers.shorten(&frame.inputs, &request.programs, &options)
+        } else {
+            ShortPrograms::default()
+        };
+        BuiltRegions { regions, programs, time: start.elapsed(), request }
     }
 }
 
@@ -188,6 +236,7 @@ impl SceneResources {
         gl.check("uploading a scene")?;
         Ok(Self {
             hears_tables: sound_tables::are_read_by(&world),
+            worth: RefCell::new(buffers.worth_shortening()),
             is_interpretable: Interpreter::fits(&buffers, &plan, gl.info()).is_ok(),
             world,
             buffers,
@@ -265,7 +314,17 @@ impl SceneResources {
         };
         let center = center.to_array();
         let options = RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
-        RegionRequest::of(&self.plan, frame, options)
+        let programs = if self.shortens.get() && self.is_interpretable {
+            self.worth.borrow().request(&self.buffers, &frame.inputs)
+        } else {
+            ShortenRequest::default()
+        };
+        RegionRequest { programs, ..RegionRequest::of(&self.plan, frame, options) }
+    }
+
+    /// What builds the regions of the next frame.
+    pub fn region_maker(&self) -> RegionMaker {
+        RegionMaker { plan: self.plan.clone(), buffers: self.buffers.clone(), last: self.regions() }
     }
 
     /// The regions of the last picture.
@@ -275,23 +334,27 @@ impl SceneResources {
 
     /// Takes regions that were built elsewhere.
     pub fn take_regions(&self, built: Arc<BuiltRegions>) {
-        if self.regions().is_some_and(|last| Arc::ptr_eq(&last, &built)) {
+        let last = self.regions();
+        if last.as_ref().is_some_and(|last| Arc::ptr_eq(last, &built)) {
             return;
         }
-        self.on_gpu.regions.replace(&bytes_of(&built.regions.texels));
+        if !last.is_some_and(|last| Arc::ptr_eq(&last.regions, &built.regions)) {
+            self.on_gpu.regions.replace(&bytes_of(&built.regions.texels));
+        }
+        self.worth.borrow_mut().note(&built.programs);
         *self.uploaded.borrow_mut() = Some(built);
     }
 
     /// The tree of a frame. If it is missing it is built: no picture is drawn with regions of other inputs.
     pub(super) fn tree_of(&self, frame: &Frame) -> RegionTree {
         let request = self.region_request(frame);
-        let known = self.regions().filter(|built| built.request == request);
+        let known = self.regions().filter(|built| request.is_served_by(&built.request));
         let built = known.unwrap_or_else(|| {
-            let built = Arc::new(BuiltRegions::new(&self.plan, &frame.inputs, request));
+            let built = Arc::new(self.region_maker().build(frame, request));
             self.take_regions(built.clone());
             built
         });
-        let Regions { low, size, bounds, whole_tape, .. } = built.regions;
+        let Regions { low, size, bounds, whole_tape, .. } = *built.regions;
         RegionTree { low, size, bounds, whole_tape }
     }
 
@@ -300,20 +363,11 @@ impl SceneResources {
         let inputs = &frame.inputs;
         if self.is_interpretable {
             let regions = self.regions();
-            let surfaces = regions.as_ref().map(|built| Surfaces {
-                regions: &built.regions,
-                planes: &frame.values.planes,
-                // As far as GLOW_PROBE in occlusion.glsl, and a little more.
-                around: 0.26 * frame.values.reach.max(0.0) + 1e-3,
-            });
-            let options = SurfaceOptions {
-                surfaces,
-                cells: self.shortens.get(),
-                texels_max: self.texels_max,
-                eye: frame.camera.position.as_vec3().to_array(),
-            };
-            let texels = self.buffers.texels(inputs, &options);
+            let whole = ShortPrograms::default();
+            let short = regions.as_ref().map_or(&whole, |built| &built.programs);
+            let texels = self.buffers.texels(inputs, if self.shortens.get() { short } else { &whole });
             self.on_gpu.tape.replace(&bytes_of(&texels));
+            self.worth.borrow_mut().pass_frame();
         }
         if self.hears_tables {
             self.on_gpu.sound_tables.replace(&floats_as_bytes(&sound_tables::texels(inputs)));

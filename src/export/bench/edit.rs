@@ -8,7 +8,7 @@ use crate::frame::Frame;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{Interpreter, Mode, link_scene, variant_of};
-use crate::gpu::scene_resources::{BuiltRegions, SceneResources};
+use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::ReadyScene;
 use mariana_music::Sound;
 
@@ -37,7 +37,7 @@ pub(super) fn measure_edit(
     let resources =
         SceneResources::upload_after(Some(before), &gl, world.clone(), buffers.clone(), plan.clone())?;
     let frame = Frame::new(&world, request.at, sound, request.size);
-    let built = BuiltRegions::new(resources.plan(), &frame.inputs, resources.region_request(&frame));
+    let built = resources.region_maker().build(&frame, resources.region_request(&frame));
     resources.take_regions(built.into());
     let prepared = start.elapsed();
     let mut draw = |program: &Program, start: Instant| {

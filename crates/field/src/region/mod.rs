@@ -59,7 +59,9 @@ pub use tree::{RegionOptions, RegionStats, Regions};
 
 use std::collections::BTreeSet;
 
-use crate::graph::{Compounds, FrameInputs, Graph, Input, Node, NodeId, Op, Properties, TableData, Uses};
+use crate::graph::{
+    Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, TableData, Uses,
+};
 use crate::world::World;
 use encode::{Encoder, REGISTERS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
@@ -96,11 +98,46 @@ impl RegionVariant {
     }
 }
 
-/// The inputs that determine a tree: if they are equal, the trees are equal.
+/// The inputs that determine a tree or a shortened program: if they are equal, so is what was built with them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegionKey {
     numbers: Vec<u32>,
     tables: Vec<TableData>,
+}
+
+/// What expressions read besides points and pictures.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Reads {
+    inputs: Vec<Input>,
+    tables: BTreeSet<Op>,
+}
+
+impl Reads {
+    /// What the roots of a graph read.
+    ///
+    /// # Errors
+    /// Those of [`Graph::check`].
+    fn of(graph: &Graph, roots: &[NodeId]) -> Result<Self, GraphError> {
+        let used = graph.inputs_used(roots)?;
+        let inputs = used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect();
+        Ok(Self { inputs, tables: used.tables })
+    }
+
+    /// Its values in a frame.
+    fn key(&self, inputs: &FrameInputs) -> RegionKey {
+        let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
+        let mut tables = Vec::new();
+        for op in &self.tables {
+            match op {
+                Op::Band => numbers.extend(inputs.bands.iter().map(|band| band.to_bits())),
+                Op::Spectrum => tables.push(inputs.spectrum.clone()),
+                Op::Waveform => tables.push(inputs.waveform.clone()),
+                Op::History => tables.push(inputs.history.clone()),
+                _ => {}
+            }
+        }
+        RegionKey { numbers, tables }
+    }
 }
 
 /// What the inputs of a frame are while its numbers are folded in.
@@ -125,8 +162,7 @@ pub struct RegionPlan {
     roots: [usize; 3],
     /// Number of nodes of the world's graph.
     graph_nodes: usize,
-    inputs: Vec<Input>,
-    tables: BTreeSet<Op>,
+    reads: Reads,
     variant: RegionVariant,
     bounds: Option<([f32; 3], [f32; 3])>,
     has_rest: bool,
@@ -156,13 +192,11 @@ impl RegionPlan {
         let graph = fused.as_ref().unwrap_or(graph);
         // A world's graph has been checked.
         let order = graph.order(&roots).unwrap_or_default();
-        let used = graph.inputs_used(&roots).unwrap_or_default();
         let mut plan = Self {
             nodes: order.nodes.iter().map(|id| (id.index(), graph.node(*id))).collect(),
             roots: roots.map(|root| root.index()),
             graph_nodes: graph.len(),
-            inputs: used.inputs.into_iter().filter(|input| input.of_point().is_none()).collect(),
-            tables: used.tables,
+            reads: Reads::of(graph, &roots).unwrap_or_default(),
             variant: RegionVariant::default(),
             bounds,
             has_rest,
@@ -211,18 +245,7 @@ impl RegionPlan {
 
     /// The inputs that determine the tree of a frame.
     pub fn key(&self, inputs: &FrameInputs) -> RegionKey {
-        let mut numbers: Vec<u32> = self.inputs.iter().map(|input| inputs.value(*input).to_bits()).collect();
-        let mut tables = Vec::new();
-        for op in &self.tables {
-            match op {
-                Op::Band => numbers.extend(inputs.bands.iter().map(|band| band.to_bits())),
-                Op::Spectrum => tables.push(inputs.spectrum.clone()),
-                Op::Waveform => tables.push(inputs.waveform.clone()),
-                Op::History => tables.push(inputs.history.clone()),
-                _ => {}
-            }
-        }
-        RegionKey { numbers, tables }
+        self.reads.key(inputs)
     }
 
     /// The tree of a frame.

@@ -16,7 +16,7 @@ use super::lanes::{CELLS, Lanes, bound, mask};
 use super::program::{Arg, Program, Structure};
 use super::prune::{ChoiceTrace, Scratch};
 use super::tree::{cells_of, place_in};
-use super::{DIVIDED, Numbers, ROOT_SIDE, Regions, fold};
+use super::{DIVIDED, Numbers, ROOT_SIDE, Reads, RegionKey, Regions, fold};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Input, Interval, Node, NodeId};
 
 /// Cells of a grid along each axis.
@@ -158,6 +158,7 @@ pub(crate) struct SurfacePlan {
     roots: Vec<usize>,
     textures: usize,
     over: Over,
+    reads: Reads,
 }
 
 /// A shortened tape.
@@ -178,6 +179,9 @@ pub(crate) struct ShortTapes {
     /// The tape of each cell; `None` where the whole one runs. Empty if that is so everywhere.
     pub(crate) cells: Vec<Option<usize>>,
     pub(crate) tapes: Vec<ShortTape>,
+    /// The share of the whole tape's texels that is saved, 0..1, on average over the cells in which the program may be
+    /// asked; `None` if there was no time or no room to find out.
+    pub(crate) saved: Option<f32>,
 }
 
 impl SurfacePlan {
@@ -198,7 +202,18 @@ impl SurfacePlan {
             roots: roots.iter().map(|root| root.index()).collect(),
             textures,
             over,
+            reads: Reads::of(graph, roots)?,
         })
+    }
+
+    /// Whether it is long enough, and not too long, to be shortened in any frame.
+    pub(crate) fn may_become_shorter(&self) -> bool {
+        (WHOLE_MAX + 1..=NODES_MAX).contains(&self.nodes.len())
+    }
+
+    /// The inputs that determine the shortened tapes.
+    pub(crate) fn key(&self, frame: &FrameInputs) -> RegionKey {
+        self.reads.key(frame)
     }
 
     /// The program with a frame's numbers.
@@ -284,6 +299,7 @@ impl<'a> Shortener<'a> {
         let Some(room) = self.room.checked_sub(GRID_TEXELS) else { return short };
         let program = plan.folded(self.frame);
         if program.steps.len() <= WHOLE_MAX {
+            short.saved = Some(0.0);
             return short;
         }
         (self.nodes, self.room) = (nodes, room);
@@ -305,6 +321,12 @@ impl<'a> Shortener<'a> {
                 short.cells[number_of(*cell)] = tape;
             }
         }
+        let length = |cell: &[usize; 3]| {
+            let tape = short.cells[number_of(*cell)].and_then(|tape| short.tapes.get(tape));
+            tape.map_or(whole, |tape| tape.texels.len() + beside(&program))
+        };
+        let (texels, most) = (cells.iter().map(length).sum(), whole * cells.len());
+        short.saved = Some(most.saturating_sub(texels) as f32 / most.max(1) as f32);
         short
     }
 
@@ -391,8 +413,7 @@ impl<'a> Shortener<'a> {
             return *tape;
         }
         let outputs: Vec<usize> = (0..program.roots.len()).collect();
-        // The header, and the texel of each texture.
-        let beside = 1 + (program.inputs - program.in_registers) / 4;
+        let beside = beside(program);
         self.encoder.registers = 0;
         let texels = self.encoder.encode(program, &outputs).map(<[Texel]>::to_vec);
         let fits = texels.ok().filter(|texels| {
@@ -413,6 +434,11 @@ impl<'a> Shortener<'a> {
         known.insert(hash, tape);
         tape
     }
+}
+
+/// Texels besides those of a tape: the header, and one of each texture.
+fn beside(program: &Program) -> usize {
+    1 + (program.inputs - program.in_registers) / 4
 }
 
 /// The number of a cell.

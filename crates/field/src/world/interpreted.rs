@@ -21,10 +21,9 @@
 //! **Textures** are sampled before a program's own tape runs. Thus only their coordinates, a few clauses, are also
 //! computed for the neighbouring pixels. A texture whose coordinates depend on another one comes after it.
 
-use super::{Bounds, World, WorldError};
+use super::{Bounds, ShortPrograms, World, WorldError, WorthShortening};
 use crate::graph::{Compounds, FrameInputs, Graph, GraphError, Node, NodeId};
-use crate::region::Surfaces;
-use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, Shortener, SurfacePlan};
+use crate::region::surface::{Grid, Over, SIDE, ShortTape, ShortTapes, SurfacePlan};
 use crate::tape::interpreter::Variant;
 use crate::tape::{Tape, TapeError, TapeOptions};
 
@@ -58,29 +57,8 @@ struct Program {
     plan: SurfacePlan,
 }
 
-/// How the programs of a frame are written.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfaceOptions<'a> {
-    /// Whether programs are shortened for the places where they run; if not, the whole ones serve everywhere.
-    pub cells: bool,
-    /// Most texels, as far as the whole programs leave room: what the driver reports for a texture buffer.
-    pub texels_max: usize,
-    /// Where the eye is: in a scene without bounds, the middle of the cells.
-    pub eye: [f32; 3],
-    /// Where surfaces are, if that is known: only there are programs shortened.
-    pub surfaces: Option<Surfaces<'a>>,
-}
-
-impl Default for SurfaceOptions<'_> {
-    fn default() -> Self {
-        Self { cells: true, texels_max: 1 << 16, eye: [0.0; 3], surfaces: None }
-    }
-}
-
-/// Most texels of a frame's shortened programs: they are uploaded for each frame.
-const SHORTENED_TEXELS_MAX: usize = 1 << 15;
-/// How far cells reach around the eye in a scene without bounds.
-const AROUND_EYE: f32 = 12.0;
+/// How far cells reach around their middle in a scene without bounds.
+const AROUND_CENTER: f32 = 12.0;
 
 /// Number of clauses of the programs.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
@@ -192,29 +170,22 @@ fn without_coordinates(
 }
 
 impl TapeBuffers {
-    /// The texels that the interpreter reads in a frame.
-    pub fn texels(&self, inputs: &FrameInputs, options: &SurfaceOptions) -> Vec<[u32; 4]> {
+    /// The texels that the interpreter reads in a frame. Programs that were shortened with other numbers are whole.
+    pub fn texels(&self, inputs: &FrameInputs, short: &ShortPrograms) -> Vec<[u32; 4]> {
         let heads = 1 + self.of_objects.len().div_ceil(4);
         let mut texels = vec![[0; 4]; heads];
-        let room = options.texels_max.saturating_sub(self.texels_max()).min(SHORTENED_TEXELS_MAX);
-        let bounds = self.bounds.unwrap_or_else(|| Bounds::around(options.eye, AROUND_EYE));
-        let grid = Grid::of_box(bounds.low, bounds.high);
-        let limits = (self.variant.compounds, self.variant.registers);
-        let mut shortener = Shortener::new(inputs, grid, options.surfaces, limits, room);
+        let everywhere = ShortTapes::default();
         let starts: Vec<u32> = self
             .programs
             .iter()
-            .map(|program| {
+            .enumerate()
+            .map(|(number, program)| {
                 let whole = texels.len();
                 program.append(inputs, self.variant.compounds, &mut texels);
-                let short = if options.cells {
-                    shortener.shorten(&program.plan, texels.len() - whole)
-                } else {
-                    ShortTapes::default()
-                };
+                let short = short.tapes_of(number, || program.plan.key(inputs)).unwrap_or(&everywhere);
                 let append = |tape| program.append_short(tape, whole, &mut texels);
                 let starts: Vec<u32> = short.tapes.iter().map(append).collect();
-                append_grid(&short, whole as u32, &starts, &mut texels)
+                append_grid(short, whole as u32, &starts, &mut texels)
             })
             .collect();
         let start = |program: usize| starts.get(program).copied().unwrap_or(0);
@@ -224,6 +195,31 @@ impl TapeBuffers {
             *to = from;
         }
         texels
+    }
+
+    /// Which programs are worth shortening, as far as is known without any attempt.
+    pub fn worth_shortening(&self) -> WorthShortening {
+        WorthShortening::of(self.plans().map(SurfacePlan::may_become_shorter))
+    }
+
+    /// What shortens each program.
+    pub(super) fn plans(&self) -> impl Iterator<Item = &SurfacePlan> {
+        self.programs.iter().map(|program| &program.plan)
+    }
+
+    /// The texels of a whole program in a frame.
+    pub(super) fn whole_length(&self, program: usize, inputs: &FrameInputs) -> usize {
+        let mut texels = Vec::new();
+        if let Some(program) = self.programs.get(program) {
+            program.append(inputs, self.variant.compounds, &mut texels);
+        }
+        texels.len()
+    }
+
+    /// The grid over space, around a middle in a scene without bounds.
+    pub(super) fn grid(&self, center: [f32; 3]) -> Grid {
+        let bounds = self.bounds.unwrap_or_else(|| Bounds::around(center, AROUND_CENTER));
+        Grid::of_box(bounds.low, bounds.high)
     }
 
     /// The most texels that a frame needs without shortened programs.
@@ -319,7 +315,7 @@ mod tests {
         let inputs = FrameInputs::default();
         let buffers = world.tape_buffers().unwrap();
         let compounds = buffers.variant.compounds;
-        let texels = buffers.texels(&inputs, &SurfaceOptions { cells: false, ..Default::default() });
+        let texels = buffers.texels(&inputs, &ShortPrograms::default());
         let directory = [texels[0], texels[1]];
         assert_eq!(directory[1][0], directory[1][2], "the first and the third object are of one material");
         for (grid, roots) in [

@@ -16,6 +16,7 @@ mod hoist;
 mod interpreted;
 mod nearby_light;
 mod planes;
+mod shortening;
 mod steepness;
 mod traits;
 mod validate;
@@ -23,8 +24,9 @@ mod validate;
 pub use bounds::Bounds;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
-pub use interpreted::{Cost, SurfaceOptions, TapeBuffers};
+pub use interpreted::{Cost, TapeBuffers};
 pub use planes::{PLANES_MAX, Plane, Rest};
+pub use shortening::{ShortPrograms, ShortenOptions, ShortenRequest, WorthShortening};
 pub use traits::SceneFeatures;
 // What lights and pictures are made of is part of a scene.
 pub use crate::lang::{LightKind, ToneMap};

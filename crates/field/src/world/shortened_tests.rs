@@ -6,8 +6,10 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::graph::{Point, SoundInput, SoundInputs, random};
+use crate::region::Surfaces;
 use crate::region::{RegionOptions, RegionPlan, run_texels};
 use crate::world::testing::{SPEAKERS, world_of};
+use crate::world::{ShortenOptions, ShortenRequest};
 
 /// What the interpreter computes for a place of the directory, as `run_program` of the shaders does, and the number of
 /// texels of the tape that it runs.
@@ -87,11 +89,26 @@ sky {
 }
 ";
 
+/// All programs of a frame, shortened.
+fn shortened(buffers: &TapeBuffers, frame: &FrameInputs, options: &ShortenOptions<'_>) -> ShortPrograms {
+    buffers.shorten(frame, &buffers.worth_shortening().request(buffers, frame), options)
+}
+
+/// The texels of a frame with whole programs.
+fn whole_texels(buffers: &TapeBuffers, frame: &FrameInputs) -> Vec<[u32; 4]> {
+    buffers.texels(frame, &ShortPrograms::default())
+}
+
 /// Compares all programs of a world at many points; gives the mean share of the whole tapes' texels that were run.
-fn assert_the_same(world: &World, frame: &FrameInputs, options: &SurfaceOptions<'_>) -> f64 {
+fn assert_the_same(world: &World, frame: &FrameInputs, options: &ShortenOptions<'_>) -> f64 {
     let buffers = world.tape_buffers().unwrap();
-    let [whole, short] =
-        [false, true].map(|cells| buffers.texels(frame, &SurfaceOptions { cells, ..*options }));
+    let texels = buffers.texels(frame, &shortened(&buffers, frame, options));
+    assert_these_are_the_same(world, frame, &texels)
+}
+
+/// Compares the programs of a frame with the whole ones.
+fn assert_these_are_the_same(world: &World, frame: &FrameInputs, short: &[[u32; 4]]) -> f64 {
+    let whole = whole_texels(&world.tape_buffers().unwrap(), frame);
     let materials = world.scene.objects.iter().enumerate();
     let materials =
         materials.map(|(object, its)| (4 + object, Over::Points, world.roots.materials[its.material].len()));
@@ -103,7 +120,7 @@ fn assert_the_same(world: &World, frame: &FrameInputs, options: &SurfaceOptions<
             let at = point(number, 8.0);
             let at = if place == 0 { Point { position: [0.0; 3], ..at } } else { at };
             let (wanted, length) = run(&whole, place, over, &at, frame);
-            let (got, shorter) = run(&short, place, over, &at, frame);
+            let (got, shorter) = run(short, place, over, &at, frame);
             for (got, wanted) in got.iter().zip(&wanted).take(outputs) {
                 assert!(random::same(*got, *wanted), "{place} at {at:?}: {got} and not {wanted}");
             }
@@ -120,7 +137,7 @@ fn materials_and_light_are_the_same_in_every_cell() {
         let world = world_of(text);
         for (time, loud) in [(0.0, 0.0), (31.0, 0.6)] {
             let frame = frame_of(&world, time, loud);
-            let share = assert_the_same(&world, &frame, &SurfaceOptions::default());
+            let share = assert_the_same(&world, &frame, &ShortenOptions::default());
             assert!(share < share_max, "{share} of the texels were run");
         }
     }
@@ -133,8 +150,9 @@ fn programs_without_room_are_whole() {
     let buffers = world.tape_buffers().unwrap();
     let most = buffers.texels_max();
     for texels_max in [0, most, most + 300, most + 1_500] {
-        let options = SurfaceOptions { texels_max, ..Default::default() };
-        assert!(buffers.texels(&frame, &options).len() <= most.max(texels_max));
+        let options = ShortenOptions { texels_max, ..Default::default() };
+        let short = shortened(&buffers, &frame, &options);
+        assert!(buffers.texels(&frame, &short).len() <= most.max(texels_max));
         assert_the_same(&world, &frame, &options);
     }
 }
@@ -147,12 +165,13 @@ fn programs_are_shortened_where_surfaces_are() {
     let regions = RegionPlan::new(&world).build(&frame, &RegionOptions::default());
     let planes = world.frame_tape.values(&frame).planes;
     let surfaces = Surfaces { regions: &regions, planes: &planes, around: 0.3 };
-    let options = SurfaceOptions { surfaces: Some(surfaces), ..Default::default() };
+    let options = ShortenOptions { surfaces: Some(surfaces), ..Default::default() };
     assert_the_same(&world, &frame, &options);
     let buffers = world.tape_buffers().unwrap();
-    let everywhere = buffers.texels(&frame, &SurfaceOptions::default());
-    let where_asked = buffers.texels(&frame, &options);
-    let whole = buffers.texels(&frame, &SurfaceOptions { cells: false, ..options });
+    let texels = |options: ShortenOptions| buffers.texels(&frame, &shortened(&buffers, &frame, &options));
+    let everywhere = texels(ShortenOptions::default());
+    let where_asked = texels(options);
+    let whole = whole_texels(&buffers, &frame);
     let distance = Tape::build(&world.graph, &world.roots.distance, &TapeOptions::default()).unwrap();
     let mut distance = crate::tape::PointEvaluator::new(&distance, &frame);
     // How many tapes are shortened near surfaces and away from them, with and without knowing where they are.
@@ -175,6 +194,66 @@ fn programs_are_shortened_where_surfaces_are() {
     // A block of which fewer cells are asked may have a shorter tape.
     assert!(near[1] > 1_000 && near[0] >= near[1], "near: {near:?}");
     assert!(away[0] < away[1], "away: {away:?}");
+}
+
+/// A floor whose light ends at a square while it is quiet, and a wall with a pattern everywhere.
+const CHANGING: &str = "
+fn wave(q, i) = sin(i * length(q - vec2(i, 2)) - t) / (1 + length(q))
+material floor {
+  let lit  = smoothstep(3, 2, max(abs(p.x), abs(p.z)) - 900 * bass)
+  emission = lit * vec3(sum(for i in 1..9: wave(p.xz, i)), 0.1, 0.3)
+}
+material wall { color = 0.5 + 0.5 * vec3(sum(for i in 1..9: wave(p.xy, i)), noise(p), fract(p.z)) }
+object floor { shape = p.y material = floor }
+object wall { shape = box(p - vec3(0, 1, 4), vec3(10, 2, 0.2)) material = wall }
+";
+
+/// The materials that a request names.
+fn names(request: &ShortenRequest, materials: usize) -> Vec<bool> {
+    (0..materials).map(|number| request.key_of(PROGRAMS_OF_LIGHT + number).is_some()).collect()
+}
+
+#[test]
+fn what_hardly_becomes_shorter_is_left_whole_for_a_while() {
+    let world = world_of(CHANGING);
+    let buffers = world.tape_buffers().unwrap();
+    let mut worth = buffers.worth_shortening();
+    let options = ShortenOptions::default();
+    let mut attempts = Vec::new();
+    // It becomes loud and quiet again.
+    for (number, loud) in [(0, 0.0), (1, 0.0), (2, 1.0), (3, 0.0), (602, 0.0), (603, 0.0)] {
+        let frame = frame_of(&world, number as f32, loud);
+        while attempts.len() < number {
+            attempts.push(Vec::new());
+            worth.pass_frame();
+        }
+        let request = worth.request(&buffers, &frame);
+        attempts.push(names(&request, 2));
+        let short = buffers.shorten(&frame, &request, &options);
+        assert_these_are_the_same(&world, &frame, &buffers.texels(&frame, &short));
+        worth.note(&short);
+        worth.pass_frame();
+    }
+    assert_eq!(attempts[0], [true, true], "nothing is known yet");
+    assert_eq!(attempts[1], [true, false], "the wall's pattern is everywhere");
+    assert_eq!(attempts[2], [true, false]);
+    assert_eq!(attempts[3], [false, false], "it was bright everywhere");
+    assert_eq!(attempts[602], [true, true], "another chance");
+    assert_eq!(attempts[603], [true, false]);
+}
+
+#[test]
+fn programs_that_were_shortened_with_other_numbers_are_not_run() {
+    let world = world_of(CHANGING);
+    let buffers = world.tape_buffers().unwrap();
+    let [quiet, loud] = [0.0, 1.0].map(|loud| frame_of(&world, 3.0, loud));
+    let short = shortened(&buffers, &quiet, &ShortenOptions::default());
+    assert!(buffers.texels(&quiet, &short).len() > whole_texels(&buffers, &quiet).len());
+    assert_eq!(buffers.texels(&loud, &short), whole_texels(&buffers, &loud));
+    let [quiet, loud] = [quiet, loud].map(|frame| buffers.worth_shortening().request(&buffers, &frame));
+    assert!(quiet.is_served_by(&quiet) && !loud.is_served_by(&quiet));
+    assert!(loud.is_served_by(&ShortenRequest::default()), "whole programs serve");
+    assert!(ShortenRequest::default().is_served_by(&quiet), "no shortened one is run");
 }
 
 proptest! {
@@ -202,9 +281,9 @@ proptest! {
             cost: Cost::default(),
         };
         let frame = FrameInputs { textures: random::frame().textures.as_ref().map(Arc::clone), ..random::frame() };
-        let options = SurfaceOptions { texels_max: 1 << 20, ..Default::default() };
-        let texels = buffers.texels(&frame, &options);
-        let whole = buffers.texels(&frame, &SurfaceOptions { cells: false, ..options });
+        let options = ShortenOptions { texels_max: 1 << 20, ..Default::default() };
+        let texels = buffers.texels(&frame, &shortened(&buffers, &frame, &options));
+        let whole = whole_texels(&buffers, &frame);
         for number in 0..600 {
             let at = point(number, 10.0);
             let at = if directions { Point { position: [0.0; 3], ..at } } else { at };
