@@ -15,8 +15,8 @@ use crate::limits::LIMITS;
 use crate::listed::ListedTrack;
 use crate::song::{Song, track_name};
 
-/// Extensions of the files that are taken from a folder.
-const AUDIO_EXTENSIONS: &[&str] = &[
+/// Extensions of the files that are taken from a folder, in lower case.
+pub const AUDIO_EXTENSIONS: &[&str] = &[
     "aac", "aif", "aifc", "aiff", "alac", "caf", "flac", "m4a", "m4b", "mka", "mkv", "mp1", "mp2", "mp3",
     "mp4", "oga", "ogg", "opus", "wav", "wave", "webm",
 ];
