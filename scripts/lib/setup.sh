@@ -38,6 +38,9 @@ test    cmd:parec                 pulseaudio-utils   pulseaudio-utils     libpul
 test    cmd:dbus-daemon           dbus               dbus-daemon          dbus              dbus-1               dbus
 test    cmd:dbus-send             dbus               dbus-tools           dbus              dbus-1               dbus
 test    cmd:ffmpeg                ffmpeg             ffmpeg-free          ffmpeg            ffmpeg               ffmpeg
+test    cmd:desktop-file-validate desktop-file-utils desktop-file-utils   desktop-file-utils desktop-file-utils  desktop-file-utils
+test    cmd:appstreamcli          appstream          appstream            appstream         AppStream            appstream
+test    cmd:update-mime-database  shared-mime-info   shared-mime-info     shared-mime-info  shared-mime-info     shared-mime-info
 test    cmd:glslangValidator      glslang-tools      glslang              glslang           glslang-devel        glslang
 TABLE
 }

@@ -7,6 +7,7 @@ mod dynamic_resolution;
 pub mod error;
 pub mod file_browser;
 mod frame_times;
+pub mod identity;
 pub mod keys;
 mod listening;
 #[cfg(all(unix, not(target_os = "macos")))]

@@ -22,6 +22,7 @@ use winit::raw_window_handle::HasWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use super::error::AppError;
+use super::identity;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -89,6 +90,7 @@ impl OpenWindow {
             .with_title(&wishes.title)
             .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
             .with_visible(wishes.visible);
+        let attributes = identity::told_by(attributes);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
         let builder = DisplayBuilder::new()

@@ -2,6 +2,7 @@
 
 mod cli;
 mod cli_bad_input;
+mod installing;
 mod interrupted;
 mod playlists;
 mod scene_commands;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
+use mariana::app::identity::APP_ID;
 use mariana_testing::process::wait_until;
 use mariana_testing::session_bus::SessionBus;
 use mariana_testing::wave::write_wav;
@@ -121,6 +122,7 @@ fn the_desktop_steers_the_player_over_d_bus() {
         wait_until(&format!("{property} of {value}"), || bus.property(property).contains(value));
     };
     assert!(bus.property("Identity").contains("Mariana"));
+    assert!(bus.property("DesktopEntry").contains(APP_ID));
     wait_for("Player.PlaybackStatus", "Playing");
     wait_for("Player.Metadata", "1.wav");
     wait_for("Player.Metadata", "60000000");

@@ -10,10 +10,13 @@ use std::time::{Duration, Instant};
 use crate::support::compare::{TIGHT, difference};
 use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN, command_in};
 use image::RgbaImage;
+use mariana::app::identity::APP_ID;
 use mariana_music::StereoFrame;
 use mariana_testing::process::{output_of, private_folder, wait_until};
 use mariana_testing::sound_server::{Recorder, SINK_RATE, SoundServer};
 use mariana_testing::wave::write_wav;
+use x11rb::protocol::xproto::{AtomEnum, ConnectionExt};
+use x11rb::rust_connection::RustConnection;
 
 /// Longest time from the wish to quit to the end.
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
@@ -162,6 +165,24 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success(), "{status}: {told}");
     assert!(!told.contains("mariana: "), "it complains: {told}");
+}
+
+#[test]
+fn a_desktop_knows_whose_window_it_is() {
+    let desktop = Desktop::start();
+    let app = desktop.open(&silent_song(desktop.folder(), 60.0), &["--silent", "--size", SMALL]);
+    let (connection, _) = RustConnection::connect(Some(desktop.display())).unwrap();
+    let property = |name: &str| {
+        let atom = connection.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
+        let window = app.window().parse().unwrap();
+        connection.get_property(false, window, atom, AtomEnum::ANY, 0, 1 << 16).unwrap().reply().unwrap()
+    };
+    let class = String::from_utf8(property("WM_CLASS").value).unwrap();
+    assert_eq!(class, format!("mariana\0{APP_ID}\0"));
+    // Width, height, then ARGB: the wood above the woofer is opaque.
+    let icon: Vec<u32> = property("_NET_WM_ICON").value32().unwrap().collect();
+    assert_eq!((&icon[..2], icon.len()), (&[128, 128][..], 2 + 128 * 128));
+    assert_eq!(icon[2 + 10 * 128 + 64], 0xFFB3_561F);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![allow(unreachable_pub, reason = "a program has no outside")]
 
 mod demo_track;
+mod desktop;
 mod gallery;
 mod gpu;
 mod language_page;
@@ -16,6 +17,12 @@ type Tool = (&'static str, &'static str, &'static str, fn(&[String]) -> anyhow::
 
 const TOOLS: &[Tool] = &[
     ("demo-track", "OUT.wav", "composes the built-in song", demo_track::run),
+    (
+        "desktop",
+        "[FOLDER]",
+        "writes manual pages and completions and draws the icon, in assets/desktop",
+        desktop::run,
+    ),
     (
         "gallery",
         "[SCENE ...]",

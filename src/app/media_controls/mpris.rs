@@ -9,10 +9,11 @@ use mpris_server::{
     TrackId,
 };
 
+use super::super::identity::APP_ID;
 use super::{Asked, Seen, SharedSeen};
 use mariana_player::track::{Repeat, TrackInfo};
 
-/// The program's name on the bus and of its desktop entry. The process id is appended, because several may run.
+/// The program's name on the bus. The process id is appended, because several may run.
 const NAME: &str = "mariana";
 /// Most changes that wait for a bus that does not take them; if there are more, the newest are lost.
 const CHANGES_MAX: usize = 64;
@@ -173,7 +174,7 @@ impl RootInterface for Offered {
     }
 
     async fn desktop_entry(&self) -> fdo::Result<String> {
-        Ok(NAME.into())
+        Ok(APP_ID.into())
     }
 
     async fn supported_uri_schemes(&self) -> fdo::Result<Vec<String>> {

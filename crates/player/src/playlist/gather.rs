@@ -15,8 +15,8 @@ use crate::limits::LIMITS;
 use crate::listed::ListedTrack;
 use crate::song::{Song, track_name};
 
-/// Extensions of the files that are taken from a folder.
-const AUDIO_EXTENSIONS: &[&str] = &[
+/// Extensions of the files that are taken from a folder, in lower case.
+pub const AUDIO_EXTENSIONS: &[&str] = &[
     "aac", "ac3", "aif", "aifc", "aiff", "alac", "amr", "ape", "au", "bw64", "caf", "dsf", "dts", "eac3",
     "flac", "it", "m4a", "m4b", "mka", "mkv", "mod", "mp1", "mp2", "mp3", "mp4", "mpc", "oga", "ogg", "opus",
     "rf64", "s3m", "snd", "spx", "tta", "voc", "w64", "wav", "wave", "webm", "wma", "wv", "xm",

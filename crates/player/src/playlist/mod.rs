@@ -31,6 +31,7 @@ use std::sync::Arc;
 
 pub use error::PlaylistError;
 use excerpt::Excerpt;
+pub use gather::AUDIO_EXTENSIONS;
 use gather::{Entry, gather, is_many};
 pub use lists::{Cut, Item, Kind};
 use order::Order;

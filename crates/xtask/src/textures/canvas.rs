@@ -15,7 +15,7 @@ pub fn rgb(hex: u32) -> Color {
 }
 
 /// A linear component as an sRGB byte.
-fn to_srgb(x: f32) -> u8 {
+pub fn to_srgb(x: f32) -> u8 {
     let x = x.clamp(0.0, 1.0);
     let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (s * 255.0).round() as u8

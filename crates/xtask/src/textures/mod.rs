@@ -7,7 +7,7 @@
 //! `FOLDER` defaults to `assets/textures`. Both pictures are formulas; the only randomness is an integer
 //! hash, so that every run writes the same bytes.
 
-mod canvas;
+pub(crate) mod canvas;
 mod feather;
 mod mallard;
 mod noise;

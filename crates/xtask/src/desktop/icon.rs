@@ -1,0 +1,124 @@
+//! The icon: a woofer of the speakers in its wood, the left half of its ring in the colour of the left channel, the
+//! right half in that of the right one. One list of layers makes the SVG and the PNGs.
+
+use std::fmt::Write;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+use mariana::app::identity::APP_ID;
+
+use crate::textures::canvas::{rgb, to_srgb};
+
+/// Sides of the PNGs, in pixels: those of the hicolor theme that desktops ask for.
+const SIDES: [u32; 9] = [16, 22, 24, 32, 48, 64, 128, 256, 512];
+/// Side of the picture that the layers are drawn on.
+const SIDE: f32 = 64.0;
+const MIDDLE: f32 = SIDE / 2.0;
+
+/// An outline, in units of the picture.
+enum Outline {
+    /// A square around the middle: half its side, and the radius of its corners.
+    Square(f32, f32),
+    /// A disc: its centre (on both axes) and its radius.
+    Disc(f32, f32),
+    /// The right half of a disc around the middle: its radius.
+    RightHalf(f32),
+}
+use Outline::{Disc, RightHalf, Square};
+
+/// From the lowest up, each in an sRGB colour.
+const LAYERS: [(Outline, u32); 10] = [
+    (Square(30.0, 9.0), 0x6B_2C0D),
+    (Square(28.5, 7.5), 0xB3_561F),
+    (Disc(MIDDLE, 26.0), 0x1A_191D),
+    (Disc(MIDDLE, 24.0), 0xFF_B45A),
+    (RightHalf(24.0), 0x7A_C8FF),
+    (Disc(MIDDLE, 19.5), 0x1A_191D),
+    (Disc(MIDDLE, 16.5), 0x5A_565C),
+    (Disc(MIDDLE, 12.5), 0x45_4247),
+    (Disc(MIDDLE, 8.0), 0xD8_A03C),
+    (Disc(29.3, 2.4), 0xFF_F0CC),
+];
+
+/// Name and bytes of the SVG and of every PNG.
+///
+/// # Errors
+/// What the encoder of PNGs says.
+pub(super) fn files() -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let mut files = vec![(format!("icons/scalable/apps/{APP_ID}.svg"), svg()?.into_bytes())];
+    for side in SIDES {
+        let mut bytes = Vec::new();
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive).write_image(
+            &pixels(side),
+            side,
+            side,
+            ExtendedColorType::Rgba8,
+        )?;
+        files.push((format!("icons/{side}x{side}/apps/{APP_ID}.png"), bytes));
+    }
+    Ok(files)
+}
+
+fn svg() -> Result<String, std::fmt::Error> {
+    let mut text = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {SIDE} {SIDE}\">\n  <title>Mariana</title>\n"
+    );
+    for (outline, color) in &LAYERS {
+        let shape = match outline {
+            Square(half, radius) => {
+                let (corner, side) = (MIDDLE - half, 2.0 * half);
+                format!(
+                    "rect x=\"{corner}\" y=\"{corner}\" width=\"{side}\" height=\"{side}\" rx=\"{radius}\""
+                )
+            }
+            Disc(centre, radius) => format!("circle cx=\"{centre}\" cy=\"{centre}\" r=\"{radius}\""),
+            RightHalf(radius) => {
+                let (top, across) = (MIDDLE - radius, 2.0 * radius);
+                format!("path d=\"M{MIDDLE} {top}a{radius} {radius} 0 0 1 0 {across}z\"")
+            }
+        };
+        writeln!(text, "  <{shape} fill=\"#{color:06x}\"/>")?;
+    }
+    text.push_str("</svg>\n");
+    Ok(text)
+}
+
+impl Outline {
+    /// Signed distance from a point to the outline, in units.
+    fn distance(&self, x: f32, y: f32) -> f32 {
+        let (x, y) = (x - MIDDLE, y - MIDDLE);
+        match self {
+            Square(half, radius) => {
+                let out = [x.abs(), y.abs()].map(|a| a - half + radius);
+                out[0].max(0.0).hypot(out[1].max(0.0)) + out[0].max(out[1]).min(0.0) - radius
+            }
+            Disc(centre, radius) => (x + MIDDLE - centre).hypot(y + MIDDLE - centre) - radius,
+            RightHalf(radius) => (x.hypot(y) - radius).max(-x),
+        }
+    }
+}
+
+/// RGBA of `side` x `side` pixels. The edges are smoothed in linear light.
+fn pixels(side: u32) -> Vec<u8> {
+    let scale = side as f32 / SIDE;
+    let position = |pixel: u32| (pixel as f32 + 0.5) / scale;
+    let places = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
+    places.flat_map(|(x, y)| pixel(scale, position(x), position(y))).collect()
+}
+
+/// The pixel around a point; `scale` is the number of pixels in a unit.
+fn pixel(scale: f32, x: f32, y: f32) -> [u8; 4] {
+    // Premultiplied.
+    let mut sum = [0.0; 4];
+    for (outline, color) in &LAYERS {
+        let cover = (0.5 - outline.distance(x, y) * scale).clamp(0.0, 1.0);
+        let [red, green, blue] = rgb(*color);
+        let over = [red, green, blue, 1.0];
+        for (below, above) in sum.iter_mut().zip(over) {
+            *below += (above - *below) * cover;
+        }
+    }
+    let [red, green, blue, alpha] = sum;
+    let [red, green, blue] = [red, green, blue].map(|light| to_srgb(light / alpha.max(1e-6)));
+    [red, green, blue, (alpha * 255.0).round() as u8]
+}

@@ -1,0 +1,43 @@
+//! Makes what a desktop and a shell know the program by: its icon, manual pages and completions.
+//!
+//! ```text
+//! cargo xtask desktop [FOLDER]
+//! ```
+//!
+//! `FOLDER` defaults to `assets/desktop`. Manual pages and completions follow from the command line's definition
+//! (`mariana::cli`). Every run writes the same bytes.
+
+mod icon;
+mod manual;
+
+use std::path::{Path, PathBuf};
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+use mariana::cli::Arguments;
+
+/// The shells, and the file that each wants its completions in.
+const SHELLS: [(Shell, &str); 3] =
+    [(Shell::Bash, "mariana.bash"), (Shell::Zsh, "_mariana"), (Shell::Fish, "mariana.fish")];
+
+/// Writes all of it.
+pub(crate) fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let folder =
+        arguments.first().map_or_else(|| Path::new(crate::ROOT).join("assets/desktop"), PathBuf::from);
+    let mut files = icon::files()?;
+    files.extend(manual::pages(Arguments::command())?);
+    for (shell, name) in SHELLS {
+        let mut text = Vec::new();
+        clap_complete::generate(shell, &mut Arguments::command(), "mariana", &mut text);
+        files.push((format!("completions/{name}"), text));
+    }
+    for (name, bytes) in &files {
+        let path = folder.join(name);
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent)?;
+        }
+        std::fs::write(path, bytes)?;
+    }
+    println!("{} files, {} bytes", files.len(), files.iter().map(|(_, bytes)| bytes.len()).sum::<usize>());
+    Ok(())
+}

@@ -1,0 +1,59 @@
+//! The manual pages, the completions and the icon in `assets/desktop` are what the code says.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const REMEDY: &str = "run `cargo xtask desktop`";
+
+/// Every file under the folders that are made, by its path from `folder`.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = ["man", "completions", "icons"].map(|made| folder.join(made)).to_vec();
+    while let Some(inner) = folders.pop() {
+        for entry in std::fs::read_dir(inner).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                found.insert(path.strip_prefix(folder).unwrap().to_owned(), std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+/// What a file says: of pictures the pixels, because encoders differ.
+fn content(path: &Path, bytes: &[u8]) -> Vec<u8> {
+    if path.extension().is_some_and(|extension| extension == "png") {
+        let picture = image::load_from_memory(bytes).unwrap().into_rgba8();
+        return [&picture.width().to_le_bytes()[..], picture.as_raw()].concat();
+    }
+    String::from_utf8(bytes.to_vec()).unwrap().replace("\r\n", "\n").into_bytes()
+}
+
+#[test]
+fn what_is_installed_follows_from_the_code() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("desktop");
+    let _ = std::fs::remove_dir_all(&folder);
+    let output = Command::new(env!("CARGO_BIN_EXE_xtask")).arg("desktop").arg(&folder).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+
+    let stored = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/desktop"));
+    let made = files(&folder);
+    assert!(
+        made.keys().eq(stored.keys()),
+        "{:?}\nare made, stored are\n{:?}: {REMEDY}",
+        made.keys(),
+        stored.keys()
+    );
+    for (path, bytes) in made {
+        assert!(
+            content(&path, &bytes) == content(&path, &stored[&path]),
+            "{} is old: {REMEDY}",
+            path.display()
+        );
+    }
+}

@@ -1,0 +1,216 @@
+//! `scripts/install`: what it puts in place, that the desktop's own judges accept it, and that it takes it out again.
+
+#![cfg(target_os = "linux")]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::support::desktop::PROGRAM;
+use clap::CommandFactory;
+use mariana::app::identity::APP_ID;
+use mariana::cli::Arguments;
+use mariana_player::playlist::AUDIO_EXTENSIONS;
+use mariana_testing::process::output_of;
+
+/// Runs `scripts/install`, which must work, and gives what it says.
+fn install(arguments: &[&str], variables: &[(&str, &Path)]) -> String {
+    let mut command = Command::new("bash");
+    command.arg(script()).args(arguments).env_remove("DESTDIR").envs(variables.iter().copied());
+    let output = command.output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}: {told}");
+    told
+}
+
+fn script() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/install")
+}
+
+/// Installs the program of the tests into `prefix`.
+fn install_into(prefix: &Path) -> String {
+    install(&["--prefix", prefix.to_str().unwrap(), "--binary", PROGRAM], &[])
+}
+
+/// Every file and, with a slash at its end, every folder below `folder`; of files what is in them.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(inner) = folders.pop() {
+        for entry in std::fs::read_dir(inner).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned();
+            if path.is_dir() {
+                found.insert(format!("{name}/"), Vec::new());
+                folders.push(path);
+            } else {
+                found.insert(name, std::fs::read(&path).unwrap());
+            }
+        }
+    }
+    found
+}
+
+fn subcommands() -> Vec<String> {
+    Arguments::command().get_subcommands().map(|command| command.get_name().to_owned()).collect()
+}
+
+fn text(prefix: &Path, file: &str) -> String {
+    std::fs::read_to_string(prefix.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+}
+
+#[test]
+fn what_is_installed_is_where_desktop_and_shell_look() {
+    let place = tempfile::tempdir().unwrap();
+    // A blank, because home folders may have one.
+    let prefix = place.path().join("a prefix");
+    let told = install_into(&prefix);
+    assert!(told.contains("Installed ") && told.contains("is not in your PATH"), "{told}");
+    let first = contents(&prefix);
+    let mut wanted = vec!["bin/mariana".to_owned(), "share/man/man1/mariana.1".to_owned()];
+    wanted.extend(subcommands().iter().map(|name| format!("share/man/man1/mariana-{name}.1")));
+    wanted.extend(
+        ["16x16", "48x48", "512x512"].map(|size| format!("share/icons/hicolor/{size}/apps/{APP_ID}.png")),
+    );
+    wanted.push(format!("share/icons/hicolor/scalable/apps/{APP_ID}.svg"));
+    for file in wanted {
+        assert!(first.contains_key(&file), "{file} is missing of {:?}", first.keys());
+    }
+    let version =
+        output_of(Command::new(prefix.join("bin/mariana")).arg("--version"), "the program").unwrap();
+    assert_eq!(String::from_utf8(version).unwrap().trim(), concat!("mariana ", env!("CARGO_PKG_VERSION")));
+
+    let entry = prefix.join(format!("share/applications/{APP_ID}.desktop"));
+    let started = format!("Exec=\"{}/bin/mariana\" %F", prefix.display());
+    assert!(text(&prefix, entry.to_str().unwrap()).lines().any(|line| line == started), "no {started}");
+    output_of(Command::new("desktop-file-validate").arg(&entry), "desktop-file-utils").unwrap();
+
+    let metainfo = prefix.join(format!("share/metainfo/{APP_ID}.metainfo.xml"));
+    output_of(Command::new("appstreamcli").args(["validate", "--no-net"]).arg(&metainfo), "appstream")
+        .unwrap();
+    let release = format!("<release version=\"{}\"", env!("CARGO_PKG_VERSION"));
+    assert!(text(&prefix, metainfo.to_str().unwrap()).contains(&release), "metainfo.xml has no {release}");
+
+    // The database that the desktop asks, made of the file that was installed.
+    assert!(text(&prefix, "share/mime/globs2").contains("50:text/x-mariana-scene:*.scene"));
+    assert!(text(&prefix, "share/applications/mimeinfo.cache").contains("text/x-mariana-scene"));
+
+    // Once more, over what is there.
+    install_into(&prefix);
+    assert!(contents(&prefix) == first, "installing again changed something");
+}
+
+#[test]
+fn what_is_removed_leaves_nothing_but_what_others_put_there() {
+    let place = tempfile::tempdir().unwrap();
+    let prefix = place.path();
+    let others = ["bin/other", "share/applications/other.desktop", "share/man/man1/other.1"];
+    for file in others {
+        std::fs::create_dir_all(prefix.join(file).parent().unwrap()).unwrap();
+        std::fs::write(prefix.join(file), "[Desktop Entry]\n").unwrap();
+    }
+    let before: Vec<String> = contents(prefix).into_keys().collect();
+    install_into(prefix);
+    // What an earlier version installed and this one does not.
+    let old = "share/man/man1/mariana-old.1";
+    std::fs::write(prefix.join(old), "").unwrap();
+    let manifest = prefix.join("share/mariana/installed.txt");
+    // And what nobody may have written there.
+    let outside = place.path().with_extension("kept");
+    std::fs::write(&outside, "").unwrap();
+    let upward = format!("../{}", outside.file_name().unwrap().to_str().unwrap());
+    let list = std::fs::read_to_string(&manifest).unwrap();
+    std::fs::write(&manifest, format!("{list}{old}\n{upward}\n{}\n", outside.display())).unwrap();
+    install_into(prefix);
+    assert!(!prefix.join(old).exists(), "{old} stayed");
+    std::fs::write(&manifest, format!("{list}{upward}\n{}\n", outside.display())).unwrap();
+    let remove = ["--remove", "--prefix", prefix.to_str().unwrap()];
+    assert!(install(&remove, &[]).contains("Removed the "));
+    let left: Vec<String> =
+        contents(prefix).into_keys().filter(|name| name != "share/applications/mimeinfo.cache").collect();
+    assert_eq!(left, before);
+    assert!(outside.exists(), "a file out of the prefix was removed");
+    std::fs::remove_file(&outside).unwrap();
+    assert!(install(&remove, &[]).contains("Nothing to remove"));
+
+    let empty = tempfile::tempdir().unwrap();
+    install_into(empty.path());
+    install(&["--remove", "--prefix", empty.path().to_str().unwrap()], &[]);
+    assert!(contents(empty.path()).is_empty(), "{:?} stayed", contents(empty.path()).keys());
+}
+
+#[test]
+fn makers_of_packages_and_users_without_options_are_served() {
+    let place = tempfile::tempdir().unwrap();
+    let (package, home) = (place.path().join("package"), place.path().join("home"));
+    install(&["--prefix", "/usr", "--binary", PROGRAM], &[("DESTDIR", &package)]);
+    let entry = text(&package, &format!("usr/share/applications/{APP_ID}.desktop"));
+    assert!(entry.contains("\nExec=/usr/bin/mariana %F\n"), "{entry}");
+    // Whoever installs the package renews the databases.
+    assert!(!contents(&package).keys().any(|name| name.contains("cache") || name.contains("globs")));
+    install(&["--remove", "--prefix", "/usr"], &[("DESTDIR", &package)]);
+    assert_eq!(contents(&package).into_keys().collect::<Vec<_>>(), ["usr/"]);
+
+    install(&["--binary", PROGRAM], &[("HOME", &home)]);
+    assert!(home.join(".local/bin/mariana").exists());
+    install(&["--remove", "--user"], &[("HOME", &home)]);
+    assert_eq!(contents(&home).into_keys().collect::<Vec<_>>(), [".local/"]);
+
+    for wrong in [&["--prefix"][..], &["--binary", "/nowhere/mariana"], &["--everywhere"]] {
+        let output = Command::new("bash").arg(script()).args(wrong).env("HOME", &home).output().unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.code() == Some(1) && told.contains(wrong[wrong.len() - 1]),
+            "{wrong:?}: {told}"
+        );
+    }
+    assert_eq!(contents(&home).into_keys().collect::<Vec<_>>(), [".local/"]);
+}
+
+#[test]
+fn completions_know_every_subcommand() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/desktop/completions");
+    output_of(Command::new("bash").arg("-n").arg(folder.join("mariana.bash")), "bash").unwrap();
+    let ask = "source \"$1\"; COMP_WORDS=(mariana ''); COMP_CWORD=1; COMPREPLY=()
+               _mariana mariana '' mariana; printf '%s\\n' \"${COMPREPLY[@]}\"";
+    let offered =
+        output_of(Command::new("bash").args(["-c", ask, "ask"]).arg(folder.join("mariana.bash")), "bash")
+            .unwrap();
+    let offered = String::from_utf8(offered).unwrap();
+    let [zsh, fish] = ["_mariana", "mariana.fish"].map(|file| text(&folder, file));
+    for name in subcommands() {
+        assert!(offered.lines().any(|word| word == name), "bash offers no {name}: {offered}");
+        assert!(zsh.contains(&format!("'{name}:")), "zsh offers no {name}");
+        assert!(fish.contains(&format!("-a \"{name}\"")), "fish offers no {name}");
+    }
+}
+
+/// The types that the system's database gives to files with this extension.
+fn types_of(extension: &str) -> Vec<String> {
+    let globs = std::fs::read_to_string("/usr/share/mime/globs2").expect("shared-mime-info is needed");
+    let rows = globs.lines().map(|line| line.splitn(4, ':').collect::<Vec<_>>());
+    let of_it = rows.filter(|row| row.get(2) == Some(&format!("*.{extension}").as_str()));
+    of_it.map(|row| row[1].to_owned()).collect()
+}
+
+#[test]
+fn the_desktop_entry_names_the_types_of_what_is_played() {
+    let entry = text(Path::new(env!("CARGO_MANIFEST_DIR")), &format!("assets/desktop/{APP_ID}.desktop"));
+    let named: Vec<&str> =
+        entry.lines().find_map(|line| line.strip_prefix("MimeType=")).unwrap().split(';').collect();
+    assert!(named.contains(&"text/x-mariana-scene"), "{named:?}");
+    let mut known = 0;
+    for extension in AUDIO_EXTENSIONS.iter().chain(&["m3u", "m3u8", "pls", "cue"]) {
+        let types = types_of(extension);
+        known += usize::from(!types.is_empty());
+        for of_sound in types.iter().filter(|name| !name.starts_with("video/") && !name.contains("speex")) {
+            assert!(
+                named.contains(&of_sound.as_str()),
+                "files *.{extension} are {of_sound}: name it in MimeType"
+            );
+        }
+    }
+    assert!(known > 15, "the system's database knows only {known} of the extensions");
+    let videos: Vec<&&str> = named.iter().filter(|name| name.starts_with("video/")).collect();
+    assert!(videos.is_empty(), "videos belong to other programs: {videos:?}");
+}
