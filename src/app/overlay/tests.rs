@@ -376,3 +376,13 @@ fn letters_that_are_there_are_not_looked_for() {
     assert_eq!(stage.panels.fallback().missed(), 0);
     assert!(!stage.panels.fallback().has_started(), "there is no thread");
 }
+
+#[test]
+fn text_grows_with_large_windows_and_stays_readable_in_small_ones() {
+    for (window, text) in [((640.0, 360.0), 12.5), ((1920.0, 1080.0), 12.5), ((3840.0, 2160.0), 25.0)] {
+        let zoom = style::zoom(Vec2::new(window.0, window.1));
+        assert_eq!(style::SMALL_SIZE * zoom, text, "{window:?}");
+    }
+    let smallest = style::SMALL_SIZE * style::zoom(Vec2::new(1.0, 1.0));
+    assert!((smallest - 9.0).abs() < 1e-3, "{smallest}");
+}
