@@ -19,5 +19,6 @@ pub mod limits;
 pub mod program_cache;
 pub mod scenes;
 pub mod srgb;
+pub mod system_fonts;
 pub mod thumbnails;
 pub mod view;

@@ -41,6 +41,12 @@ pub struct Limits {
     pub program_cache_bytes_max: u64,
     /// Most entries of a folder that are listed in the window.
     pub folder_entries_max: usize,
+    /// Most fonts of the system that are taken for letters that the program's own fonts lack.
+    pub system_fonts_max: usize,
+    /// Most bytes that they have together (128 MiB: one of all Chinese letters has some 20 MiB).
+    pub system_fonts_bytes_max: u64,
+    /// Most letters that are looked for among the system's fonts.
+    pub letters_looked_for_max: usize,
     /// Longest time in seconds that drawing a small picture of a scene for the list may take.
     pub thumbnail_seconds_max: f64,
     /// Most small pictures that are kept from run to run (some 60 KiB each); the oldest go first.
@@ -73,6 +79,9 @@ pub const LIMITS: Limits = Limits {
     programs_kept_max: 4,
     kept_program_bytes_max: 1 << 24,
     folder_entries_max: 20_000,
+    system_fonts_max: 12,
+    system_fonts_bytes_max: 1 << 27,
+    letters_looked_for_max: 20_000,
     thumbnail_seconds_max: 60.0,
     thumbnails_kept_max: 2_000,
     program_cache_bytes_max: 1 << 26,

@@ -24,6 +24,40 @@ pub(super) enum Verdict {
     TakeBack,
 }
 
+/// How many new pictures there are in a second: counted for a second or more, so that the number can be read.
+#[derive(Debug, Default)]
+struct PictureRate {
+    /// When counting began, and the pictures since.
+    counted: Option<(Instant, u32)>,
+    /// The last picture.
+    last: Option<Instant>,
+    per_second: Option<f64>,
+}
+
+impl PictureRate {
+    const COUNTED_FOR: Duration = Duration::from_secs(1);
+    /// Without a new picture for this long there is no rate.
+    const GONE_AFTER: Duration = Duration::from_secs(3);
+
+    fn note(&mut self, now: Instant) {
+        if self.last.replace(now).is_none_or(|last| now.saturating_duration_since(last) > Self::GONE_AFTER) {
+            (self.counted, self.per_second) = (None, None);
+        }
+        let (since, count) = self.counted.get_or_insert((now, 0));
+        let passed = now.saturating_duration_since(*since);
+        if passed >= Self::COUNTED_FOR {
+            self.per_second = Some(f64::from(*count) / passed.as_secs_f64());
+            (*since, *count) = (now, 0);
+        }
+        *count += 1;
+    }
+
+    fn at(&self, now: Instant) -> Option<f64> {
+        let last = self.last.filter(|last| now.saturating_duration_since(*last) <= Self::GONE_AFTER);
+        last.and(self.per_second)
+    }
+}
+
 /// See the module.
 pub(super) struct DrawingPace {
     pacing: Pacing,
@@ -37,6 +71,7 @@ pub(super) struct DrawingPace {
     moved: Instant,
     /// When the last new picture was begun.
     pictured: Option<Instant>,
+    rate: PictureRate,
 }
 
 impl DrawingPace {
@@ -50,6 +85,7 @@ impl DrawingPace {
             window_size: None,
             moved: now,
             pictured: None,
+            rate: PictureRate::default(),
         }
     }
 
@@ -116,7 +152,20 @@ impl DrawingPace {
     /// Notes a new picture that was begun at `begun`. Returns the seconds since the one before, 0 for the first.
     pub(super) fn note_picture(&mut self, begun: Instant) -> f64 {
         let last = self.pictured.replace(begun).unwrap_or(begun);
+        self.rate.note(begun);
         begun.saturating_duration_since(last).as_secs_f64()
+    }
+
+    /// The rate and the size of pictures, such as "60 fps · 1280x720"; no rate while nothing moves.
+    pub(super) fn about_pictures(&self, now: Instant) -> String {
+        let rate = self.rate.at(now).map(|rate| format!("{rate:.0} fps"));
+        let size = self.shown.map(|Shown { size: (width, height), .. }| format!("{width}x{height}"));
+        rate.into_iter().chain(size).collect::<Vec<_>>().join(" · ")
+    }
+
+    /// In words, such as "high quality".
+    pub(super) fn quality(&self) -> String {
+        self.resolution.to_string()
     }
 
     /// Judges a picture that will take this many seconds. For one that stands still there is time.
@@ -148,16 +197,6 @@ impl DrawingPace {
         if level == self.resolution.level() {
             self.resolution.note(Instant::now(), cost);
         }
-    }
-}
-
-impl std::fmt::Display for DrawingPace {
-    /// The last picture's size and quality, as they follow on a line about the scene.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        if let Some(Shown { size: (width, height), .. }) = self.shown {
-            write!(f, " · {width}x{height}")?;
-        }
-        write!(f, ", {}", self.resolution)
     }
 }
 
@@ -197,6 +236,21 @@ mod tests {
         let shown = Shown { moment, size: WINDOW, edges: level.edges, revision: 3 };
         assert!(pace.show(shown) && !pace.show(shown), "only the first is the first");
         pace
+    }
+
+    #[test]
+    fn the_rate_is_that_of_the_last_second_and_goes_when_nothing_moves() {
+        let start = Instant::now();
+        let at = |milliseconds: u64| start + Duration::from_millis(milliseconds);
+        let mut rate = PictureRate::default();
+        (0..50).for_each(|n| rate.note(at(20 * n)));
+        assert_eq!(rate.at(at(980)), None, "not yet a second");
+        rate.note(at(1_000));
+        assert_eq!(rate.at(at(1_000)), Some(50.0));
+        (1..=10).for_each(|n| rate.note(at(1_000 + 100 * n)));
+        assert_eq!((rate.at(at(2_000)), rate.at(at(5_001))), (Some(10.0), None));
+        rate.note(at(60_000));
+        assert_eq!(rate.at(at(60_000)), None, "the pause is no slow picture");
     }
 
     #[test]

@@ -1,10 +1,20 @@
 //! Letters drawn by the processor, in the overlay's font.
 
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
 use egui::epaint::text::{Fonts, TextOptions};
 use egui::{Color32, ColorImage, FontDefinitions, FontId};
 
-/// The font, and the letters that were needed so far.
-pub(super) struct Letters(Fonts);
+use crate::system_fonts::SystemFonts;
+
+/// The fonts, and the letters that were needed so far.
+pub(super) struct Letters {
+    fonts: Fonts,
+    system: SystemFonts,
+    /// Letters that were looked for among the system's fonts.
+    looked_for: BTreeSet<char>,
+}
 
 /// A line of text: how much of each pixel is covered by its letters.
 pub(super) struct Line {
@@ -17,12 +27,35 @@ pub(super) struct Line {
 impl Letters {
     /// Reads the font.
     pub(super) fn new() -> Self {
-        Self(Fonts::new(TextOptions::default(), FontDefinitions::default()))
+        let fonts = Fonts::new(TextOptions::default(), FontDefinitions::default());
+        Self { fonts, system: SystemFonts::new(), looked_for: BTreeSet::new() }
+    }
+
+    /// Takes fonts of the system for what the present ones lack of `text`.
+    fn complete(&mut self, text: &str) {
+        let mut fonts = self.fonts.with_pixels_per_point(1.0);
+        let font = FontId::proportional(1.0);
+        let lacks = |letter: &char| !letter.is_control() && !fonts.has_glyph(&font, *letter);
+        let missing: BTreeSet<char> = text.chars().filter(lacks).collect();
+        let missing: BTreeSet<char> = missing.difference(&self.looked_for).copied().collect();
+        if missing.is_empty() {
+            return;
+        }
+        let mut definitions = self.fonts.definitions().clone();
+        for font in self.system.with_letters(&missing) {
+            for behind in font.families {
+                definitions.families.entry(behind.family).or_default().push(font.name.clone());
+            }
+            definitions.font_data.insert(font.name, Arc::new(font.data));
+        }
+        self.looked_for.extend(missing);
+        self.fonts = Fonts::new(TextOptions::default(), definitions);
     }
 
     /// A line of letters of `size` pixels.
     pub(super) fn line(&mut self, text: &str, size: f32) -> Line {
-        let mut fonts = self.0.with_pixels_per_point(1.0);
+        self.complete(text);
+        let mut fonts = self.fonts.with_pixels_per_point(1.0);
         let galley = fonts.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE);
         let atlas: ColorImage = fonts.image();
         let extent = galley.size();

@@ -49,8 +49,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("demo_track", &[]),
     ("atomic_file", &["ending"]),
     ("frame", &[]),
-    ("view", &["frame", "limits"]),
+    // The letters of captions.
+    ("view", &["frame", "limits", "system_fonts"]),
     ("srgb", &[]),
+    ("system_fonts", &["limits"]),
     ("flash", &["limits", "srgb"]),
     // The driver's own form of programs comes from where it is kept, on the threads that compile.
     ("gpu", &["frame", "view", "flash", "faults", "srgb", "limits", "program_cache"]),
@@ -69,6 +71,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "flash",
             "program_cache",
             "thumbnails",
+            "system_fonts",
             "ending",
             "limits",
         ],
@@ -84,8 +87,10 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("glutin_winit", &["app"]),
     ("winit", &["app"]),
     ("x11_dl", &["app"]),
-    // The overlay, and the letters of legends.
-    ("egui", &["app", "view"]),
+    // The overlay, the letters of legends, and the fonts of both.
+    ("egui", &["app", "view", "system_fonts"]),
+    ("fontdb", &["system_fonts"]),
+    ("skrifa", &["system_fonts"]),
     ("mpris_server", &["app"]),
     ("signal_hook", &["ending"]),
     ("notify", &["scenes"]),

@@ -12,6 +12,7 @@ mod bar;
 mod browser;
 mod content;
 mod files;
+mod fonts;
 mod help;
 mod icons;
 mod now_playing;
@@ -47,6 +48,7 @@ pub use welcome::Welcome;
 
 use super::error::AppError;
 use crate::gpu::gl::Gl;
+use crate::system_fonts::SystemFonts;
 
 /// The overlay of a window. Drop it before the window's context.
 pub struct Overlay {
@@ -83,9 +85,10 @@ pub struct Painted {
 }
 
 impl Overlay {
-    /// An overlay that shows nothing yet. Calls no OpenGL.
-    pub fn new(gl: &Gl, window: &Window) -> Self {
-        let panels = Panels::new();
+    /// An overlay that shows nothing yet. Calls no OpenGL. `wake` is called on another thread when something is
+    /// [`Self::due`] that was not before.
+    pub fn new(gl: &Gl, window: &Window, wake: impl Fn() + Send + 'static) -> Self {
+        let panels = Panels::new(SystemFonts::new(), wake);
         let side_max = usize::try_from(gl.info().texture_side_max).ok();
         let scale = Some(window.scale_factor() as f32);
         let context = panels.context().clone();
@@ -133,7 +136,8 @@ impl Overlay {
         };
         let changed = content.fingerprint(now) != shown.fingerprint;
         let touched = !self.input.egui_input().events.is_empty();
-        if changed || touched { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
+        let relaid = changed || touched || self.panels.has_found_fonts();
+        if relaid { Some(now) } else { shown.changes_at.map(|at| at.max(now)) }
     }
 
     /// Paints `content` over what is in the framebuffer of `window`, which has `size` pixels. Calls no OpenGL when

@@ -6,8 +6,10 @@ use egui::{Align2, Context, FullOutput, Id, LayerId, Order, Painter, RawInput, R
 
 use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
+use super::fonts::Fallback;
 use super::requests::Request;
 use super::{bar, browser, files, help, params, problem, sources, style, tracks, welcome};
+use crate::system_fonts::SystemFonts;
 
 /// Widest line at the top or in the corner, as a share of the window's width.
 const LINE_WIDTH_MAX: f32 = 0.8;
@@ -23,6 +25,7 @@ const PROBLEM_WIDTH_MIN: f32 = 420.0;
 /// egui, and how the panels look.
 pub(super) struct Panels {
     context: Context,
+    fallback: Fallback,
     kept: Kept,
 }
 
@@ -49,11 +52,24 @@ pub(super) struct LaidOut {
 }
 
 impl Panels {
-    /// Lays nothing out yet.
-    pub(super) fn new() -> Self {
+    /// Lays nothing out yet. Letters that egui lacks come from `fonts`; `wake` is called on another thread when some
+    /// have been found.
+    pub(super) fn new(fonts: SystemFonts, wake: impl Fn() + Send + 'static) -> Self {
         let context = Context::default();
         style::apply(&context);
-        Self { context, kept: Kept::default() }
+        let fallback = Fallback::new(&context, fonts, wake);
+        Self { context, fallback, kept: Kept::default() }
+    }
+
+    /// Whether the same content would be laid out with other letters than it was.
+    pub(super) fn has_found_fonts(&self) -> bool {
+        self.fallback.has_found()
+    }
+
+    /// What letters are looked for, and whether a thread does.
+    #[cfg(test)]
+    pub(super) fn fallback(&self) -> &Fallback {
+        &self.fallback
     }
 
     /// egui's context.
@@ -69,6 +85,7 @@ impl Panels {
         now: Instant,
     ) -> LaidOut {
         let (mut panels, mut params_changed, mut requests) = (Vec::new(), false, Vec::new());
+        self.fallback.add_found(&self.context);
         // egui may ask for another pass when it learns sizes.
         let kept = &mut self.kept;
         let output = self.context.run_pass(input, |context| {
@@ -76,6 +93,7 @@ impl Panels {
             requests.clear();
             params_changed |= show(context, content, now, &mut panels, &mut requests, kept);
         });
+        self.fallback.look();
         let root = output.viewport_output.values().next();
         let repaint_after = root.map_or(Duration::MAX, |viewport| viewport.repaint_delay);
         LaidOut { output, panels, params_changed, requests, repaint_after }

@@ -37,6 +37,9 @@ pub(super) const TEXT_SIZE: f32 = 14.0;
 pub(super) const SMALL_SIZE: f32 = 12.5;
 /// The same for a heading.
 pub(super) const HEADING_SIZE: f32 = 15.5;
+/// Small windows make no text of a panel smaller than this, in the window system's points; what does not fit is cut.
+/// Only the keys' and a problem's text shrink further, to be seen whole.
+const SMALLEST: f32 = 9.0;
 
 /// Text in a proportional font.
 pub(super) fn proportional(size: f32) -> FontId {
@@ -98,7 +101,7 @@ pub(super) fn apply(context: &egui::Context) {
 /// How much larger a window's panels are than the window system's points: smaller in windows that are too small for
 /// them, larger in windows of more than 1920x1080 points, because those are viewed from further away.
 pub(super) fn zoom(size: Vec2) -> f32 {
-    let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(0.6, 1.0);
+    let shrunk = (size.x / 560.0).min(size.y / 360.0).clamp(SMALLEST / SMALL_SIZE, 1.0);
     let grown = (size.x / 1920.0).min(size.y / 1080.0).clamp(1.0, 2.0);
     shrunk * grown
 }

@@ -1,6 +1,8 @@
 //! The panels as a user meets them, in an imaginary window.
 
-use std::time::Instant;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
 
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
@@ -10,6 +12,8 @@ use super::{
     Tracks, style,
 };
 use crate::app::keys::Action;
+use crate::system_fonts::SystemFonts;
+use crate::system_fonts::tiny_font::{TinyFont, folder_of};
 use mariana_player::{ListedTrack, ListedTracks};
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -17,13 +21,23 @@ const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 /// A window and its clock.
 struct Stage {
     panels: Panels,
+    /// One for each time that the panels have news.
+    wakes: Receiver<()>,
     screen: Rect,
     seconds: f64,
 }
 
 impl Stage {
     fn new(screen: Vec2) -> Self {
-        Self { panels: Panels::new(), screen: Rect::from_min_size(Pos2::ZERO, screen), seconds: 0.0 }
+        Self::with_fonts(screen, Path::new("no such folder"))
+    }
+
+    /// A window on a system whose fonts are in `folder`.
+    fn with_fonts(screen: Vec2, folder: &Path) -> Self {
+        let (waker, wakes) = channel();
+        let fonts = SystemFonts::in_folder(Some(folder.to_owned()));
+        let panels = Panels::new(fonts, move || waker.send(()).unwrap());
+        Self { panels, wakes, screen: Rect::from_min_size(Pos2::ZERO, screen), seconds: 0.0 }
     }
 
     /// One frame, 20 ms after the last.
@@ -281,4 +295,94 @@ fn the_letters_that_are_used_are_in_the_fonts() {
         }
     });
     output.textures_delta.clear();
+}
+
+/// The letters of a text that is drawn, each with its place among the drawn letters.
+fn letters_of(laid_out: &LaidOut, wanted: &str) -> Vec<(char, [u16; 2])> {
+    let texts = laid_out.output.shapes.iter().filter_map(|clipped| match &clipped.shape {
+        Shape::Text(text) if text.galley.text() == wanted => Some(text),
+        _ => None,
+    });
+    let rows = texts.flat_map(|text| &text.galley.rows);
+    let glyphs = rows.flat_map(|row| &row.glyphs);
+    glyphs
+        .map(|glyph| (glyph.chr, [glyph.uv_rect.max[0] - glyph.uv_rect.min[0], glyph.uv_rect.max[1]]))
+        .collect()
+}
+
+fn noticed(text: &str) -> OverlayContent<'_> {
+    let notice = Some(Notice { text, share: None, since: Instant::now() });
+    OverlayContent { notice, ..Default::default() }
+}
+
+/// Long enough for a search on a busy system.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+#[test]
+fn letters_that_are_missing_come_from_the_fonts_of_the_system() {
+    let title = "日本語";
+    let bytes = TinyFont::new("Tiny", title).bytes();
+    let folder = folder_of(&[("damaged.ttf", bytes[..200].to_vec()), ("tiny.ttf", bytes)]);
+    let mut stage = Stage::with_fonts(SCREEN, folder.path());
+    let boxes = letters_of(&stage.frame(Vec::new(), noticed(title)), title);
+    assert_eq!(boxes.len(), 3);
+    assert!(boxes.iter().all(|(_, place)| *place == boxes[0].1), "the same box three times: {boxes:?}");
+    stage.wakes.recv_timeout(PATIENCE).expect("the font is found");
+    assert!(stage.panels.has_found_fonts());
+    let letters = letters_of(&stage.frame(Vec::new(), noticed(title)), title);
+    assert!(!stage.panels.has_found_fonts());
+    // Each letter's square has a size of its own.
+    let mut widths: Vec<u16> = letters.iter().map(|(_, place)| place[0]).collect();
+    widths.dedup();
+    assert_eq!(widths.len(), 3, "{letters:?} instead of {boxes:?}");
+}
+
+#[test]
+fn what_was_looked_for_is_not_looked_for_again() {
+    let folder = folder_of(&[("tiny.ttf", TinyFont::new("Tiny", "日").bytes())]);
+    let mut stage = Stage::with_fonts(SCREEN, folder.path());
+    stage.frame(Vec::new(), noticed("日本"));
+    stage.wakes.recv_timeout(PATIENCE).expect("the font is found");
+    for _ in 0..3 {
+        stage.frame(Vec::new(), noticed("日本"));
+    }
+    // The next letter is the only one that is asked for: no font has it, and nobody is woken.
+    assert_eq!(stage.panels.fallback().missed(), 2);
+    stage.frame(Vec::new(), noticed("日本語"));
+    assert_eq!(stage.panels.fallback().missed(), 3);
+}
+
+#[test]
+fn letters_that_are_there_are_not_looked_for() {
+    let mut stage = Stage::new(SCREEN);
+    stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
+    let mut sliders = sliders(3);
+    let bar = Bar {
+        now: &playing(),
+        level: 0.5,
+        scene: "speakers, 1 of 17",
+        open: None,
+        help: true,
+        sliders: true,
+    };
+    let content = OverlayContent {
+        corner: Some("speakers · 60 fps · 1280x720 · compiled"),
+        params: Some(&mut sliders),
+        help: true,
+        bar: Some(bar),
+        ..Default::default()
+    };
+    stage.frame(Vec::new(), content);
+    assert_eq!(stage.panels.fallback().missed(), 0);
+    assert!(!stage.panels.fallback().has_started(), "there is no thread");
+}
+
+#[test]
+fn text_grows_with_large_windows_and_stays_readable_in_small_ones() {
+    for (window, text) in [((640.0, 360.0), 12.5), ((1920.0, 1080.0), 12.5), ((3840.0, 2160.0), 25.0)] {
+        let zoom = style::zoom(Vec2::new(window.0, window.1));
+        assert_eq!(style::SMALL_SIZE * zoom, text, "{window:?}");
+    }
+    let smallest = style::SMALL_SIZE * style::zoom(Vec2::new(1.0, 1.0));
+    assert!((smallest - 9.0).abs() < 1e-3, "{smallest}");
 }

@@ -34,12 +34,14 @@ impl SceneStage {
         [name, mode.to_string()].into_iter().chain(view).collect()
     }
 
-    /// A line about the scene on the stage: its name, its mode, its clauses, its regions.
-    pub(crate) fn corner(&self) -> Option<String> {
+    /// A line about the scene on the stage. First what people ask: its name, the rate and size of its pictures as
+    /// `pictures` has them, its mode. Then the numbers: clauses, regions, and `quality`.
+    pub(crate) fn corner(&self, pictures: &str, quality: &str) -> Option<String> {
         let (cast, mode) = self.on_stage.as_ref().zip(self.mode())?;
         let cost = cast.resources.buffers().cost;
         let regions = self.regions.about((cast.id, mode), cast.resources.regions().as_deref());
-        Some(format!("{} · {mode} · {} clauses · {regions}", cast.source.title(), cost.distance))
+        let name = cast.source.title();
+        Some(format!("{name} · {pictures} · {mode} · {} clauses · {regions} · {quality}", cost.distance))
     }
 
     /// Says of each program that the driver is at for long that it is, once.

@@ -65,7 +65,7 @@ impl Stage {
                 self.weigh_picture(level, begun);
             }
         }
-        let corner = self.corner_line();
+        let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
         let tracks = self.listed_tracks();
         self.note_scene();
@@ -144,7 +144,7 @@ impl Stage {
 
     /// When the window has to be drawn again because of the overlay.
     pub(super) fn overlay_due(&mut self, now: Instant) -> Option<Instant> {
-        let corner = self.corner_line();
+        let corner = self.corner_line(now);
         let tracks = self.listed_tracks();
         let awake = self.is_pointer_awake(now);
         let shape = self.loudness_shape(awake);
@@ -201,9 +201,9 @@ impl Stage {
     }
 
     /// The line about the scene and how it is drawn, if it is wanted.
-    fn corner_line(&self) -> Option<String> {
-        let scene = self.scene.corner().filter(|_| self.panels.corner())?;
-        Some(format!("{scene}{}", self.pace))
+    fn corner_line(&self, now: Instant) -> Option<String> {
+        let wanted = self.panels.corner();
+        wanted.then(|| self.scene.corner(&self.pace.about_pictures(now), &self.pace.quality())).flatten()
     }
 
     /// Checks whether the picture that is being drawn takes too long: then it is drawn with fewer pixels or, if that

@@ -61,7 +61,8 @@ impl Opening<'_> {
         if settings.fullscreen {
             window.set_fullscreen(true);
         }
-        let mut overlay = Overlay::new(window.gl(), window.window());
+        let of_fonts = waker.clone();
+        let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
         if let Some(size) = window.size() {
             paint_waiting(&window, &mut overlay, size, &first.source.title(), OverlayContent::default())?;
             tracing::info!("the window says what it prepares");
@@ -190,12 +191,13 @@ pub(in crate::app) fn renewed(
         shown,
         move || of_scenes.wake(),
     )?;
+    let of_fonts = waker.clone();
     scenes.take_over(kept.moved, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
         renderer: renderer(&window, settings, scene)?,
         scene: scenes,
-        overlay: Overlay::new(window.gl(), window.window()),
+        overlay: Overlay::new(window.gl(), window.window(), move || of_fonts.wake()),
         pace: stage.pace.renewed(Instant::now()),
         window,
         ..stage
