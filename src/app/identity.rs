@@ -11,15 +11,13 @@ const ICON: &[u8] = include_bytes!("../../assets/desktop/icons/128x128/apps/org.
 
 /// The attributes of a window that tells whose it is.
 pub(super) fn told_by(attributes: WindowAttributes) -> WindowAttributes {
-    let attributes = attributes.with_window_icon(icon());
     #[cfg(all(unix, not(target_os = "macos")))]
-    {
+    let attributes = {
         // Of X11 by its name, but Wayland reads the same field.
         use winit::platform::x11::WindowAttributesExtX11;
-        return attributes.with_name(APP_ID, "mariana");
-    }
-    #[cfg(not(all(unix, not(target_os = "macos"))))]
-    attributes
+        attributes.with_name(APP_ID, "mariana")
+    };
+    attributes.with_window_icon(icon())
 }
 
 fn icon() -> Option<Icon> {
