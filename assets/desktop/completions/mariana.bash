@@ -83,7 +83,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --quality --flash-limiter --fade --prepare-ahead --program-cache --fullscreen --clean --size --gl-info --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --quality --flash-limiter --fade --prepare-ahead --program-cache --fullscreen --clean --size --new --gl-info --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

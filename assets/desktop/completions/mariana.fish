@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= gl-info scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= new gl-info scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -28,7 +28,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l repeat -d 'Which tracks
 one\t'One track, again and again'
 off\t'Each track once; the window stays open'"
 complete -c mariana -n "__fish_mariana_needs_command" -l device -d 'Output device, or input with --mic and --system: an id or name from \'mariana devices\', or part of one' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last one, at first 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fps-cap -d 'Maximum frames per second [default: the monitor\'s rate]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'How good the picture is; auto draws fewer pixels if frames take too long' -r -f -a "auto\t'As good as the frame rate allows'
@@ -43,7 +43,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Wheth
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Whether programs that the driver has compiled are kept, in the user\'s folder for caches' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last one, at first 1280x720]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l view -d 'Show how the picture is made, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through what the camera looks at, as lines; slice:NUMBER sets the distance between two lines - normals: directions of the surfaces, by differences of the distance; normals:NUMBER sets the length of a difference, by default a share of the pixel - shadow: the share of the lamps\' light that arrives - occlusion: the share of the light from everywhere that arrives - clauses: clauses that the interpreter runs; evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and how long their tapes are - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l sdf -d 'How the scene\'s formulas are run; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
@@ -65,6 +65,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l silent -d 'Play without
 complete -c mariana -n "__fish_mariana_needs_command" -l once -d 'End with the last track instead of starting over'
 complete -c mariana -n "__fish_mariana_needs_command" -l fullscreen -d 'Start in full screen'
 complete -c mariana -n "__fish_mariana_needs_command" -l clean -d 'Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar'
+complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Begin anew instead of where the last show ended, and leave nothing to the next one'
 complete -c mariana -n "__fish_mariana_needs_command" -l gl-info -d 'Print which OpenGL is available, and exit'
 complete -c mariana -n "__fish_mariana_needs_command" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
