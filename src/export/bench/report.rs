@@ -69,7 +69,7 @@ pub struct ModeReport {
     pub regions: bool,
     /// Frames that were timed; fewer than asked for if they took very long.
     pub frames: usize,
-    /// Building the tree of regions on one thread, median, in ms.
+    /// Building the tree of regions and, interpreted, shortening materials and light, median, in ms.
     pub build_ms: f64,
     /// What the tree consists of.
     pub tree: RegionStats,

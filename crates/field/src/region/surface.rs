@@ -3,8 +3,8 @@
 //! A program's own grid of 8x8x8 cells says which tape runs at a point or, for the sky, in a direction. The outermost
 //! cells reach as far as anything is drawn, so every point has a cell. As in the tree of distances, intervals of a
 //! frame's values decide what a cell does not need, and cells that need the same share a tape, and so do the
-//! eight cells of a block unless some of them need much less than the block. In its cell a shortened tape gives the same bits as the whole
-//! one.
+//! eight cells of a block unless some of them need much less than the block. In its cell a shortened tape gives the same
+//! bits as the whole one. `world::shortening` decides which programs are worth it.
 //!
 //! Cells in which no surface may be seen keep the whole tape, so that no time is spent on them: the tree of distances
 //! and the planes say where surfaces are ([`Surfaces`]).
