@@ -77,7 +77,9 @@ impl Letters {
                         let from = usize::from(y) * atlas.size[0] + usize::from(x);
                         let (to, from) = (cover.get_mut(line * width + column), atlas.pixels.get(from));
                         if let (Some(to), Some(from)) = (to, from) {
-                            *to = (*to).max(from.a());
+                            // The same thrice, but for letters with colours of their own: they become grey.
+                            let [red, green, blue, _] = from.to_array().map(u16::from);
+                            *to = (*to).max(((red + green + blue) / 3) as u8);
                         }
                     }
                 }
