@@ -226,7 +226,7 @@ fn lists_are_refused_or_played_by_the_program() {
     ] {
         place.run(&[list]).refused(&[list, what]);
     }
-    place.run(&["a.flac", "b.flac", "--once"]).refused(&["none of the 2 tracks", "b.flac"]);
+    place.run(&["a.flac", "b.flac", "--once"]).refused(&["do not exist", "a.flac, b.flac"]);
     place.run(&["a.flac", "--once", "--repeat", "all"]).refused_arguments("--once", &["--repeat"]);
     place.run(&["a.flac", "--repeat", "twice"]).refused_arguments("--repeat", &["twice"]);
     // What is named may come yet: the window would open.
