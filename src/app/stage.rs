@@ -3,8 +3,9 @@
 mod drawing;
 mod leaving;
 mod opening;
+mod panels;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
@@ -14,15 +15,15 @@ pub(super) use opening::{Opening, renewed};
 use super::announcer::TrackOrder;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
-use super::file_browser::{FileBrowser, Picked};
+use super::file_browser::FileBrowser;
 use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
-use super::overlay::{FileRequest, Overlay, Panel, PanelSwitches, Request, SceneRequest, TrackRequest};
+use super::overlay::{Overlay, Panel, PanelSwitches, Request};
 use super::pointer_rest::PointerRest;
 use super::reports::Reports;
-use super::scene_browser::{Chosen, SceneBrowser};
+use super::scene_browser::SceneBrowser;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
@@ -30,7 +31,7 @@ use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::config::PlaySettings;
 use crate::gpu::renderer::Renderer;
-use crate::scenes::{SceneSource, is_scene_file};
+use crate::scenes::SceneSource;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
 
@@ -115,195 +116,6 @@ impl Stage {
         // What was done a moment ago shows at once.
         self.note_playing();
         self.reports.answer_position();
-    }
-
-    /// Opens a panel instead of the one that is open, or closes it.
-    pub(super) fn toggle_panel(&mut self, panel: Panel) {
-        self.panels.toggle(panel);
-        if self.panels.open() == Some(Panel::Sources) {
-            self.listening.show_sources();
-        }
-        self.look_through_scenes(self.panels.open() == Some(Panel::Scenes));
-        self.look_through_files(self.panels.open() == Some(Panel::Files));
-    }
-
-    /// Whether keys are text at present.
-    pub(super) fn takes_text(&self) -> bool {
-        self.browser.is_some() || self.files.is_some()
-    }
-
-    /// Opens the list of files, or closes it.
-    fn look_through_files(&mut self, open: bool) {
-        self.files = None;
-        if !open {
-            return;
-        }
-        let waker = self.waker.clone();
-        let folder = self.last_folder.clone().or_else(|| self.folder_of_track());
-        match FileBrowser::start(folder, move || waker.wake()) {
-            Ok(files) => self.files = Some(files),
-            Err(error) => self.reports.answer(format!("folders cannot be read: {error}")),
-        }
-    }
-
-    /// The folder of the track that plays, if it is a file.
-    fn folder_of_track(&mut self) -> Option<PathBuf> {
-        let entry = self.reports.playing().place.0;
-        let tracks = self.listening.with_song(|player| player.playlist())?;
-        let file = tracks.entries.get(entry)?.file.as_deref()?;
-        std::path::absolute(file).ok()?.parent().map(Path::to_owned)
-    }
-
-    /// Does what was picked in the list of files.
-    fn follow_pick(&mut self, picked: Picked) {
-        match picked {
-            Picked::Nothing => return,
-            Picked::Close => {}
-            Picked::Open { path, append } => {
-                self.last_folder = path.parent().map(Path::to_owned);
-                self.open_files(vec![path], append);
-            }
-        }
-        if self.panels.open() == Some(Panel::Files) {
-            self.toggle_panel(Panel::Files);
-        }
-    }
-
-    /// Does what the pointer asked of the list of files.
-    fn obey_in_files(&mut self, request: FileRequest) {
-        let Some(files) = &mut self.files else { return };
-        let picked = match request {
-            FileRequest::Open { place, append } => files.open(place, append),
-            FileRequest::OpenFolder { append } => files.open_folder(append),
-            FileRequest::EnterPlace(place) => {
-                files.enter_place(place);
-                Picked::Nothing
-            }
-            FileRequest::Up => {
-                files.go_up();
-                Picked::Nothing
-            }
-            FileRequest::Close => Picked::Close,
-        };
-        self.follow_pick(picked);
-    }
-
-    /// Shows the last scene among these files, and plays the others or adds them to the tracks.
-    fn open_files(&mut self, files: Vec<PathBuf>, append: bool) {
-        let (scenes, music): (Vec<_>, Vec<_>) = files.into_iter().partition(|file| is_scene_file(file));
-        if let Some(scene) = scenes.into_iter().next_back() {
-            self.scene.show_source(SceneSource::File(scene));
-        }
-        if !music.is_empty() {
-            let words = self.listening.play_files(music, append);
-            self.answer(words);
-        }
-    }
-
-    /// Opens the list of scenes, or closes it.
-    fn look_through_scenes(&mut self, open: bool) {
-        self.browser = None;
-        if !open {
-            return;
-        }
-        if self.thumbnails.is_none() {
-            let waker = self.waker.clone();
-            match Thumbnails::start(move || waker.wake()) {
-                Ok(thumbnails) => self.thumbnails = Some(thumbnails),
-                Err(error) => tracing::warn!("there are no pictures of scenes ({error})"),
-            }
-        }
-        let scenes = self.scene.all_sources();
-        let favourites = self.listening.settings().favourite_scenes.clone();
-        let browser = SceneBrowser::new(scenes, self.scene.shown_source(), favourites);
-        if let Some(thumbnails) = &mut self.thumbnails {
-            browser.ask_for_comments(thumbnails);
-        }
-        self.browser = Some(browser);
-    }
-
-    /// Does what was chosen in the list of scenes.
-    fn follow_choice(&mut self, chosen: Chosen) {
-        match chosen {
-            Chosen::Nothing => {}
-            Chosen::Close => self.close_scenes(),
-            Chosen::Show { source, close } => {
-                self.scene.show_source(source);
-                if close {
-                    self.close_scenes();
-                }
-            }
-            Chosen::Marked => {
-                if let Some(favourites) = self.browser.as_ref().map(|browser| browser.favourites().clone()) {
-                    self.listening.remember(move |settings| {
-                        settings.favourite_scenes.clone_from(&favourites);
-                    });
-                }
-            }
-        }
-    }
-
-    fn close_scenes(&mut self) {
-        if self.panels.open() == Some(Panel::Scenes) {
-            self.toggle_panel(Panel::Scenes);
-        }
-    }
-
-    /// Does what the pointer asked of the list of scenes.
-    fn obey_in_scenes(&mut self, request: SceneRequest) {
-        let Some(browser) = &mut self.browser else { return };
-        let chosen = match request {
-            SceneRequest::Show { place, close } => browser.show(place, close),
-            SceneRequest::Mark(place) => browser.mark(place),
-            SceneRequest::Close => Chosen::Close,
-            SceneRequest::Drawn { places, columns } => {
-                if let Some(thumbnails) = &mut self.thumbnails {
-                    browser.note_drawn(places, columns, thumbnails);
-                }
-                Chosen::Nothing
-            }
-        };
-        self.follow_choice(chosen);
-    }
-
-    /// Closes what is open, or leaves full screen.
-    pub(super) fn leave(&mut self) {
-        if !self.panels.close() {
-            self.window.set_fullscreen(false);
-        }
-        self.look_through_scenes(false);
-        self.look_through_files(false);
-    }
-
-    /// What the pointer asked for since the last call.
-    pub(super) fn take_requests(&mut self) -> Vec<Request> {
-        std::mem::take(&mut self.requests)
-    }
-
-    /// Does what the pointer asked for in a panel.
-    pub(super) fn obey(&mut self, request: Request) {
-        match request {
-            // What keys do, too, is the show's.
-            Request::Act(_) => {}
-            Request::SeekTo(seconds) => self.with_song(|player| player.seek_to(seconds)),
-            Request::SetVolume(volume) => self.with_song(|player| {
-                player.set_volume(volume);
-                if player.status().muted {
-                    player.toggle_mute();
-                }
-            }),
-            Request::Tracks(TrackRequest::Play(entry)) => self.with_song(|player| player.play_entry(entry)),
-            Request::Tracks(TrackRequest::Remove(entry)) => {
-                self.with_song(|player| player.remove_entry(entry));
-            }
-            Request::Tracks(TrackRequest::Move { from, to }) => {
-                self.with_song(|player| player.move_entry(from, to));
-            }
-            Request::Listen(place) => self.listening.choose_source(place),
-            Request::Scenes(request) => return self.obey_in_scenes(request),
-            Request::Files(request) => self.obey_in_files(request),
-        }
-        self.hurry_reports();
     }
 
     /// Changes the order of the tracks; does nothing while another source is listened to.

@@ -55,14 +55,15 @@ impl UserInput {
         }
     }
 
-    /// The key that an event presses, and what is held with it.
+    /// The key that an event presses, and what is held with it. A letter that is held counts once: it may be the key
+    /// that opened what it would be typed into.
     pub(super) fn typed<'a>(&self, event: &'a WindowEvent) -> Option<(&'a Key, ModifiersState)> {
         match event {
             WindowEvent::KeyboardInput {
-                event: KeyEvent { logical_key, state: ElementState::Pressed, .. },
+                event: KeyEvent { logical_key, state: ElementState::Pressed, repeat, .. },
                 is_synthetic: false,
                 ..
-            } => Some((logical_key, self.held)),
+            } => (!repeat || matches!(logical_key, Key::Named(_))).then_some((logical_key, self.held)),
             _ => None,
         }
     }

@@ -358,6 +358,7 @@ fn letters_that_are_there_are_not_looked_for() {
     stage.frame(Vec::new(), noticed("Hadal Lanterns — größer, Ελλάδα, Привет!\n\t\u{a0}\u{200d}"));
     let mut sliders = sliders(3);
     let bar = Bar {
+        shape: None,
         now: &playing(),
         level: 0.5,
         scene: "speakers, 1 of 17",
