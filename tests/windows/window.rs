@@ -371,7 +371,7 @@ fn what_the_system_gives_or_lacks_is_said() {
     assert!(run.status.code() == Some(1) && told.contains("cannot be printed"), "{}: {told}", run.status);
     let song = silent_song(desktop.folder(), 60.0);
     // The keys are shown in the window, and nothing is printed.
-    let mut app = desktop.open_printing_to(full().into(), &song, &["--silent", "--size", SMALL]);
+    let app = desktop.open_printing_to(full().into(), &song, &["--silent", "--size", SMALL]);
     app.press(&["h"]);
     assert_moves(&app);
     app.press(&["q"]);
