@@ -284,7 +284,7 @@ impl SceneStage {
 
     /// Shows a line for a moment.
     fn tell(&mut self, text: String) {
-        tracing::info!("told: {text}");
+        tracing::debug!("told: {text}");
         self.notice = Some((text, Instant::now()));
     }
 

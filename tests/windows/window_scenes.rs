@@ -305,7 +305,7 @@ fn r_changes_whether_regions_are_used_but_not_the_picture() {
     let place = Place::new();
     place.save("own.scene", VARIED);
     for (mode, first) in [("interpreted", "on"), ("compiled", "off")] {
-        let mut app = place.open("own.scene", &["--sdf", mode, "--regions", first, "-v"]);
+        let mut app = place.open("own.scene", &["--sdf", mode, "--regions", first, "-vv"]);
         wait_for_mode(&mut app, mode);
         pause(&mut app);
         app.press(&["Left"]);
