@@ -11,6 +11,9 @@ use mariana_music::{Tables, TapTempo};
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
 
+/// What is said of files in a show that began with an input.
+const NO_SONG: &str = "this show listens to an input: start Mariana without --mic and --system to play files";
+
 /// See the module. What it returns in words is for the user to read.
 pub(super) struct Listening {
     sound: Sound,
@@ -58,19 +61,24 @@ impl Listening {
         Some(words_of(before, after).to_owned())
     }
 
-    /// Plays files that were dropped onto the window, or says why not. If they are to follow the tracks that are
-    /// there, it says that they do.
+    /// Plays files instead of what was listened to, or says why not. If they are to follow the tracks that are there,
+    /// it says that they do.
     pub(super) fn play_files(&mut self, files: Vec<PathBuf>, append: bool) -> Option<String> {
-        match self.sound.player() {
-            Some(player) if append => {
-                player.append_files(files);
-                Some("added to the list of tracks".to_owned())
-            }
+        if append {
+            return Some(match self.sound.song() {
+                Some(player) => {
+                    player.append_files(files);
+                    "added to the list of tracks".to_owned()
+                }
+                None => NO_SONG.to_owned(),
+            });
+        }
+        match self.sound.listen_to_song() {
             Some(player) => {
                 player.play_files(files);
                 None
             }
-            None => Some("files can be played only while the song is the source: press D".to_owned()),
+            None => Some(NO_SONG.to_owned()),
         }
     }
 

@@ -191,6 +191,19 @@ impl Sound {
         Some(self.sources(&device_list))
     }
 
+    /// The song, whatever is listened to.
+    pub(super) fn song(&mut self) -> Option<&mut Player> {
+        self.player.as_mut()
+    }
+
+    /// Listens to the song instead of an input; there is none in a show that began with an input. Returns it.
+    pub(super) fn listen_to_song(&mut self) -> Option<&mut Player> {
+        if self.player.is_some() && self.live.is_some() {
+            self.choose(Source::Song);
+        }
+        self.player()
+    }
+
     /// Shows the list of sources, as it is now.
     pub(super) fn show_list(&mut self) {
         if let Some(sources) = self.latest_sources() {

@@ -186,6 +186,9 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
     // Letters are searched for: Q is one of them.
     app.press(&["q", "u", "a", "d", "r", "Return"]);
     app.wait_for_title("the scene that was found", |title| title.contains("quadric"));
+    // Files that are opened are heard, whatever was listened to.
+    app.press(&["d"]);
+    app.wait_for_title("an input", |title| title.contains("no sound") || title.contains("live"));
     app.press(&["o"]);
     std::thread::sleep(Duration::from_millis(500));
     app.press(&["a", "l", "b"]);
