@@ -220,10 +220,9 @@ impl FileBrowser {
     /// Goes to the folder above.
     pub(super) fn go_up(&mut self) {
         if let Some(above) = self.folder.parent().map(Path::to_owned) {
-            self.came_from = Some(self.folder.clone());
-            let left = self.came_from.clone();
+            let left = self.folder.clone();
             self.enter(above);
-            self.came_from = left;
+            self.came_from = Some(left);
         }
     }
 

@@ -1,5 +1,6 @@
 //! What lives as long as the window: the sound, the scene, the pace of the drawing, the reports, and the overlay.
 
+mod desk;
 mod drawing;
 mod leaving;
 mod opening;
@@ -10,20 +11,19 @@ use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
 
+use desk::Desk;
 pub(super) use opening::{Opening, renewed};
 
 use super::announcer::TrackOrder;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
-use super::file_browser::FileBrowser;
 use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
-use super::overlay::{Overlay, Panel, PanelSwitches, Request};
+use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
 use super::reports::Reports;
-use super::scene_browser::SceneBrowser;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
@@ -31,7 +31,6 @@ use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::config::PlaySettings;
 use crate::gpu::renderer::Renderer;
-use crate::scenes::SceneSource;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
 
@@ -53,23 +52,15 @@ pub(super) struct Stage {
     pointer_rest: PointerRest,
     /// What the pointer asked for in the last picture.
     requests: Vec<Request>,
-    /// The scene on the stage, with its place among the others in words.
-    placed_scene: Option<(SceneSource, String)>,
-    /// The list of scenes, while it is open, and what finds their pictures.
-    browser: Option<SceneBrowser>,
+    pub(super) desk: Desk,
+    /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
-    /// The list of files, while it is open, and the folder in which something was last picked.
-    files: Option<FileBrowser>,
+    /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
     waker: Waker,
-    /// Whether nothing shows over the picture but what was asked for and what is wrong.
-    clean: bool,
-    /// When the words at the start came up.
-    welcomed: Option<Instant>,
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
     waited: Option<(Instant, (u32, u32))>,
-    pub(super) panels: PanelSwitches,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
@@ -174,12 +165,12 @@ impl Stage {
         if self.overlay.on_event(self.window.window(), event) {
             return None;
         }
-        if let (Some(browser), Some((key, held))) = (&mut self.browser, self.input.typed(event)) {
+        if let (Some(browser), Some((key, held))) = (&mut self.desk.browser, self.input.typed(event)) {
             let chosen = browser.take_key(key, held.control_key() || held.super_key());
             self.follow_choice(chosen);
             return None;
         }
-        if let (Some(files), Some((key, held))) = (&mut self.files, self.input.typed(event)) {
+        if let (Some(files), Some((key, held))) = (&mut self.desk.files, self.input.typed(event)) {
             let picked = files.take_key(key, held.shift_key(), held.control_key() || held.super_key());
             self.follow_pick(picked);
             return None;
@@ -262,15 +253,15 @@ impl Stage {
     pub(super) fn look_around(&mut self) -> Result<Instant, AppError> {
         let dropped = self.input.take_dropped();
         if !dropped.is_empty() {
-            let append = self.input.shift_held() || self.panels.open() == Some(Panel::Tracks);
+            let append = self.input.shift_held() || self.desk.panels.open() == Some(Panel::Tracks);
             self.open_files(dropped, append);
         }
         self.scene.update()?;
-        if let (Some(browser), Some(thumbnails)) = (&mut self.browser, &mut self.thumbnails) {
+        if let (Some(browser), Some(thumbnails)) = (&mut self.desk.browser, &mut self.thumbnails) {
             browser.set_present(self.scene.shown_source());
             browser.take(thumbnails);
         }
-        if let Some(files) = &mut self.files {
+        if let Some(files) = &mut self.desk.files {
             files.update();
         }
         let now = Instant::now();

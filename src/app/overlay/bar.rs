@@ -4,9 +4,7 @@
 
 use std::hash::{Hash, Hasher};
 
-use egui::{
-    Align, Area, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, UiKind, WidgetInfo, pos2, vec2,
-};
+use egui::{Align, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
@@ -68,13 +66,9 @@ impl Hash for Bar<'_> {
 /// Draws the bar at the bottom of `space`; returns where it is, and adds what was asked for.
 pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests: &mut Vec<Request>) -> Rect {
     let width = space.width().min(WIDTH_MAX);
-    let area = Area::new(Id::unique("bar"))
-        .kind(UiKind::Window)
-        .order(Order::Middle)
+    let area = style::area(Id::unique("bar"), Order::Middle)
         .pivot(egui::Align2::CENTER_BOTTOM)
-        .fixed_pos(space.center_bottom())
-        .constrain(false)
-        .fade_in(false);
+        .fixed_pos(space.center_bottom());
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));

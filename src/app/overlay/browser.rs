@@ -5,8 +5,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use egui::{
-    Area, ColorImage, Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions,
-    Ui, UiKind, WidgetInfo, pos2, vec2,
+    ColorImage, Id, Order, Rect, ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::icons::{self, Icon};
@@ -62,12 +62,8 @@ pub(super) fn show(
     requests: &mut Vec<Request>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
-    let area = Area::new(Id::unique("scenes"))
-        .kind(UiKind::Window)
-        .order(Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()))
-        .constrain(false)
-        .fade_in(false);
+    let area = style::area(Id::unique("scenes"), Order::Foreground)
+        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
@@ -84,15 +80,11 @@ pub(super) fn show(
 fn heading(ui: &mut Ui, browser: &SceneBrowser, requests: &mut Vec<Request>) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), LINE), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * LINE, 3.0), vec2(LINE, LINE));
-    let closes = ui.interact(cross, ui.scope_id().with("close"), Sense::click());
-    let color = if closes.hovered() { style::TEXT } else { style::DIM };
-    icons::draw(ui.painter(), Icon::Cross, cross, 13.0, color);
-    closes.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "close the list of scenes"));
-    if closes.clicked() {
+    if icons::closing_cross(ui, cross, "close the list of scenes") {
         requests.push(Request::Scenes(SceneRequest::Close));
     }
     let painter = ui.painter();
-    let found = match browser.found().len() {
+    let found = match browser.found() {
         all if all == browser.count() => format!("{all} scenes"),
         some => format!("{some} of {} scenes", browser.count()),
     };
@@ -131,12 +123,16 @@ fn tiles(
     let width = (room - (columns - 1.0) * GAP) / columns;
     let tile_height = width * 9.0 / 16.0 + NAME;
     let columns = columns as usize;
-    let count = browser.found().len();
+    let count = browser.found();
     let rows = count.div_ceil(columns);
     let scroll = ScrollArea::vertical().max_height(height.max(tile_height)).auto_shrink([false, true]);
     let moved = pictures.selected.replace(browser.selected()) != Some(browser.selected());
     let scroll = match moved {
-        true => scroll.vertical_scroll_offset(offset_for(browser.selected() / columns, tile_height, height)),
+        true => scroll.vertical_scroll_offset(style::scrolled_to(
+            browser.selected() / columns,
+            tile_height,
+            height,
+        )),
         false => scroll,
     };
     let mut seen: Range<usize> = 0..0;
@@ -159,11 +155,6 @@ fn tiles(
     };
     pictures.textures.retain(|_, (image, _)| kept(image));
     requests.push(Request::Scenes(SceneRequest::Drawn { places: seen, columns }));
-}
-
-/// How far the tiles are scrolled so that a row stands in the middle, as far as there are rows around it.
-fn offset_for(row: usize, row_height: f32, height: f32) -> f32 {
-    (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
 }
 
 fn draw_tile(

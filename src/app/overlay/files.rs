@@ -1,8 +1,8 @@
 //! The list of files and folders, and the places to begin with.
 
-use egui::{Area, Id, Order, Rect, ScrollArea, Sense, Ui, UiKind, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
-use super::icons::{self, Icon};
+use super::icons;
 use super::requests::{FileRequest, Request};
 use super::style;
 use crate::app::file_browser::FileBrowser;
@@ -23,12 +23,8 @@ pub(super) fn show(
     requests: &mut Vec<Request>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
-    let area = Area::new(Id::unique("files"))
-        .kind(UiKind::Window)
-        .order(Order::Foreground)
-        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()))
-        .constrain(false)
-        .fade_in(false);
+    let area = style::area(Id::unique("files"), Order::Foreground)
+        .fixed_pos(pos2(space.center().x - 0.5 * width, space.top()));
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
@@ -47,11 +43,7 @@ pub(super) fn show(
 fn heading(ui: &mut Ui, files: &FileBrowser, ask: &mut impl FnMut(FileRequest)) {
     let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), 1.2 * ROW), Sense::hover());
     let cross = Rect::from_center_size(place.right_center() - vec2(0.5 * ROW, 2.0), vec2(ROW, ROW));
-    let closes = ui.interact(cross, ui.scope_id().with("close"), Sense::click());
-    let color = if closes.hovered() { style::TEXT } else { style::DIM };
-    icons::draw(ui.painter(), Icon::Cross, cross, 13.0, color);
-    closes.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, "close the list of files"));
-    if closes.clicked() {
+    if icons::closing_cross(ui, cross, "close the list of files") {
         ask(FileRequest::Close);
     }
     let words = match files.query() {
@@ -113,8 +105,7 @@ fn rows(
     let height = height.max(2.0 * ROW);
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
     if last_selected.replace(files.selected()) != Some(files.selected()) {
-        let middle = files.selected() as f32 * ROW - 0.5 * (height - ROW);
-        scroll = scroll.vertical_scroll_offset(middle.max(0.0));
+        scroll = scroll.vertical_scroll_offset(style::scrolled_to(files.selected(), ROW, height));
     }
     scroll.show_rows(ui, ROW, files.count(), |ui, places| {
         ui.set_width((ui.available_width() - LANE).max(0.0));

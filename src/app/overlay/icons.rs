@@ -1,6 +1,8 @@
 //! The signs on buttons, drawn of lines and surfaces so that they are sharp at every scale.
 
-use egui::{Color32, Painter, Pos2, Rect, Shape, Stroke, Vec2, vec2};
+use egui::{Color32, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, vec2};
+
+use super::style;
 
 /// What a sign stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -132,6 +134,15 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
             pen.line(&[(-0.55, 0.55), (0.55, -0.55)]);
         }
     }
+}
+
+/// A cross that closes something, which `words` name; returns whether it was clicked.
+pub(super) fn closing_cross(ui: &Ui, place: Rect, words: &str) -> bool {
+    let response = ui.interact(place, ui.scope_id().with("close"), Sense::click());
+    let color = if response.hovered() { style::TEXT } else { style::DIM };
+    draw(ui.painter(), Icon::Cross, place, 13.0, color);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
+    response.clicked()
 }
 
 /// Draws in coordinates of a sign: from -1 to 1, to the right and down.

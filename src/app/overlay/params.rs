@@ -2,7 +2,7 @@
 //!
 //! They are made by hand, because egui's own sliders take the keyboard's focus and the keys belong to the show.
 
-use egui::{Align2, Area, Id, Order, Rect, Response, Sense, Ui, UiKind, pos2, vec2};
+use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, pos2, vec2};
 
 use super::content::Slider;
 use super::style;
@@ -36,13 +36,9 @@ pub(super) fn show(
         // egui's first pass finds the size and shows nothing.
         context.request_discard("the size of the parameters' panel");
     }
-    let area = Area::new(id)
-        .kind(UiKind::Window)
-        .order(Order::Middle)
+    let area = style::area(id, Order::Middle)
         .fixed_pos(pos2(space.right() - width, space.top()))
-        .constrain(false)
-        .interactable(cover.is_none_or(|cover| cover.right() <= space.right() - width))
-        .fade_in(false);
+        .interactable(cover.is_none_or(|cover| cover.right() <= space.right() - width));
     let shown = area.show(context, |ui| {
         style::frame()
             .show(ui, |ui| {

@@ -1,6 +1,6 @@
 //! The list of what can be listened to.
 
-use egui::{Area, Id, Order, Rect, ScrollArea, Sense, UiKind, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Rect, ScrollArea, Sense, WidgetInfo, pos2, vec2};
 
 use super::content::SourceList;
 use super::requests::Request;
@@ -19,12 +19,7 @@ pub(super) fn show(
     requests: &mut Vec<Request>,
 ) -> Rect {
     let row_height = ROW * style::TEXT_SIZE;
-    let area = Area::new(Id::unique("sources"))
-        .kind(UiKind::Window)
-        .order(Order::Foreground)
-        .fixed_pos(space.min)
-        .constrain(false)
-        .fade_in(false);
+    let area = style::area(Id::unique("sources"), Order::Foreground).fixed_pos(space.min);
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;

@@ -78,7 +78,17 @@ pub(super) fn ground(painter: &Painter, rect: Rect) {
     painter.rect(rect, CORNERS, GROUND, Stroke::new(1.0, EDGE), StrokeKind::Inside);
 }
 
-/// The same for a panel that egui lays out.
+/// Where a panel is that egui lays out: it stays there, and does not fade in.
+pub(super) fn area(id: egui::Id, order: egui::Order) -> egui::Area {
+    egui::Area::new(id).kind(egui::UiKind::Window).order(order).constrain(false).fade_in(false)
+}
+
+/// How far a list is scrolled so that a row stands in the middle, as far as there are rows around it.
+pub(super) fn scrolled_to(row: usize, row_height: f32, height: f32) -> f32 {
+    (row as f32 * row_height - 0.5 * (height - row_height)).max(0.0)
+}
+
+/// The background of a panel that egui lays out.
 pub(super) fn frame() -> egui::Frame {
     egui::Frame::new()
         .fill(GROUND)

@@ -1,6 +1,6 @@
 //! The list of tracks: a click plays one, a drag moves it, the cross takes it out.
 
-use egui::{Area, Id, Order, Rect, ScrollArea, Sense, Ui, UiKind, WidgetInfo, pos2, vec2};
+use egui::{Id, Order, Rect, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 use mariana_player::ListedTracks;
 
 use super::icons::{self, Icon};
@@ -32,12 +32,8 @@ pub(super) fn show(
     requests: &mut Vec<Request>,
 ) -> Rect {
     let width = WIDTH.min(space.width());
-    let area = Area::new(Id::unique("tracks"))
-        .kind(UiKind::Window)
-        .order(Order::Middle)
-        .fixed_pos(pos2(space.right() - width, space.top()))
-        .constrain(false)
-        .fade_in(false);
+    let area =
+        style::area(Id::unique("tracks"), Order::Middle).fixed_pos(pos2(space.right() - width, space.top()));
     let shown = area.show(context, |ui| {
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));

@@ -1,23 +1,18 @@
 //! Draws the window: the scene's picture if it is to look different, and the overlay over it.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Stage;
+use super::desk::Seen;
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
-use crate::app::file_browser::FileBrowser;
-use crate::app::listening::Listening;
-use crate::app::overlay::{Bar, Overlay, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
-use crate::app::reports::Reports;
-use crate::app::scene_browser::SceneBrowser;
+use crate::app::overlay::{Overlay, OverlayContent, Panel, PanelSwitches};
 use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
-use crate::scenes::SceneSource;
-use mariana_player::{ListedTracks, LoudnessShape, Moment};
+use mariana_player::Moment;
 
 /// How often a window without a picture is painted again: something may have covered it.
 const WAITING_AGAIN: Duration = Duration::from_millis(250);
@@ -67,23 +62,10 @@ impl Stage {
         }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
-        let tracks = self.listed_tracks();
         self.note_scene();
-        let awake = self.is_pointer_awake(begun);
-        let shape = self.loudness_shape(awake);
-        let mut content = self.scene.overlay(corner.as_deref(), self.panels);
-        let around = Around {
-            panels: self.panels,
-            awake,
-            tracks: tracks.as_deref(),
-            placed: &self.placed_scene,
-            welcomed: self.welcomed,
-            browser: self.browser.as_ref(),
-            files: self.files.as_ref(),
-            clean: self.clean,
-            shape: shape.as_deref(),
-        };
-        around.add_to(&mut content, &self.listening, &self.reports, begun);
+        let seen = self.look_around_desk(begun);
+        let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
+        self.desk.add_to(&mut content, &seen, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -109,7 +91,7 @@ impl Stage {
         }
         self.requests.extend(painted.requests);
         if first {
-            self.welcomed.get_or_insert_with(Instant::now);
+            self.desk.welcomed.get_or_insert_with(Instant::now);
             self.listening.follow_wish();
         }
         Ok(first)
@@ -145,50 +127,33 @@ impl Stage {
     /// When the window has to be drawn again because of the overlay.
     pub(super) fn overlay_due(&mut self, now: Instant) -> Option<Instant> {
         let corner = self.corner_line(now);
-        let tracks = self.listed_tracks();
-        let awake = self.is_pointer_awake(now);
-        let shape = self.loudness_shape(awake);
-        let mut content = self.scene.overlay(corner.as_deref(), self.panels);
-        let around = Around {
-            panels: self.panels,
-            awake,
-            tracks: tracks.as_deref(),
-            placed: &self.placed_scene,
-            welcomed: self.welcomed,
-            browser: self.browser.as_ref(),
-            files: self.files.as_ref(),
-            clean: self.clean,
-            shape: shape.as_deref(),
-        };
-        around.add_to(&mut content, &self.listening, &self.reports, now);
+        let seen = self.look_around_desk(now);
+        let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
+        self.desk.add_to(&mut content, &seen, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
         // The bar goes when the pointer has rested.
-        let goes = self.pointer_rest.falls_asleep().filter(|_| awake);
+        let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
         due.into_iter().chain(goes).min()
     }
 
-    /// Whether the pointer has moved lately or does something with a panel.
-    fn is_pointer_awake(&mut self, now: Instant) -> bool {
-        self.pointer_rest.is_awake(self.overlay.has_pointer(), now)
-    }
-
-    /// The list of tracks, if it shows.
-    fn listed_tracks(&mut self) -> Option<Arc<ListedTracks>> {
-        let shows = self.panels.open() == Some(Panel::Tracks);
-        shows.then(|| self.listening.with_song(|player| player.playlist())).flatten()
-    }
-
-    /// How loud the track is from its start to its end. It is not measured before the bar shows it.
-    fn loudness_shape(&mut self, shows: bool) -> Option<Arc<LoudnessShape>> {
-        let shows = shows && !self.clean;
-        shows.then(|| self.listening.with_song(|player| player.shape()).flatten()).flatten()
+    /// What the overlay needs to know of the pointer and the track.
+    fn look_around_desk(&mut self, now: Instant) -> Seen {
+        let awake = self.pointer_rest.is_awake(self.overlay.has_pointer(), now);
+        let (lists, shows_bar) = (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.clean);
+        let song = self.listening.with_song(|player| {
+            // How loud the track is is not measured before the bar shows it.
+            let shape = if shows_bar { player.shape() } else { None };
+            (lists.then(|| player.playlist()), shape)
+        });
+        let (tracks, shape) = song.unwrap_or_default();
+        Seen { awake, tracks, shape }
     }
 
     /// Notes which scene is on the stage, and its place among the others.
     fn note_scene(&mut self) {
         let Some(source) = self.scene.shown_source() else { return };
-        if self.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
-            self.placed_scene = Some((source.clone(), self.scene.placed_name(source)));
+        if self.desk.placed_scene.as_ref().is_none_or(|(known, _)| known != source) {
+            self.desk.placed_scene = Some((source.clone(), self.scene.placed_name(source)));
         }
     }
 
@@ -202,7 +167,7 @@ impl Stage {
 
     /// The line about the scene and how it is drawn, if it is wanted.
     fn corner_line(&self, now: Instant) -> Option<String> {
-        let wanted = self.panels.corner();
+        let wanted = self.desk.panels.corner();
         wanted.then(|| self.scene.corner(&self.pace.about_pictures(now), &self.pace.quality())).flatten()
     }
 
@@ -261,54 +226,4 @@ pub(super) fn paint_waiting(
     window.gl().clear_window(size)?;
     overlay.paint(window.window(), size, OverlayContent { hint: Some(&words), ..content })?;
     window.swap()
-}
-
-/// What the window adds to what the scene shows over the picture.
-struct Around<'a> {
-    panels: PanelSwitches,
-    /// Whether the pointer is awake.
-    awake: bool,
-    tracks: Option<&'a ListedTracks>,
-    placed: &'a Option<(SceneSource, String)>,
-    welcomed: Option<Instant>,
-    browser: Option<&'a SceneBrowser>,
-    files: Option<&'a FileBrowser>,
-    /// Whether nothing shows but what was asked for and what is wrong.
-    clean: bool,
-    shape: Option<&'a LoudnessShape>,
-}
-
-impl<'a> Around<'a> {
-    fn add_to(
-        self,
-        content: &mut OverlayContent<'a>,
-        listening: &'a Listening,
-        reports: &'a Reports,
-        now: Instant,
-    ) {
-        let (open, playing) = (self.panels.open(), reports.playing());
-        let scene = self.placed.as_ref().map_or("", |(_, words)| words);
-        content.add(reports.notice());
-        listening.show_in(content, open == Some(Panel::Sources), now);
-        content.scenes = self.browser;
-        content.files = self.files;
-        content.tracks = self.tracks.map(|list| Tracks { list, present: playing.place.0 });
-        content.hides_pointer = (self.clean || !self.awake) && open.is_none() && content.params.is_none();
-        if self.clean {
-            content.notice = None;
-        } else if self.awake {
-            content.bar = Some(Bar {
-                now: playing,
-                shape: self.shape,
-                level: listening.level(),
-                scene,
-                open,
-                help: self.panels.help(),
-                sliders: self.panels.sliders(),
-            });
-        } else if let Some(since) = self.welcomed.filter(|_| content.problem.is_none() && !content.help) {
-            let (title, artist) = (&*playing.title, playing.artist.as_deref());
-            content.welcome = Some(Welcome { title, artist, scene, since });
-        }
-    }
 }

@@ -8,13 +8,14 @@
 use std::time::Instant;
 
 use super::Stage;
+use super::desk::Desk;
 use super::drawing::paint_waiting;
 use crate::app::announcer::Announcer;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
 use crate::app::media_controls::MediaControls;
-use crate::app::overlay::{Overlay, OverlayContent, PanelSwitches};
+use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
 use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
@@ -125,17 +126,12 @@ impl Opening<'_> {
             occluded: false,
             pointer_rest: PointerRest::default(),
             requests: Vec::new(),
-            placed_scene: None,
-            browser: None,
             thumbnails: None,
-            files: None,
             last_folder: None,
             waker: waker.clone(),
-            clean: settings.clean,
-            welcomed: None,
+            desk: Desk::new(settings.clean),
             overlay,
             waited: None,
-            panels: PanelSwitches::default(),
             window,
         })
     }

@@ -13,29 +13,29 @@ use crate::thumbnails::Thumbnails;
 impl Stage {
     /// Opens a panel instead of the one that is open, or closes it.
     pub(in crate::app) fn toggle_panel(&mut self, panel: Panel) {
-        self.panels.toggle(panel);
-        if self.panels.open() == Some(Panel::Sources) {
+        self.desk.panels.toggle(panel);
+        if self.desk.panels.open() == Some(Panel::Sources) {
             self.listening.show_sources();
         }
-        self.look_through_scenes(self.panels.open() == Some(Panel::Scenes));
-        self.look_through_files(self.panels.open() == Some(Panel::Files));
+        self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
+        self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
     }
 
     /// Whether keys are text at present.
     pub(in crate::app) fn takes_text(&self) -> bool {
-        self.browser.is_some() || self.files.is_some()
+        self.desk.browser.is_some() || self.desk.files.is_some()
     }
 
     /// Opens the list of files, or closes it.
     fn look_through_files(&mut self, open: bool) {
-        self.files = None;
+        self.desk.files = None;
         if !open {
             return;
         }
         let waker = self.waker.clone();
         let folder = self.last_folder.clone().or_else(|| self.folder_of_track());
         match FileBrowser::start(folder, move || waker.wake()) {
-            Ok(files) => self.files = Some(files),
+            Ok(files) => self.desk.files = Some(files),
             Err(error) => self.reports.answer(format!("folders cannot be read: {error}")),
         }
     }
@@ -58,14 +58,14 @@ impl Stage {
                 self.open_files(vec![path], append);
             }
         }
-        if self.panels.open() == Some(Panel::Files) {
+        if self.desk.panels.open() == Some(Panel::Files) {
             self.toggle_panel(Panel::Files);
         }
     }
 
     /// Does what the pointer asked of the list of files.
     fn obey_in_files(&mut self, request: FileRequest) {
-        let Some(files) = &mut self.files else { return };
+        let Some(files) = &mut self.desk.files else { return };
         let picked = match request {
             FileRequest::Open { place, append } => files.open(place, append),
             FileRequest::OpenFolder { append } => files.open_folder(append),
@@ -96,7 +96,7 @@ impl Stage {
 
     /// Opens the list of scenes, or closes it.
     fn look_through_scenes(&mut self, open: bool) {
-        self.browser = None;
+        self.desk.browser = None;
         if !open {
             return;
         }
@@ -113,7 +113,7 @@ impl Stage {
         if let Some(thumbnails) = &mut self.thumbnails {
             browser.ask_for_comments(thumbnails);
         }
-        self.browser = Some(browser);
+        self.desk.browser = Some(browser);
     }
 
     /// Does what was chosen in the list of scenes.
@@ -128,7 +128,9 @@ impl Stage {
                 }
             }
             Chosen::Marked => {
-                if let Some(favourites) = self.browser.as_ref().map(|browser| browser.favourites().clone()) {
+                if let Some(favourites) =
+                    self.desk.browser.as_ref().map(|browser| browser.favourites().clone())
+                {
                     self.listening.remember(move |settings| {
                         settings.favourite_scenes.clone_from(&favourites);
                     });
@@ -138,14 +140,14 @@ impl Stage {
     }
 
     fn close_scenes(&mut self) {
-        if self.panels.open() == Some(Panel::Scenes) {
+        if self.desk.panels.open() == Some(Panel::Scenes) {
             self.toggle_panel(Panel::Scenes);
         }
     }
 
     /// Does what the pointer asked of the list of scenes.
     fn obey_in_scenes(&mut self, request: SceneRequest) {
-        let Some(browser) = &mut self.browser else { return };
+        let Some(browser) = &mut self.desk.browser else { return };
         let chosen = match request {
             SceneRequest::Show { place, close } => browser.show(place, close),
             SceneRequest::Mark(place) => browser.mark(place),
@@ -162,7 +164,7 @@ impl Stage {
 
     /// Closes what is open, or leaves full screen.
     pub(in crate::app) fn leave(&mut self) {
-        if !self.panels.close() {
+        if !self.desk.panels.close() {
             self.window.set_fullscreen(false);
         }
         self.look_through_scenes(false);

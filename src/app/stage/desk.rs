@@ -1,0 +1,87 @@
+//! What the window shows over the picture beside what the scene has to say: first words, the bar, the lists.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::app::file_browser::FileBrowser;
+use crate::app::listening::Listening;
+use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
+use crate::app::reports::Reports;
+use crate::app::scene_browser::SceneBrowser;
+use crate::scenes::SceneSource;
+use mariana_player::{ListedTracks, LoudnessShape};
+
+/// See the module.
+pub(in crate::app) struct Desk {
+    /// What the user has turned on.
+    pub(in crate::app) panels: PanelSwitches,
+    /// The scene on the stage, with its place among the others in words.
+    pub(super) placed_scene: Option<(SceneSource, String)>,
+    /// When the words at the start came up.
+    pub(super) welcomed: Option<Instant>,
+    /// The list of scenes, while it is open.
+    pub(super) browser: Option<SceneBrowser>,
+    /// The list of files, while it is open.
+    pub(super) files: Option<FileBrowser>,
+    /// Whether nothing shows over the picture but what was asked for and what is wrong.
+    pub(super) clean: bool,
+}
+
+/// The pointer and the track at a moment.
+pub(super) struct Seen {
+    /// Whether the pointer has moved lately or does something with a panel.
+    pub(super) awake: bool,
+    /// The list of tracks, if it shows.
+    pub(super) tracks: Option<Arc<ListedTracks>>,
+    /// How loud the track is from its start to its end, if the bar shows.
+    pub(super) shape: Option<Arc<LoudnessShape>>,
+}
+
+impl Desk {
+    /// Nothing is open yet.
+    pub(super) fn new(clean: bool) -> Self {
+        Self {
+            panels: PanelSwitches::default(),
+            placed_scene: None,
+            welcomed: None,
+            browser: None,
+            files: None,
+            clean,
+        }
+    }
+
+    /// Adds to `content` what is to be shown now.
+    pub(super) fn add_to<'a>(
+        &'a self,
+        content: &mut OverlayContent<'a>,
+        seen: &'a Seen,
+        listening: &'a Listening,
+        reports: &'a Reports,
+        now: Instant,
+    ) {
+        let (open, playing) = (self.panels.open(), reports.playing());
+        let scene = self.placed_scene.as_ref().map_or("", |(_, words)| words);
+        content.add(reports.notice());
+        listening.show_in(content, open == Some(Panel::Sources), now);
+        content.scenes = self.browser.as_ref();
+        content.files = self.files.as_ref();
+        content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
+        content.hides_pointer = (self.clean || !seen.awake) && open.is_none() && content.params.is_none();
+        if self.clean {
+            content.notice = None;
+        } else if seen.awake {
+            content.bar = Some(Bar {
+                now: playing,
+                shape: seen.shape.as_deref(),
+                level: listening.level(),
+                scene,
+                open,
+                help: self.panels.help(),
+                sliders: self.panels.sliders(),
+            });
+        } else if let Some(since) = self.welcomed.filter(|_| content.problem.is_none() && !content.help) {
+            let (title, artist) = (&*playing.title, playing.artist.as_deref());
+            content.welcome = Some(Welcome { title, artist, scene, since });
+        }
+    }
+}
