@@ -9,6 +9,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 
 # One row per need: group, how to see that it is met, and the package of each manager (- where there is none to install).
 #   cmd:NAME a command · header:NAME a C header · pc:NAME a pkg-config file · lib:NAME a shared library · dri:NAME a Mesa driver
+#   libexec:NAME a program that only other programs start
 needs() {
     cat <<'TABLE'
 # group check                     apt                dnf                  pacman            zypper               brew
@@ -37,6 +38,7 @@ test    cmd:pulseaudio            pulseaudio         pulseaudio           pulsea
 test    cmd:parec                 pulseaudio-utils   pulseaudio-utils     libpulse          pulseaudio-utils     -
 test    cmd:dbus-daemon           dbus               dbus-daemon          dbus              dbus-1               dbus
 test    cmd:dbus-send             dbus               dbus-tools           dbus              dbus-1               dbus
+test    libexec:at-spi-bus-launcher at-spi2-core    at-spi2-core         at-spi2-core      at-spi2-core         -
 test    cmd:ffmpeg                ffmpeg             ffmpeg-free          ffmpeg            ffmpeg               ffmpeg
 test    cmd:desktop-file-validate desktop-file-utils desktop-file-utils   desktop-file-utils desktop-file-utils  desktop-file-utils
 test    cmd:appstreamcli          appstream          appstream            appstream         AppStream            appstream
@@ -75,6 +77,7 @@ is_met() {
         cmd:*) have "$name" ;;
         header:*) [[ -e /usr/include/$name ]] ;;
         pc:*) have pkg-config && pkg-config --exists "$name" ;;
+        libexec:*) [[ -x /usr/libexec/$name || -x /usr/lib/$name || -x /usr/lib/at-spi2-core/$name ]] ;;
         lib:*) [[ $shared_libraries == *"$name"* ]] ;;
         dri:*) compgen -G "/usr/lib*/dri/${name}_dri.so" >/dev/null || compgen -G "/usr/lib/*/dri/${name}_dri.so" >/dev/null ;;
     esac

@@ -1,6 +1,7 @@
 //! The window: the only room that uses winit. Its events come in on one thread ([`window_thread`]); the show runs on
 //! another ([`show`]).
 
+mod accessibility;
 mod announcer;
 mod drawing_pace;
 mod dynamic_resolution;

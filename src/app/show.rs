@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use winit::event::WindowEvent;
 use winit::event_loop::EventLoop;
 
+use super::accessibility::ControlsTeller;
 use super::announcer::{TrackOrder, next_repeat};
 use super::error::AppError;
 use super::keys::Action;
@@ -64,13 +65,14 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         log_debug: scene.verbose,
     };
     let of_show = waker.clone();
+    let controls = ControlsTeller::new(&event_loop);
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
-        let opening = Opening { tracks, settings: &settings, scene: &scene, loaders, first };
+        let opening = Opening { tracks, settings: &settings, scene: &scene, loaders, first, controls };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
@@ -163,6 +165,7 @@ impl Show {
                         }
                         self.typing.set(self.stage.takes_text());
                     }
+                    Message::Assistance(assistance) => self.stage.assist(assistance),
                     Message::Wake => {}
                     Message::End => return Ok(()),
                 }

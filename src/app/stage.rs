@@ -14,6 +14,7 @@ use winit::event::WindowEvent;
 use desk::Desk;
 pub(super) use opening::{Opening, renewed};
 
+use super::accessibility::{Assistance, ControlsTeller};
 use super::announcer::TrackOrder;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
@@ -58,6 +59,8 @@ pub(super) struct Stage {
     /// The folder in which something was last picked.
     last_folder: Option<PathBuf>,
     waker: Waker,
+    /// Where screen readers are told what there is.
+    controls: ControlsTeller,
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
     waited: Option<(Instant, (u32, u32))>,
@@ -191,6 +194,12 @@ impl Stage {
             },
         }
         None
+    }
+
+    /// Does what assistive technology asks for, before anything else is drawn.
+    pub(super) fn assist(&mut self, assistance: Assistance) {
+        self.overlay.assist(assistance);
+        self.window.window().request_redraw();
     }
 
     /// What the desktop asks for next, if anything.

@@ -89,7 +89,8 @@ impl OpenWindow {
         let attributes = WindowAttributes::default()
             .with_title(&wishes.title)
             .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
-            .with_visible(wishes.visible);
+            // Assistive technology must know it before it is seen.
+            .with_visible(false);
         let attributes = identity::told_by(attributes);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);

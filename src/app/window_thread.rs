@@ -9,12 +9,14 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use egui::accesskit::TreeUpdate;
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, KeyEvent, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::keyboard::ModifiersState;
 use winit::window::{Window, WindowId};
 
+use super::accessibility::{Accessibility, Assistance};
 use super::error::AppError;
 use super::keys::{self, Action};
 use super::window::{OpenWindow, WindowWishes};
@@ -28,6 +30,8 @@ const END_WAIT: Duration = Duration::from_secs(6);
 pub(super) enum Message {
     /// Something happened to the window.
     Window(WindowEvent),
+    /// Assistive technology asks for something.
+    Assistance(Assistance),
     /// Another thread has something for the show.
     Wake,
     /// The window is closed, or is to be.
@@ -74,6 +78,10 @@ pub(super) enum Told {
     Ended,
     /// A signal asks for the end.
     End,
+    /// Assistive technology asks the show for something.
+    Assistance(Assistance),
+    /// The show has these controls now.
+    Controls(Box<TreeUpdate>),
 }
 
 /// A show: everything that happens on its thread, from the window to the end.
@@ -135,15 +143,18 @@ struct Front {
 
 struct Running {
     show: JoinHandle<Result<(), AppError>>,
-    // The window is dropped here, after the show, on the thread that made it.
+    // Both are dropped here, after the show, on the thread that made them.
+    accessibility: Accessibility,
     window: Arc<Window>,
 }
 
 impl Front {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
-        let opened = OpenWindow::open(event_loop, &wishes)?;
+        let (visible, opened) = (wishes.visible, OpenWindow::open(event_loop, &wishes)?);
         let window = opened.window();
+        let accessibility = Accessibility::new(event_loop, &window, self.proxy.clone());
+        window.set_visible(visible);
         let proxy = self.proxy.clone();
         let show = move || {
             // However the show ends, also by a panic.
@@ -152,7 +163,7 @@ impl Front {
         };
         let thread = std::thread::Builder::new().name("show".into());
         let show = thread.spawn(show).map_err(|error| AppError::NoThread(error.to_string()))?;
-        self.running = Some(Running { show, window });
+        self.running = Some(Running { show, accessibility, window });
         Ok(())
     }
 
@@ -196,6 +207,9 @@ impl ApplicationHandler<Told> for Front {
         if let WindowEvent::ModifiersChanged(modifiers) = &event {
             self.held = modifiers.state();
         }
+        if let Some(running) = &mut self.running {
+            running.accessibility.note(&running.window, &event);
+        }
         if asks_for_the_end(&event, self.held, self.typing.is_on()) {
             return self.end(event_loop);
         }
@@ -211,6 +225,14 @@ impl ApplicationHandler<Told> for Front {
                 event_loop.exit();
             }
             Told::End => self.end(event_loop),
+            Told::Assistance(assistance) => {
+                let _ = self.messages.send(Message::Assistance(assistance));
+            }
+            Told::Controls(controls) => {
+                if let Some(running) = &mut self.running {
+                    running.accessibility.show(*controls);
+                }
+            }
         }
     }
 
@@ -222,7 +244,7 @@ impl ApplicationHandler<Told> for Front {
     }
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
-        let Some(Running { show, window }) = self.running.take() else { return };
+        let Some(Running { show, accessibility, window }) = self.running.take() else { return };
         if !self.show_ended && self.ends_by.is_none() {
             // Nobody asked for the end: the window system has gone, and the show may wait for it for ever.
             end_without_display();
@@ -238,6 +260,7 @@ impl ApplicationHandler<Told> for Front {
             let reason = "the show ended with a panic; please report the message above".to_owned();
             Err(AppError::Window { doing: "to continue", reason })
         });
+        drop(accessibility);
         drop(window);
     }
 }

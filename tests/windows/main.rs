@@ -4,6 +4,7 @@ mod hostile;
 mod key_storm;
 mod playlist_window;
 mod window;
+mod window_assisted;
 mod window_changes;
 mod window_live;
 mod window_panels;

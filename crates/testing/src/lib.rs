@@ -6,6 +6,8 @@
 #[cfg(unix)]
 pub mod process;
 #[cfg(unix)]
+pub mod screen_reader;
+#[cfg(unix)]
 pub mod session_bus;
 #[cfg(unix)]
 pub mod sound_server;

@@ -71,15 +71,37 @@ impl SessionBus {
         self.send(&player, "/org/mpris/MediaPlayer2", arguments)
     }
 
-    fn send(&self, to: &str, object: &str, arguments: &[&str]) -> Result<String, String> {
-        let mut command = Command::new("dbus-send");
-        command
-            .args(["--session", "--print-reply=literal", "--reply-timeout=5000"])
-            .arg(format!("--dest={to}"))
-            .arg(object)
-            .args(arguments)
-            .envs(session_environment(&self.folder))
-            .env("DBUS_SESSION_BUS_ADDRESS", format!("unix:path={}", self.folder.join("bus").display()));
-        output_of(&mut command, "dbus").map(|reply| String::from_utf8_lossy(&reply).into_owned())
+    /// The session's folder.
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
     }
+
+    /// Where programs find the bus.
+    pub(crate) fn address(&self) -> String {
+        format!("unix:path={}", self.folder.join("bus").display())
+    }
+
+    /// Calls a method of an object of the program `to`, and gives the reply as text.
+    pub(crate) fn send(&self, to: &str, object: &str, arguments: &[&str]) -> Result<String, String> {
+        send(&self.folder, &self.address(), to, object, arguments)
+    }
+}
+
+/// Calls a method of an object of the program `to` on the bus at `address`, as a program of the session in `folder`.
+pub(crate) fn send(
+    folder: &Path,
+    address: &str,
+    to: &str,
+    object: &str,
+    arguments: &[&str],
+) -> Result<String, String> {
+    let mut command = Command::new("dbus-send");
+    command
+        .args(["--session", "--print-reply=literal", "--reply-timeout=5000"])
+        .arg(format!("--dest={to}"))
+        .arg(object)
+        .args(arguments)
+        .envs(session_environment(folder))
+        .env("DBUS_SESSION_BUS_ADDRESS", address);
+    output_of(&mut command, "dbus").map(|reply| String::from_utf8_lossy(&reply).into_owned())
 }

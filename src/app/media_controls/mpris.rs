@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use async_channel::{Receiver, Sender};
-use mpris_server::zbus::{self, ObjectPath, fdo};
+use mpris_server::zbus::zvariant::ObjectPath;
+use mpris_server::zbus::{self, fdo};
 use mpris_server::{
     LoopStatus, Metadata, PlaybackStatus, PlayerInterface, Property, RootInterface, Server, Signal, Time,
     TrackId,

@@ -11,8 +11,8 @@ use mariana_player::track::Repeat;
 use super::icons::{self, Icon};
 use super::now_playing::{NowPlaying, clock_time};
 use super::requests::{Panel, Request};
-use super::style;
-use crate::app::keys::{Action, binding_of};
+use super::{assisted, style};
+use crate::app::keys::{Action, SEEK_SECONDS, VOLUME_STEP, binding_of};
 
 /// Widest bar, in points.
 const WIDTH_MAX: f32 = 1100.0;
@@ -50,6 +50,8 @@ pub struct Bar<'a> {
     pub help: bool,
     /// Whether the sliders are shown.
     pub sliders: bool,
+    /// Whether it is seen; else it is there for screen readers alone.
+    pub seen: bool,
 }
 
 /// How finely the level is told apart: the bar is laid out anew for each step.
@@ -57,7 +59,7 @@ const LEVEL_STEPS: f32 = 24.0;
 
 impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        (self.now, self.scene, self.open, self.help, self.sliders).hash(state);
+        (self.now, self.scene, self.open, self.help, self.sliders, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
     }
@@ -70,6 +72,9 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests
         .pivot(egui::Align2::CENTER_BOTTOM)
         .fixed_pos(space.center_bottom());
     let shown = area.show(context, |ui| {
+        if !bar.seen {
+            ui.set_opacity(0.0);
+        }
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
             ui.spacing_mut().item_spacing = vec2(2.0, GAP);
@@ -90,6 +95,7 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let scene = style::line(painter, bar.scene, font, style::DIM, 0.4 * full);
     let left = scene.size().x;
     painter.galley(pos2(line.right() - left, line.center().y - 0.5 * scene.size().y), scene, style::DIM);
+    assisted::text(ui.ctx(), "scene", bar.scene, false);
     let mut text = bar.now.title.clone();
     if let Some(artist) = &bar.now.artist {
         text = format!("{text} · {artist}");
@@ -98,6 +104,7 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
         text = format!("{text} · {} of {}", bar.now.place.0 + 1, bar.now.place.1);
     }
     let font = style::proportional(style::TEXT_SIZE);
+    assisted::text(ui.ctx(), "track", &text, false);
     let title = style::line(painter, &text, font, style::TEXT, full - left - 16.0);
     painter.galley(pos2(line.left(), line.center().y - 0.5 * title.size().y), title, style::TEXT);
 }
@@ -122,7 +129,10 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     }
     let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
     painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
-    response.widget_info(|| WidgetInfo::slider(true, bar.now.position, "position in the track"));
+    let (name, position) = ("position in the track in seconds", bar.now.position);
+    if let Some(wanted) = assisted::rail(ui, &response, name, position, 0.0..=duration, SEEK_SECONDS) {
+        requests.push(Request::SeekTo(wanted));
+    }
     let Some(pointed) = pointed else { return };
     let seconds = f64::from(pointed) * duration;
     if response.clicked() || response.drag_stopped() {
@@ -258,6 +268,9 @@ fn volume(ui: &mut Ui, now: &NowPlaying, requests: &mut Vec<Request>) {
     draw_share(ui.painter(), rail, shown);
     let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
     ui.painter().circle_filled(knob, if response.hovered() { 6.0 } else { 5.0 }, style::ACCENT);
-    response.widget_info(|| WidgetInfo::slider(true, f64::from(volume), "volume"));
+    let (percent, step) = (100.0 * f64::from(volume), 100.0 * f64::from(VOLUME_STEP));
+    if let Some(wanted) = assisted::rail(ui, &response, "volume in percent", percent, 0.0..=100.0, step) {
+        requests.push(Request::SetVolume(wanted as f32 / 100.0));
+    }
     response.on_hover_text(format!("volume {:.0} %", 100.0 * shown));
 }

@@ -180,7 +180,7 @@ impl OverlayContent<'_> {
     /// Whether the pointer can move or press something.
     pub(super) fn is_interactive(&self) -> bool {
         self.has_params()
-            || self.bar.is_some()
+            || self.bar.is_some_and(|bar| bar.seen)
             || self.tracks.is_some()
             || self.sources.is_some()
             || self.scenes.is_some()

@@ -8,6 +8,7 @@
 //! fading notice moves in a paused show, and a panel that does not change costs nothing. egui gets no keys: they
 //! belong to the show, whatever was clicked last. A click that begins on a panel belongs to the overlay.
 
+mod assisted;
 mod bar;
 mod browser;
 mod content;
@@ -31,7 +32,8 @@ mod welcome;
 
 use std::time::Instant;
 
-use egui::{ClippedPrimitive, CursorIcon, PlatformOutput, RawInput, Rect, Vec2};
+use egui::accesskit::TreeUpdate;
+use egui::{ClippedPrimitive, CursorIcon, Event, PlatformOutput, RawInput, Rect, Vec2};
 use egui_glow::Painter;
 use winit::event::WindowEvent;
 use winit::window::Window;
@@ -46,6 +48,7 @@ pub use switches::PanelSwitches;
 pub use tracks::Tracks;
 pub use welcome::Welcome;
 
+use super::accessibility::Assistance;
 use super::error::AppError;
 use crate::gpu::gl::Gl;
 use crate::system_fonts::SystemFonts;
@@ -61,6 +64,8 @@ pub struct Overlay {
     pointer: Pointer,
     pointer_shown: bool,
     shown: Option<Shown>,
+    /// Whether assistive technology is told what there is.
+    assisted: bool,
 }
 
 /// What shows.
@@ -82,6 +87,8 @@ pub struct Painted {
     pub params_changed: bool,
     /// What the user asked for, in that order.
     pub requests: Vec<Request>,
+    /// What assistive technology is to be told.
+    pub controls: Option<TreeUpdate>,
 }
 
 impl Overlay {
@@ -102,6 +109,7 @@ impl Overlay {
             pointer: Pointer::default(),
             pointer_shown: true,
             shown: None,
+            assisted: false,
         }
     }
 
@@ -121,10 +129,32 @@ impl Overlay {
             let _ = self.input.on_window_event(window, event);
             if !self.shown.as_ref().is_some_and(|shown| shown.interactive) {
                 // Nothing will ask for them.
-                self.input.egui_input_mut().events.clear();
+                let is_request = |event: &Event| matches!(event, Event::AccessKitActionRequest(_));
+                self.input.egui_input_mut().events.retain(is_request);
             }
         }
         consumed
+    }
+
+    /// Does what assistive technology asks for.
+    pub(in crate::app) fn assist(&mut self, assistance: Assistance) {
+        let context = self.panels.context();
+        match assistance {
+            Assistance::Begins => context.enable_accesskit(),
+            Assistance::Ends => context.disable_accesskit(),
+            Assistance::Act(request) => {
+                let events = &mut self.input.egui_input_mut().events;
+                return events.push(Event::AccessKitActionRequest(request));
+            }
+        }
+        self.assisted = assistance == Assistance::Begins;
+        // Laid out anew, and told.
+        self.shown = None;
+    }
+
+    /// Whether assistive technology is told what there is.
+    pub fn is_assisted(&self) -> bool {
+        self.assisted
     }
 
     /// When the window has to be drawn again because of `content`: now, at a later moment, or not until something
@@ -192,6 +222,7 @@ impl Overlay {
         let input = self.take_input(window, size, interactive);
         let laid_out = self.panels.lay_out(input, content, now);
         let mut output = laid_out.output;
+        let controls = output.platform_output.accesskit_update.take();
         if content.hides_pointer {
             output.platform_output.cursor_icon = CursorIcon::None;
         }
@@ -226,7 +257,7 @@ impl Overlay {
             interactive,
             changes_at: own.into_iter().chain(fades).chain(goes).min(),
         });
-        Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests })
+        Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests, controls })
     }
 
     /// Shows the pointer over the picture, or hides it.
@@ -252,6 +283,10 @@ impl Overlay {
         let mut input = self.input.take_egui_input(window);
         input.screen_rect = Some(Rect::from_min_size(egui::Pos2::ZERO, points(size, scale * zoom)));
         let was = self.shown.as_ref().is_some_and(|shown| shown.interactive);
+        if was && !interactive {
+            // What stays for screen readers alone is under no pointer.
+            input.events.push(Event::PointerGone);
+        }
         if interactive && !was {
             // What egui has missed.
             if self.panels.context().input(|input| input.pointer.any_down()) {

@@ -8,7 +8,7 @@ use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
-use super::{bar, browser, files, help, params, problem, sources, style, tracks, welcome};
+use super::{assisted, bar, browser, files, help, params, problem, sources, style, tracks, welcome};
 use crate::system_fonts::SystemFonts;
 
 /// Widest line at the top or in the corner, as a share of the window's width.
@@ -109,6 +109,7 @@ fn show(
     requests: &mut Vec<Request>,
     kept: &mut Kept,
 ) -> bool {
+    assisted::window(context);
     let screen = context.viewport_rect();
     let space = screen.shrink(style::MARGIN.min(0.1 * screen.size().min_elem()));
     let back = context.layer_painter(LayerId::new(Order::Background, Id::unique("overlay lines")));
@@ -118,11 +119,14 @@ fn show(
     let mut space = space;
     if let Some(bar) = &content.bar {
         let rect = bar::show(context, space, bar, requests);
-        panels.push(rect);
-        space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
+        if bar.seen {
+            panels.push(rect);
+            space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
+        }
     }
     let mut left = space;
     if let Some(text) = content.corner {
+        assisted::text(context, "about the picture", text, false);
         left.max.y = corner(&back, space, text).top() - 0.5 * style::MARGIN;
     }
     let mut changed = false;
@@ -139,6 +143,8 @@ fn show(
         leave_beside(&mut left, rect);
     }
     if let Some(problem) = &content.problem {
+        assisted::text(context, "problem", problem.heading, true);
+        assisted::text(context, "problem's text", problem.text, false);
         left.min.y = left.max.y - (PROBLEM_HEIGHT_MAX * screen.height()).min(left.height());
         panels.push(problem::draw(&back, left, problem));
     }
@@ -156,9 +162,11 @@ fn show(
     }
     let mut below = space;
     if let Some(text) = content.hint {
+        assisted::text(context, "hint", text, true);
         below.min.y = draw_sentence(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(notice) = &content.notice {
+        assisted::text(context, "notice", notice.text, true);
         below.min.y = draw_notice(&front, below, notice, now).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(list) = &content.sources {

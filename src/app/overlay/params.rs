@@ -5,7 +5,7 @@
 use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, pos2, vec2};
 
 use super::content::Slider;
-use super::style;
+use super::{assisted, style};
 
 /// Width of the panel in points, if the window is wide enough.
 const WIDTH: f32 = 260.0;
@@ -16,6 +16,8 @@ const KNOB_RADIUS: f32 = 5.5;
 /// Height of the area in which a slider can be grabbed, in points: larger than it looks.
 const HOLD_HEIGHT: f32 = 18.0;
 const RESET_SIZE: f32 = 16.0;
+/// What screen readers move a slider by, as a share of its range.
+const STEP: f64 = 0.05;
 
 /// Width of the panel in a window of that width, in points.
 pub(super) fn width(window: f32) -> f32 {
@@ -102,6 +104,11 @@ fn row(ui: &mut Ui, slider: &mut Slider) -> bool {
         response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on())
     {
         slider.value = slider.value_at((pointer.x - rail.left()) / rail.width());
+    }
+    let (range, step) =
+        (f64::from(slider.min)..=f64::from(slider.max), STEP * f64::from(slider.max - slider.min));
+    if let Some(wanted) = assisted::rail(ui, &response, &slider.name, slider.value.into(), range, step) {
+        slider.value = slider.clamped(wanted as f32);
     }
     draw_rail(ui, slider, rail, &response);
     ui.add_space(2.0);

@@ -31,6 +31,8 @@ pub(in crate::app) struct Desk {
 pub(super) struct Seen {
     /// Whether the pointer has moved lately or does something with a panel.
     pub(super) awake: bool,
+    /// Whether screen readers are told what there is.
+    pub(super) assisted: bool,
     /// The list of tracks, if it shows.
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
@@ -69,7 +71,14 @@ impl Desk {
         content.hides_pointer = (self.clean || !seen.awake) && open.is_none() && content.params.is_none();
         if self.clean {
             content.notice = None;
-        } else if seen.awake {
+        } else if let Some(since) =
+            self.welcomed.filter(|_| !seen.awake && content.problem.is_none() && !content.help)
+        {
+            let (title, artist) = (&*playing.title, playing.artist.as_deref());
+            content.welcome = Some(Welcome { title, artist, scene, since });
+        }
+        // Screen readers find its buttons at any time.
+        if seen.assisted || seen.awake && !self.clean {
             content.bar = Some(Bar {
                 now: playing,
                 shape: seen.shape.as_deref(),
@@ -78,10 +87,8 @@ impl Desk {
                 open,
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
+                seen: seen.awake && !self.clean,
             });
-        } else if let Some(since) = self.welcomed.filter(|_| content.problem.is_none() && !content.help) {
-            let (title, artist) = (&*playing.title, playing.artist.as_deref());
-            content.welcome = Some(Welcome { title, artist, scene, since });
         }
     }
 }

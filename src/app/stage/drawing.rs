@@ -90,6 +90,9 @@ impl Stage {
             self.scene.note_moved();
         }
         self.requests.extend(painted.requests);
+        if let Some(controls) = painted.controls {
+            self.controls.tell(controls);
+        }
         if first {
             self.desk.welcomed.get_or_insert_with(Instant::now);
             self.listening.follow_wish();
@@ -146,7 +149,7 @@ impl Stage {
             (lists.then(|| player.playlist()), shape)
         });
         let (tracks, shape) = song.unwrap_or_default();
-        Seen { awake, tracks, shape }
+        Seen { awake, assisted: self.overlay.is_assisted(), tracks, shape }
     }
 
     /// Notes which scene is on the stage, and its place among the others.

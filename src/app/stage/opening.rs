@@ -10,6 +10,7 @@ use std::time::Instant;
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
+use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
@@ -49,6 +50,8 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) loaders: SceneLoaders,
     /// The first of them.
     pub(in crate::app) first: LoadedScene,
+    /// Where screen readers are told what there is.
+    pub(in crate::app) controls: ControlsTeller,
 }
 
 impl Opening<'_> {
@@ -57,7 +60,7 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, loaders, first } = self;
+        let Self { tracks, settings, scene, loaders, first, controls } = self;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -129,6 +132,7 @@ impl Opening<'_> {
             thumbnails: None,
             last_folder: None,
             waker: waker.clone(),
+            controls,
             desk: Desk::new(settings.clean),
             overlay,
             waited: None,
@@ -170,6 +174,7 @@ pub(in crate::app) fn renewed(
 ) -> Result<Stage, AppError> {
     let Stage { overlay, renderer: old_renderer, scene: old_scene, window, .. } = stage;
     // What was made in the context is dropped while it is current: in the next one its names mean something else.
+    let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
     let kept = old_scene.let_go();
@@ -188,12 +193,16 @@ pub(in crate::app) fn renewed(
         move || of_scenes.wake(),
     )?;
     let of_fonts = waker.clone();
+    let mut overlay = Overlay::new(window.gl(), window.window(), move || of_fonts.wake());
+    if assisted {
+        overlay.assist(Assistance::Begins);
+    }
     scenes.take_over(kept.moved, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
         renderer: renderer(&window, settings, scene)?,
         scene: scenes,
-        overlay: Overlay::new(window.gl(), window.window(), move || of_fonts.wake()),
+        overlay,
         pace: stage.pace.renewed(Instant::now()),
         window,
         ..stage

@@ -1,0 +1,138 @@
+//! What a screen reader sees of a program, asked by D-Bus as it would ask.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use super::process::{Process, session_environment, wait_until};
+use super::session_bus::{SessionBus, send};
+
+/// Where distributions put the program that starts the bus of assistive technology.
+const LAUNCHERS: [&str; 3] = [
+    "/usr/libexec/at-spi-bus-launcher",
+    "/usr/lib/at-spi-bus-launcher",
+    "/usr/lib/at-spi2-core/at-spi-bus-launcher",
+];
+/// Whose children the programs are.
+const ROOT: &str = "/org/a11y/atspi/accessible/root";
+const ACCESSIBLE: &str = "org.a11y.atspi.Accessible";
+const VALUE: &str = "org.a11y.atspi.Value";
+
+/// A screen reader on a session's bus; it goes when dropped.
+pub struct ScreenReader<'b> {
+    bus: &'b SessionBus,
+    address: String,
+    _launcher: Process,
+}
+
+/// Something that a program shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Control {
+    program: String,
+    object: String,
+    /// What it is called.
+    pub name: String,
+    /// What it is: a number of AT-SPI's list of roles.
+    pub role: u32,
+}
+
+/// A button, in AT-SPI's list of roles.
+pub const BUTTON: u32 = 43;
+/// A text, in AT-SPI's list of roles.
+pub const LABEL: u32 = 29;
+/// A slider, in AT-SPI's list of roles.
+pub const SLIDER: u32 = 51;
+
+impl<'b> ScreenReader<'b> {
+    /// Starts the bus of assistive technology beside the session's.
+    pub fn start(bus: &'b SessionBus) -> Self {
+        let launcher = LAUNCHERS.into_iter().find(|path| Path::new(path).exists()).unwrap_or(LAUNCHERS[0]);
+        let mut command = Command::new(launcher);
+        command
+            .arg("--launch-immediately")
+            .envs(session_environment(bus.folder()))
+            .env("DBUS_SESSION_BUS_ADDRESS", bus.address())
+            .env("XDG_DATA_DIRS", "/usr/local/share:/usr/share")
+            .stdout(Stdio::null())
+            .stderr(Stdio::null());
+        let launcher = Process::start(&mut command, "at-spi2-core");
+        let mut address = String::new();
+        wait_until("the bus of assistive technology", || {
+            let asked = bus.send("org.a11y.Bus", "/org/a11y/bus", &["org.a11y.Bus.GetAddress"]);
+            asked.is_ok_and(|reply| {
+                reply.trim().clone_into(&mut address);
+                true
+            })
+        });
+        Self { bus, address, _launcher: launcher }
+    }
+
+    /// Tells programs that somebody listens, or no longer does.
+    pub fn listen(&self, on: bool) {
+        let set = ["org.freedesktop.DBus.Properties.Set", "string:org.a11y.Status", "string:IsEnabled"];
+        let value = format!("variant:boolean:{on}");
+        let told = self.bus.send("org.a11y.Bus", "/org/a11y/bus", &[&set[..], &[&value]].concat());
+        told.unwrap_or_else(|error| panic!("{error}"));
+    }
+
+    /// Everything that programs show at this moment.
+    pub fn controls(&self) -> Vec<Control> {
+        let (mut found, mut next) =
+            (Vec::new(), vec![("org.a11y.atspi.Registry".to_owned(), ROOT.to_owned())]);
+        while let Some((program, object)) = next.pop() {
+            // What has gone meanwhile has no children.
+            let method = format!("{ACCESSIBLE}.GetChildren");
+            let reply = self.send(&program, &object, &[&method]).unwrap_or_default();
+            let mut words = reply.split_whitespace().peekable();
+            while let Some(word) = words.next() {
+                if word.starts_with(':')
+                    && let Some(object) = words.next_if(|object| object.starts_with('/'))
+                {
+                    next.push((word.to_owned(), object.to_owned()));
+                    found.extend(self.control(word, object));
+                }
+            }
+        }
+        found
+    }
+
+    /// Presses a button.
+    pub fn press(&self, control: &Control) {
+        let pressed =
+            self.send(&control.program, &control.object, &["org.a11y.atspi.Action.DoAction", "int32:0"]);
+        pressed.unwrap_or_else(|error| panic!("{control:?}: {error}"));
+    }
+
+    /// The value of a slider, as text.
+    pub fn value(&self, control: &Control) -> String {
+        let reply = self.property(&control.program, &control.object, VALUE, "CurrentValue");
+        reply.unwrap_or_else(|error| panic!("{control:?}: {error}"))
+    }
+
+    /// Moves a slider.
+    pub fn set_value(&self, control: &Control, value: f64) {
+        let set = ["org.freedesktop.DBus.Properties.Set", &format!("string:{VALUE}"), "string:CurrentValue"];
+        let value = format!("variant:double:{value}");
+        let moved = self.send(&control.program, &control.object, &[&set[..], &[&value]].concat());
+        moved.unwrap_or_else(|error| panic!("{control:?}: {error}"));
+    }
+
+    fn control(&self, program: &str, object: &str) -> Option<Control> {
+        let name = self.property(program, object, ACCESSIBLE, "Name").ok()?;
+        let role = self.send(program, object, &[&format!("{ACCESSIBLE}.GetRole")]).ok()?;
+        let role = role.trim().strip_prefix("uint32")?.trim().parse().ok()?;
+        Some(Control { program: program.to_owned(), object: object.to_owned(), name, role })
+    }
+
+    fn property(&self, program: &str, object: &str, interface: &str, name: &str) -> Result<String, String> {
+        let (interface, name) = (format!("string:{interface}"), format!("string:{name}"));
+        let reply =
+            self.send(program, object, &["org.freedesktop.DBus.Properties.Get", &interface, &name])?;
+        let value = reply.trim();
+        let value = value.strip_prefix("variant").map_or(value, str::trim);
+        Ok(value.strip_prefix("double").map_or(value, str::trim).to_owned())
+    }
+
+    fn send(&self, to: &str, object: &str, arguments: &[&str]) -> Result<String, String> {
+        send(self.bus.folder(), &self.address, to, object, arguments)
+    }
+}

@@ -1,0 +1,67 @@
+//! The window as a screen reader meets it, by the interface that Linux has for them.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)]
+
+use std::time::Duration;
+
+use crate::support::desktop::Desktop;
+use mariana_testing::process::wait_until;
+use mariana_testing::screen_reader::{BUTTON, Control, LABEL, SLIDER, ScreenReader};
+use mariana_testing::session_bus::SessionBus;
+use mariana_testing::wave::write_wav;
+
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
+
+fn find(reader: &ScreenReader<'_>, role: u32, begin: &str) -> Option<Control> {
+    reader.controls().into_iter().find(|control| control.role == role && control.name.starts_with(begin))
+}
+
+fn wait_for(reader: &ScreenReader<'_>, role: u32, begin: &str) -> Control {
+    let mut found = None;
+    wait_until(&format!("{begin}"), || {
+        found = find(reader, role, begin);
+        found.is_some()
+    });
+    found.unwrap()
+}
+
+#[test]
+fn a_screen_reader_finds_the_buttons_and_steers_the_song() {
+    let desktop = Desktop::start();
+    let bus = SessionBus::start(desktop.folder());
+    let reader = ScreenReader::start(&bus);
+    let song = desktop.folder().join("song.wav");
+    write_wav(&song, 48_000, 2, (0..96_000 * 60).map(|n| (n as f32 * 0.02).sin() * 0.4));
+    let mut app = desktop.open(&song, &["--silent", "--size", "640x360"]);
+    app.wait_for_title("the song", |title| title.starts_with("song.wav"));
+    assert!(!reader.controls().iter().any(|control| control.name.contains("Space")), "nobody listens");
+
+    // Nothing of the bar is seen, and yet all of it is there.
+    reader.listen(true);
+    let pause = wait_for(&reader, BUTTON, "pause, or go on (Space)");
+    reader.press(&pause);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    let volume = wait_for(&reader, SLIDER, "volume");
+    reader.set_value(&volume, 40.0);
+    wait_until("the volume", || {
+        reader.value(&volume).parse().is_ok_and(|value: f64| (value - 40.0).abs() < 0.5)
+    });
+    let position = wait_for(&reader, SLIDER, "position");
+    reader.set_value(&position, 30.0);
+    wait_until("the seek", || {
+        reader.value(&position).parse().is_ok_and(|value: f64| (value - 30.0).abs() < 1.0)
+    });
+    // Lists open, and what is in them can be chosen.
+    reader.press(&wait_for(&reader, BUTTON, "the list of tracks"));
+    wait_until("the track in the list", || {
+        reader.controls().iter().any(|control| control.name.starts_with("song.wav") && control.role != LABEL)
+    });
+    reader.press(&wait_for(&reader, BUTTON, "the list of tracks"));
+
+    reader.listen(false);
+    wait_until("silence", || find(&reader, BUTTON, "pause").is_none());
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && told.is_empty(), "{status}: {told}");
+}
