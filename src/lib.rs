@@ -17,6 +17,7 @@ pub mod frame;
 pub mod gpu;
 pub mod limits;
 pub mod program_cache;
+pub mod reading_order;
 pub mod scenes;
 pub mod srgb;
 pub mod system_fonts;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::epaint::text::{Fonts, TextOptions};
 use egui::{Color32, ColorImage, FontDefinitions, FontId};
 
+use crate::reading_order::as_seen;
 use crate::system_fonts::SystemFonts;
 
 /// The fonts, and the letters that were needed so far.
@@ -56,7 +57,8 @@ impl Letters {
     pub(super) fn line(&mut self, text: &str, size: f32) -> Line {
         self.complete(text);
         let mut fonts = self.fonts.with_pixels_per_point(1.0);
-        let galley = fonts.layout_no_wrap(text.to_owned(), FontId::proportional(size), Color32::WHITE);
+        let galley =
+            fonts.layout_no_wrap(as_seen(text).into_owned(), FontId::proportional(size), Color32::WHITE);
         let atlas: ColorImage = fonts.image();
         let extent = galley.size();
         let (width, height) = (extent.x.ceil() as usize + 1, extent.y.ceil() as usize + 1);

@@ -50,7 +50,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("atomic_file", &["ending"]),
     ("frame", &[]),
     // The letters of captions.
-    ("view", &["frame", "limits", "system_fonts"]),
+    ("view", &["frame", "limits", "reading_order", "system_fonts"]),
+    ("reading_order", &[]),
     ("srgb", &[]),
     ("system_fonts", &["limits"]),
     ("flash", &["limits", "srgb"]),
@@ -70,6 +71,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "config",
             "flash",
             "program_cache",
+            "reading_order",
             "thumbnails",
             "system_fonts",
             "ending",

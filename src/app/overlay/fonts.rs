@@ -2,9 +2,6 @@
 //!
 //! egui asks for each missing letter once, while it lays text out; it draws a box. When fonts have been found the show
 //! is woken and the text is laid out again. As long as nothing is missing there is no thread and nothing is read.
-//!
-//! egui 0.37 joins Arabic letters and writes each word of Arabic and Hebrew from right to left, but knows no lines in
-//! that direction: the words of a line follow each other from left to right.
 
 use std::collections::BTreeSet;
 use std::mem;

@@ -7,6 +7,8 @@ use std::sync::Arc;
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{Color32, CornerRadius, FontId, Galley, Painter, Rect, Stroke, StrokeKind, Vec2};
 
+use crate::reading_order::as_seen;
+
 /// Text.
 pub(super) const TEXT: Color32 = Color32::from_rgb(232, 234, 238);
 /// Less important text.
@@ -53,7 +55,7 @@ pub(super) fn monospace(size: f32) -> FontId {
 
 /// One line of text, cut with an ellipsis beyond `width` points.
 pub(super) fn line(painter: &Painter, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
-    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, color);
+    let mut job = LayoutJob::simple_singleline(as_seen(text).into_owned(), font, color);
     job.wrap = TextWrapping::truncate_at_width(width.max(1.0));
     painter.layout_job(job)
 }
@@ -67,7 +69,7 @@ pub(super) fn lines(
     width: f32,
     rows: usize,
 ) -> Arc<Galley> {
-    let mut job = LayoutJob::simple(text.to_owned(), font, color, width.max(1.0));
+    let mut job = LayoutJob::simple(as_seen(text).into_owned(), font, color, width.max(1.0));
     job.wrap.max_rows = rows;
     job.halign = egui::Align::Center;
     painter.layout_job(job)

@@ -180,7 +180,8 @@ fn playing() -> NowPlaying {
 }
 
 fn bar(now: &NowPlaying) -> Bar<'_> {
-    Bar { now, shape: None, level: 0.5, scene: "city, 2 of 17", open: None, help: false, sliders: false }
+    let scene = "city, 2 of 17";
+    Bar { now, shape: None, level: 0.5, scene, open: None, help: false, sliders: false, seen: true }
 }
 
 /// Moves the pointer to `place` and clicks; returns what was asked for.
@@ -365,6 +366,7 @@ fn letters_that_are_there_are_not_looked_for() {
         open: None,
         help: true,
         sliders: true,
+        seen: true,
     };
     let content = OverlayContent {
         corner: Some("speakers · 60 fps · 1280x720 · compiled"),
@@ -386,4 +388,26 @@ fn text_grows_with_large_windows_and_stays_readable_in_small_ones() {
     }
     let smallest = style::SMALL_SIZE * style::zoom(Vec2::new(1.0, 1.0));
     assert!((smallest - 9.0).abs() < 1e-3, "{smallest}");
+}
+
+#[test]
+fn a_bar_for_screen_readers_alone_is_neither_seen_nor_in_the_way() {
+    let now = NowPlaying { title: "song".into(), duration: Some(60.0), ..NowPlaying::default() };
+    let mut stage = Stage::new(SCREEN);
+    stage.panels.context().enable_accesskit();
+    let mut places = Vec::new();
+    for seen in [true, false] {
+        let bar = Some(Bar { seen, ..bar(&now) });
+        stage.frame(vec![], OverlayContent { bar, ..Default::default() });
+        let mut laid_out = stage.frame(vec![], OverlayContent { bar, ..Default::default() });
+        let controls = laid_out.output.platform_output.accesskit_update.take().expect("they are told");
+        assert!(
+            controls.nodes.iter().any(|(_, node)| node.label().is_some_and(|name| name.contains("Space")))
+        );
+        places.push((laid_out.panels.len(), drawn(&laid_out).1.len()));
+        let content = OverlayContent { bar, ..Default::default() };
+        assert_eq!(content.is_interactive(), seen);
+    }
+    assert_eq!(places[0].0, 1);
+    assert_eq!(places[1], (0, 0));
 }
