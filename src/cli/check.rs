@@ -7,6 +7,7 @@ use clap::Args;
 use serde::Serialize;
 
 use super::common::colors;
+use super::files::scene_of;
 use crate::export::print::print_line;
 use crate::scenes::{SceneError, SceneSource};
 use mariana_field::graph::{Graph, Input, NodeId, Op};
@@ -15,7 +16,7 @@ use mariana_field::tape::{Tape, TapeOptions};
 
 #[derive(Args)]
 pub(super) struct CheckArguments {
-    /// Scenes: files, names of shipped ones, or formulas
+    /// Scenes: files, names of shipped ones, formulas, or '-' for standard input
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<String>,
     /// Print a JSON object for each mistake, one a line: file, line, column, end, severity, message, hint
@@ -29,7 +30,7 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
     }
     let mut wrong = 0;
     for argument in &arguments.scenes {
-        let source = SceneSource::find(argument)?;
+        let source = scene_of(argument)?;
         match compile(&source)? {
             Ok(scene) => print_line(&format!("{}: {}", source.name(), cost(&scene)?))?,
             Err(Mistakes { diagnostics, sources }) => {
@@ -50,12 +51,18 @@ pub(super) fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
 fn run_json(scenes: &[String]) -> anyhow::Result<()> {
     let mut wrong = 0;
     for argument in scenes {
-        let mistakes = match SceneSource::find(argument).map(|source| (compile(&source), source)) {
-            Ok((Ok(Ok(_)), _)) => continue,
-            Ok((Ok(Err(mistakes)), source)) => {
-                mistakes.diagnostics.iter().map(|one| mistake(one, &mistakes.sources, &source)).collect()
+        let checked = scene_of(argument).and_then(|source| Ok((compile(&source)?, source)));
+        let mistakes = match checked {
+            Ok((Ok(_), _)) => continue,
+            Ok((Err(mistakes), source)) => {
+                let own = source.name();
+                let named = |one| {
+                    let mistake = mistake(one, &mistakes.sources, &source);
+                    if mistake.file == own { Mistake { file: argument.clone(), ..mistake } } else { mistake }
+                };
+                mistakes.diagnostics.iter().map(named).collect()
             }
-            Ok((Err(error), _)) | Err(error) => {
+            Err(error) => {
                 let (start, message) = (Position { line: 1, column: 1 }, error.to_string());
                 let file = argument.clone();
                 vec![Mistake { file, start, end: start, severity: "error", message, hint: None }]

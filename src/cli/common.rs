@@ -10,6 +10,7 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
 
 use super::choices::{GainChoice, Sdf, Switch, ToneMapChoice};
+use super::files::scene_of;
 use crate::ending::{self, Signal};
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
@@ -17,7 +18,6 @@ use crate::export::print::tell;
 use crate::frame::held_inputs::Setting;
 use crate::gpu::scene_resources::CellUse;
 use crate::gpu::shader_source::ShaderLibrary;
-use crate::scenes::SceneSource;
 
 #[derive(Args)]
 pub(super) struct CommonArguments {
@@ -134,7 +134,7 @@ impl CommonArguments {
     /// A scene, drawn as the flags say.
     pub(super) fn scene(&self, scene: &OsStr) -> anyhow::Result<SceneChoice> {
         Ok(SceneChoice {
-            source: SceneSource::find(scene)?,
+            source: scene_of(scene)?,
             sdf: self.sdf.into(),
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
             cells: self.regions.map_or(CellUse::WhereTheyPay, Into::into),

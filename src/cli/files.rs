@@ -1,14 +1,16 @@
 //! The files that stand on the command line without a flag: songs and a scene.
 
+use std::ffi::OsStr;
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 
 use crate::demo_track::DEMO_TRACK;
 use crate::export::output::STANDARD;
 use crate::limits::LIMITS;
-use crate::scenes::is_scene_file;
+use crate::scenes::{SceneSource, is_scene_file};
+use mariana_field::limits::LIMITS as FIELD_LIMITS;
 use mariana_player::song::Song;
 
 /// Files by what they are.
@@ -54,20 +56,36 @@ pub(super) fn song_or_demo(file: Option<PathBuf>) -> anyhow::Result<Song> {
 
 /// Reads standard input to its end, which has to be kept: decoders jump back and forth.
 fn song_of_standard_input() -> anyhow::Result<Song> {
+    let bytes = standard_input(LIMITS.standard_input_bytes_max, "a song", "mariana analyze - < song.ogg")?;
+    // It is read once, and needed until the program ends.
+    Ok(Song::Embedded { name: "standard input", bytes: bytes.leak() })
+}
+
+/// The scene that an argument names, or the one on standard input.
+pub(super) fn scene_of(argument: &(impl AsRef<OsStr> + ?Sized)) -> anyhow::Result<SceneSource> {
+    if !is_standard(Path::new(argument)) {
+        return Ok(SceneSource::find(argument)?);
+    }
+    let limit = FIELD_LIMITS.scene_bytes_max as u64;
+    let bytes = standard_input(limit, "a scene", "mariana check - < my.scene")?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        anyhow!("the scene on standard input is not text: byte {position} is not UTF-8; send it as UTF-8")
+    })?;
+    Ok(SceneSource::Formula(text))
+}
+
+/// Everything on standard input, at most `limit` bytes; `what` is expected there, as `example` sends it.
+fn standard_input(limit: u64, what: &str, example: &str) -> anyhow::Result<Vec<u8>> {
     let input = std::io::stdin();
     if input.is_terminal() {
-        bail!("standard input is a terminal: send a song to it, such as 'mariana analyze - < song.ogg'");
+        bail!("standard input is a terminal: send {what} to it, such as '{example}'");
     }
-    let limit = LIMITS.standard_input_bytes_max;
     let mut bytes = Vec::new();
-    input
-        .lock()
-        .take(limit + 1)
-        .read_to_end(&mut bytes)
-        .context("standard input cannot be read: name a file")?;
+    let read = input.lock().take(limit + 1).read_to_end(&mut bytes);
+    read.context("standard input cannot be read: name a file")?;
     if bytes.len() as u64 > limit {
         bail!("standard input is larger than {limit} bytes: save it to a file, and name that");
     }
-    // It is read once, and needed until the program ends.
-    Ok(Song::Embedded { name: "standard input", bytes: bytes.leak() })
+    Ok(bytes)
 }

@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::Args;
 
 use super::common::{SetArguments, colors};
-use super::files::is_standard;
+use super::files::{is_standard, scene_of};
 use crate::export::painter::require_inputs;
 use crate::export::print::print_line;
 use crate::frame::held_inputs::HeldInputs;
@@ -45,7 +45,7 @@ pub(super) struct EvalArguments {
 }
 
 pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
-    let scene = require(&SceneSource::find(&arguments.scene)?)?;
+    let scene = require(&scene_of(&arguments.scene)?)?;
     let root = scene.distance;
     let text = if arguments.glsl {
         mariana_field::tape::glsl::function(
@@ -63,7 +63,7 @@ pub(super) fn run_tape(arguments: &TapeArguments) -> anyhow::Result<()> {
 }
 
 pub(super) fn run_eval(arguments: &EvalArguments) -> anyhow::Result<()> {
-    let scene = require(&SceneSource::find(&arguments.scene)?)?;
+    let scene = require(&scene_of(&arguments.scene)?)?;
     let mut frame = FrameInputs {
         params: scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()

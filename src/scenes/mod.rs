@@ -156,7 +156,8 @@ impl SceneSource {
     fn compile_as(&self, text: &str, edits: &mut NumberEdits) -> Compiled {
         let name = self.name();
         match self {
-            Self::Formula(_) => lang::compile(&name, text, &mut lang::no_includes),
+            // It stands where the program was started.
+            Self::Formula(_) => lang::compile(&name, text, &mut including(Folder::of(Path::new("")))),
             Self::Shipped(_) => {
                 let mut include = |path: &str| {
                     let file = SHIPPED.get_file(path).and_then(|file| file.contents_utf8());
@@ -165,15 +166,16 @@ impl SceneSource {
                 lang::compile(&name, text, &mut include)
             }
             Self::File(path) => {
-                let folder = Folder::of(path);
-                let mut include = |path: &str| {
-                    folder.text(path, FIELD_LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
-                };
                 let changing = edits.follow(self, text);
-                lang::compile_while_changing(&name, text, &mut include, changing)
+                lang::compile_while_changing(&name, text, &mut including(Folder::of(path)), changing)
             }
         }
     }
+}
+
+/// What reads the files that a scene of `folder` includes.
+fn including(folder: Folder) -> impl FnMut(&str) -> Result<String, String> {
+    move |path| folder.text(path, FIELD_LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
 }
 
 /// Whether a path is that of a scene, by its ending.

@@ -51,6 +51,23 @@ fn points_come_by_standard_input() {
 }
 
 #[test]
+fn scenes_come_by_standard_input() {
+    let place = Workplace::new();
+    place.write("ball.scene", "fn ball(p) { length(p) - 1 }");
+    place.write("text", "include \"ball.scene\"\nobject o { shape = ball(p) + tiem }\n");
+    let told = fed(&place, "text", &["check", "--json", "-"]);
+    let mistake: Value = serde_json::from_str(told.stdout.trim()).unwrap();
+    assert_eq!((told.code, &mistake["file"], &mistake["line"]), (1, &"-".into(), &2.into()), "{told:?}");
+    place.write("text", "include \"ball.scene\"\nobject o { shape = ball(p) + t }\n");
+    assert_eq!(fed(&place, "text", &["check", "--json", "-"]).done(), "");
+    assert!(fed(&place, "text", &["check", "-"]).done().contains("listens to t"));
+    assert_eq!(fed(&place, "text", &["eval", "-", "--at", "3,0,0", "--set", "t=0"]).done(), "2\n");
+    fed(&place, "text", &["still", "--scene", "-", "--size", "16x16", "-o", "a.png"]).done();
+    std::fs::write(place.path("text"), [b'x', 0xff]).unwrap();
+    fed(&place, "text", &["check", "-"]).refused(&["standard input is not text", "byte 1"]);
+}
+
+#[test]
 fn a_misspelt_command_was_a_song_that_is_missing() {
     let place = Workplace::new();
     place.run(&["stil", "song.ogg", "--at", "3"]).refused_arguments("'stil'", &["did you mean 'still'"]);
