@@ -8,7 +8,7 @@ use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
-use super::{bar, browser, files, help, params, problem, sources, style, tracks, welcome};
+use super::{bar, browser, files, help, params, problem, settings, sources, style, tracks, welcome};
 use crate::system_fonts::SystemFonts;
 
 /// Widest line at the top or in the corner, as a share of the window's width.
@@ -35,6 +35,8 @@ struct Kept {
     pictures: TilePictures,
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
+    /// The row of the settings that was selected when they were last drawn.
+    selected_setting: Option<usize>,
 }
 
 /// What was laid out.
@@ -150,6 +152,12 @@ fn show(
     match content.files {
         Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, requests)),
         None => kept.selected_file = None,
+    }
+    match content.settings {
+        Some(rows) => {
+            panels.push(settings::show(context, space, rows, &mut kept.selected_setting, requests));
+        }
+        None => kept.selected_setting = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);
