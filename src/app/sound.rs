@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::error::AppError;
 use super::overlay::SourceList;
 use super::settings_panel;
-use crate::config::{DEFAULT_DEVICE, ListenChoice, Settings, SettingsFile};
+use crate::config::{DEFAULT_DEVICE, ListenChoice, Memory, Settings, SettingsFile};
 use crate::export::print::tell;
 use mariana_music::{self, Gain};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
@@ -62,7 +62,7 @@ pub(super) struct Start {
     /// The song; none if only an input is listened to.
     pub player: Option<Player>,
     /// What is remembered.
-    pub file: SettingsFile,
+    pub memory: Memory,
     /// An input.
     pub listen: Option<ListenChoice>,
     /// The input's id, name, or a part of one.
@@ -85,7 +85,7 @@ impl Sound {
             player: start.player,
             live: None,
             paused: true,
-            file: start.file,
+            file: start.memory.file,
             asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
             gain: start.gain,
             output: start.output,
@@ -99,6 +99,9 @@ impl Sound {
             complaints: BTreeSet::new(),
             unsaid: Vec::new(),
         };
+        if let Some(trouble) = start.memory.trouble {
+            sound.complain(&trouble.to_string());
+        }
         if let Some(choice) = start.listen {
             let target = wanted(choice, start.device, sound.file.settings());
             sound.live = Some(Live::start(LiveOptions { target, gain: start.gain })?);

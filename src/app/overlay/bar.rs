@@ -192,7 +192,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             let font = style::proportional(style::SMALL_SIZE);
             ui.add_space(6.0);
             let room = ui.available_width() - right;
-            let times = style::line(ui.painter(), &now.times(), font, style::DIM, room.max(1.0));
+            let times = style::line(ui.painter(), &now.times(), font, style::DIM, f32::MAX);
             if room > times.size().x {
                 let (place, _) = ui.allocate_exact_size(vec2(times.size().x, BUTTON), Sense::hover());
                 ui.painter().galley(place.left_center() - vec2(0.0, 0.5 * times.size().y), times, style::DIM);

@@ -35,8 +35,8 @@ struct Kept {
     pictures: TilePictures,
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
-    /// The row of the settings that was selected when they were last drawn.
-    selected_setting: Option<usize>,
+    /// The row of the settings that was selected when they were last drawn, and the height for all rows.
+    seen_setting: Option<(usize, f32)>,
 }
 
 /// What was laid out.
@@ -155,9 +155,9 @@ fn show(
     }
     match content.settings {
         Some(rows) => {
-            panels.push(settings::show(context, space, rows, &mut kept.selected_setting, requests));
+            panels.push(settings::show(context, space, rows, &mut kept.seen_setting, requests));
         }
-        None => kept.selected_setting = None,
+        None => kept.seen_setting = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);

@@ -25,7 +25,7 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     settings: &SettingsPanel,
-    last_selected: &mut Option<usize>,
+    last_seen: &mut Option<(usize, f32)>,
     requests: &mut Vec<Request>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
@@ -39,7 +39,7 @@ pub(super) fn show(
             heading(ui, &mut ask);
             let meaning = MEANING_LINES as f32 * 1.3 * style::SMALL_SIZE + 6.0;
             let height = (space.height() - 2.0 * style::PADDING.y - ROW - meaning).max(ROW);
-            let pointed = rows(ui, height, settings, last_selected, &mut ask);
+            let pointed = rows(ui, height, settings, last_seen, &mut ask);
             let row = settings.rows().get(pointed.unwrap_or(settings.selected()));
             footing(ui, row.map_or("", |row| &row.meaning), meaning);
         });
@@ -75,10 +75,12 @@ fn rows(
     ui: &mut Ui,
     height: f32,
     settings: &SettingsPanel,
-    last_selected: &mut Option<usize>,
+    last_seen: &mut Option<(usize, f32)>,
     ask: &mut impl FnMut(SettingRequest),
 ) -> Option<usize> {
-    let moved = last_selected.replace(settings.selected()) != Some(settings.selected());
+    // The bar takes room when it comes, and the selected row must not go with it.
+    let seen = (settings.selected(), height);
+    let moved = last_seen.replace(seen) != Some(seen);
     let scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
     let shown = scroll.show(ui, |ui| {
         ui.set_width((ui.available_width() - LANE).max(0.0));
@@ -90,7 +92,7 @@ fn rows(
                 pointed = Some(place);
             }
             if is_selected && moved {
-                response.scroll_to_me(None);
+                ui.scroll_to_rect_animation(response.rect, None, egui::style::ScrollAnimation::none());
             }
         }
         pointed

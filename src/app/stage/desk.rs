@@ -84,7 +84,9 @@ impl Desk {
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
             });
-        } else if let Some(since) = self.welcomed.filter(|_| content.problem.is_none() && !content.help) {
+        } else if let Some(since) =
+            self.welcomed.filter(|_| content.problem.is_none() && !content.help && open.is_none())
+        {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
             content.welcome = Some(Welcome { title, artist, scene, since });
         }

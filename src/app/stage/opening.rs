@@ -61,6 +61,7 @@ impl Opening<'_> {
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
         let Self { tracks, settings, scene, memory, loaders, first } = self;
         let choices = settings.choices.clone();
+        tracing::info!("what holds in this run: {choices:?}");
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -95,10 +96,6 @@ impl Opening<'_> {
             ..PlayerOptions::default()
         };
         let mut announcer = Announcer::default();
-        if let Some(trouble) = memory.trouble {
-            tell(&trouble.to_string());
-            announcer.say(trouble.to_string());
-        }
         let mut player = None;
         if let Some(tracks) = tracks {
             for trouble in tracks.troubles {
@@ -115,7 +112,7 @@ impl Opening<'_> {
         }
         let sound = Sound::start(Start {
             player,
-            file: memory.file,
+            memory,
             listen: settings.listen,
             device: settings.device.clone(),
             output: (!settings.silent).then(|| output_of(settings)),
