@@ -155,7 +155,8 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
-        place: last.place,
+        // A window of another size might reach beyond the screen there.
+        place: last.place.filter(|_| arguments.size.is_none()),
         gl_info: arguments.gl_info,
     };
     let repeat = match arguments.repeat {

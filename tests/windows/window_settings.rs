@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::Duration;
 
-use crate::support::desktop::{App, Desktop, PROGRAM};
+use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use mariana_testing::process::wait_until;
 use mariana_testing::sound_server::SoundServer;
 
@@ -65,6 +65,15 @@ fn click(app: &App, x: u32, y: u32) {
     app.xdotool(&["click", "1"]);
 }
 
+/// Waits until the dark ground of a panel is at this place of the window.
+fn wait_for_ground(app: &App, what: &str, x: u32, y: u32) {
+    wait_until(what, || {
+        let picture = app.picture();
+        let pixel = picture.get_pixel(x, y).0;
+        u32::from(pixel[0]) + u32::from(pixel[1]) + u32::from(pixel[2]) < 120
+    });
+}
+
 /// Time for the list of devices, and for a panel to show.
 fn wait_for_panel() {
     std::thread::sleep(Duration::from_millis(1_500));
@@ -110,9 +119,10 @@ fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
         app.xdotool(&["mousemove", "--window", app.window(), at, "100"]);
         std::thread::sleep(Duration::from_millis(200));
     }
-    std::thread::sleep(Duration::from_millis(800));
+    wait_for_ground(&app, "the bar", 24, 518);
     // The button of the bar, which is 14 from the window's edges, is the third from the right.
     click(&app, 760 - 14 - 14 - 15 - 2 * 32, 540 - 14 - 11 - 15);
+    wait_for_ground(&app, "the panel", 66, 30);
     wait_for_panel();
     // Rows are 26 high, below a heading; names begin 170 to the right of the rows.
     let row = |place: u32| 14 + 11 + 26 + 26 * place + 13;
@@ -144,17 +154,24 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
         };
         (number("X"), number("Y"))
     };
-    let options = ["--size", "320x180", "--silent"];
-    let app = open(&desktop, &options);
+    let options = ["--silent"];
+    let app = open(&desktop, &["--size", "320x180", "--silent"]);
     app.xdotool(&["windowmove", "--sync", app.window(), "333", "222"]);
     std::thread::sleep(Duration::from_millis(500));
     let left_at = place(&app);
     quit(app);
-    let app = open(&desktop, &options);
+    let mut app = open(&desktop, &options);
     wait_until("its place", || place(&app) == left_at);
+    assert_eq!(app.size(), (320, 180));
     // Full screen is no place.
     app.press(&["f"]);
-    std::thread::sleep(Duration::from_millis(1_000));
+    app.wait_for_size(SCREEN);
+    quit(app);
+    let mut app = open(&desktop, &options);
+    app.wait_for_size(SCREEN);
+    app.press(&["f"]);
+    app.wait_for_size((320, 180));
+    wait_until("its place", || place(&app) == left_at);
     quit(app);
     let app = open(&desktop, &options);
     wait_until("its place", || place(&app) == left_at);
