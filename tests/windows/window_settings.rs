@@ -9,7 +9,8 @@ use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use mariana_testing::process::wait_until;
-use mariana_testing::sound_server::SoundServer;
+use mariana_testing::sound_server::{SINK_RATE, SoundServer};
+use mariana_testing::wave::write_wav;
 
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
 /// A scene that costs little.
@@ -182,6 +183,45 @@ fn the_window_opens_where_it_was_unless_that_is_nowhere() {
     let app = open(&desktop, &options);
     let (x, y) = place(&app);
     assert!(x < 700 && y < 500, "the window is at {x}, {y}, where nobody sees it");
+    quit(app);
+}
+
+#[test]
+fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
+    let desktop = Desktop::start();
+    let options = ["--size", "640x360", "--silent"];
+    let listed = desktop.folder().join(".config/mariana/last tracks.m3u8");
+    let samples = || (0..30 * SINK_RATE as usize).flat_map(|_| [0.0, 0.0]);
+    let songs = ["one.wav", "two.wav"].map(|name| desktop.folder().join(name));
+    songs.iter().for_each(|song| write_wav(song, SINK_RATE, 2, samples()));
+    let songs = songs.each_ref().map(|song| song.to_str().unwrap());
+    let mut app = open(&desktop, &[&options[..], &songs].concat());
+    app.press(&["Next"]);
+    app.wait_for_title("the second track", |title| title.contains("2/2"));
+    quit(app);
+    assert!(listed.is_file() && settings(&desktop).contains("track = 1"), "{}", settings(&desktop));
+    // Switched off it is gone at once. In a show without a device the default output is the only one.
+    let mut app = open(&desktop, &options);
+    app.wait_for_title("what was left", |title| title.contains("2/2"));
+    app.press(&["g"]);
+    wait_for_panel();
+    app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
+    wait_for_setting(&desktop, "last_tracks = \"off\"");
+    assert!(!listed.exists(), "the list is still there");
+    app.press(&["Down", "Return"]);
+    wait_for_setting(&desktop, "hints = \"off\"");
+    quit(app);
+    assert!(!listed.exists() && settings(&desktop).contains("track = 0"), "{}", settings(&desktop));
+    let mut app = open(&desktop, &options);
+    app.wait_for_title("the demo track", |title| title.contains("Hadal Lanterns"));
+    // No bar comes with the pointer.
+    for at in ["200", "230"] {
+        app.xdotool(&["mousemove", "--window", app.window(), at, "100"]);
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    let picture = app.picture();
+    let pixel = picture.get_pixel(24, 338).0;
+    assert!(pixel.iter().take(3).map(|value| u32::from(*value)).sum::<u32>() > 120, "there is a bar");
     quit(app);
 }
 

@@ -133,7 +133,7 @@ mod tests {
     #[test]
     fn a_change_is_gone_over_to_and_without_one_there_is_no_gain() {
         let mut gain = AutoGain::new(Gain::Off, 0.01);
-        let mut after = |gain: &mut AutoGain| (0..200).fold(0.0, |_, _| gain.follow(1e-3).1);
+        let after = |gain: &mut AutoGain| (0..200).fold(0.0, |_, _| gain.follow(1e-3).1);
         assert_eq!(after(&mut gain).to_bits(), 0.0_f32.to_bits());
         gain.set(Gain::Auto);
         assert!(after(&mut gain) > 9.0, "quiet sound is lifted");

@@ -35,8 +35,7 @@ struct Kept {
     pictures: TilePictures,
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
-    /// The row of the settings that was selected when they were last drawn, and the height for all rows.
-    seen_setting: Option<(usize, f32)>,
+    seen_setting: Option<settings::Seen>,
 }
 
 /// What was laid out.

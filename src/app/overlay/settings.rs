@@ -17,6 +17,14 @@ const LANE: f32 = 10.0;
 const NAME: (f32, f32) = (170.0, 0.34);
 /// The rail reaches so many milliseconds either way. Keys reach further.
 const RAIL_MS: f64 = 500.0;
+/// What was seen when the panel was last drawn.
+pub(super) struct Seen {
+    selected: usize,
+    /// Height for all rows, and how much of them is above it.
+    height: f32,
+    offset: f32,
+}
+
 /// Lines of what the selected row is for.
 const MEANING_LINES: usize = 2;
 
@@ -25,7 +33,7 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     settings: &SettingsPanel,
-    last_seen: &mut Option<(usize, f32)>,
+    last_seen: &mut Option<Seen>,
     requests: &mut Vec<Request>,
 ) -> Rect {
     let width = space.width().min(WIDTH_MAX);
@@ -75,13 +83,23 @@ fn rows(
     ui: &mut Ui,
     height: f32,
     settings: &SettingsPanel,
-    last_seen: &mut Option<(usize, f32)>,
+    last_seen: &mut Option<Seen>,
     ask: &mut impl FnMut(SettingRequest),
 ) -> Option<usize> {
+    let selected = settings.selected();
+    let width = ui.available_width() - LANE;
+    let heights = settings.rows().iter().map(|row| ROW * lines_of(ui, row, width) as f32);
+    let (mut top, mut bottom) = (0.0, 0.0);
+    for row_height in heights.take(selected + 1) {
+        (top, bottom) = (bottom, bottom + row_height);
+    }
+    let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
     // The bar takes room when it comes, and the selected row must not go with it.
-    let seen = (settings.selected(), height);
-    let moved = last_seen.replace(seen) != Some(seen);
-    let scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+    let before = last_seen.as_ref().filter(|seen| seen.selected != selected || seen.height != height);
+    let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
+    if (before.is_some() || last_seen.is_none()) && (top < offset || bottom > offset + height) {
+        scroll = scroll.vertical_scroll_offset(if top < offset { top } else { bottom - height });
+    }
     let shown = scroll.show(ui, |ui| {
         ui.set_width((ui.available_width() - LANE).max(0.0));
         let mut pointed = None;
@@ -91,12 +109,10 @@ fn rows(
             if response.contains_pointer() {
                 pointed = Some(place);
             }
-            if is_selected && moved {
-                ui.scroll_to_rect_animation(response.rect, None, egui::style::ScrollAnimation::none());
-            }
         }
         pointed
     });
+    *last_seen = Some(Seen { selected, height, offset: shown.state.clamped_offset().y });
     shown.inner
 }
 
@@ -108,12 +124,9 @@ fn draw_row(
     ask: &mut impl FnMut(SettingRequest),
 ) -> Response {
     let width = ui.available_width();
-    let start = (NAME.1 * width).min(NAME.0);
-    let lines = match &row.values {
-        Values::Names { names, .. } => lines_of(ui, names, width - start),
-        Values::OneOfRows { .. } | Values::Milliseconds(_) => 1,
-    };
-    let (rect, response) = ui.allocate_exact_size(vec2(width, lines as f32 * ROW), Sense::click());
+    let start = start_of_values(width);
+    let height = ROW * lines_of(ui, row, width) as f32;
+    let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     if is_selected || response.hovered() && matches!(row.values, Values::OneOfRows { .. }) {
         ui.painter().rect_filled(rect, 4.0, style::RAIL);
     }
@@ -180,8 +193,15 @@ fn name_width(ui: &Ui, name: &str) -> f32 {
     style::line(ui.painter(), name, font, style::TEXT, f32::MAX).size().x + 18.0
 }
 
-/// How many lines the names take.
-fn lines_of(ui: &Ui, names: &[&str], width: f32) -> usize {
+/// Where values begin in a row of that width.
+fn start_of_values(width: f32) -> f32 {
+    (NAME.1 * width).min(NAME.0)
+}
+
+/// How many lines a row of that width takes.
+fn lines_of(ui: &Ui, row: &SettingRow, width: f32) -> usize {
+    let Values::Names { names, .. } = &row.values else { return 1 };
+    let width = width - start_of_values(width);
     let mut lines = 1;
     let mut left = 0.0;
     for name in names {

@@ -322,6 +322,26 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
 }
 
 #[test]
+fn the_selected_setting_is_seen_however_small_the_window_is() {
+    use crate::app::settings_panel::tests::panel;
+    use winit::keyboard::{Key, NamedKey};
+    let mut rows = panel(&Choices::default(), None);
+    let mut stage = Stage::new(Vec2::new(560.0, 200.0));
+    stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+    let ways = [NamedKey::ArrowDown; 12].into_iter().chain([NamedKey::ArrowUp; 12]);
+    for key in ways {
+        let _ = rows.take_key(&Key::Named(key));
+        stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+        let laid_out =
+            stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+        let row = &rows.rows()[rows.selected()];
+        let (_, texts) = drawn(&laid_out);
+        let at = texts.iter().find(|(text, _)| text.ends_with(&row.name)).map(|(_, at)| *at);
+        assert!(at.is_some_and(|at| at.height() > 12.0), "{} is not seen: {texts:?}", row.name);
+    }
+}
+
+#[test]
 fn the_letters_that_are_used_are_in_the_fonts() {
     let stage = Stage::new(SCREEN);
     let mut output = stage.panels.context().run_pass(RawInput::default(), |context| {
