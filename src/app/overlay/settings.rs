@@ -23,6 +23,8 @@ pub(super) struct Seen {
     /// Height for all rows, and how much of them is above it.
     height: f32,
     offset: f32,
+    /// Whether the selected row is still to come into sight.
+    follows: bool,
 }
 
 /// Lines of what the selected row is for.
@@ -94,11 +96,16 @@ fn rows(
         (top, bottom) = (bottom, bottom + row_height);
     }
     let mut scroll = ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-    // The bar takes room when it comes, and the selected row must not go with it.
-    let before = last_seen.as_ref().filter(|seen| seen.selected != selected || seen.height != height);
+    // The bar takes room when it comes, and the selected row must not go with it. Sizes may take more than one pass.
+    let stands = last_seen.as_ref().filter(|seen| seen.selected == selected && seen.height == height);
     let offset = last_seen.as_ref().map_or(0.0, |seen| seen.offset);
-    if (before.is_some() || last_seen.is_none()) && (top < offset || bottom > offset + height) {
-        scroll = scroll.vertical_scroll_offset(if top < offset { top } else { bottom - height });
+    let is_seen = |offset: f32| top >= offset - 0.5 && bottom.min(top + height) <= offset + height + 0.5;
+    let follows = stands.is_none_or(|seen| seen.follows) && !is_seen(offset);
+    if follows {
+        scroll = scroll.vertical_scroll_offset(if top < offset { top } else { (bottom - height).min(top) });
+        if stands.is_none() {
+            ui.ctx().request_repaint();
+        }
     }
     let shown = scroll.show(ui, |ui| {
         ui.set_width((ui.available_width() - LANE).max(0.0));
@@ -112,7 +119,8 @@ fn rows(
         }
         pointed
     });
-    *last_seen = Some(Seen { selected, height, offset: shown.state.clamped_offset().y });
+    let offset = shown.state.clamped_offset().y;
+    *last_seen = Some(Seen { selected, height, offset, follows: !is_seen(offset) && follows });
     shown.inner
 }
 
