@@ -94,6 +94,11 @@ impl DrawingPace {
         Self { shown: None, pictured: None, moved: now, ..self }
     }
 
+    /// Draws by another choice from now on.
+    pub(super) fn set_quality(&mut self, quality: QualityChoice) {
+        self.resolution = self.resolution.chosen_anew(quality);
+    }
+
     /// What the last frame showed.
     pub(super) fn shown(&self) -> Option<Shown> {
         self.shown

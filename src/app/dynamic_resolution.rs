@@ -157,6 +157,11 @@ impl DynamicResolution {
         }
     }
 
+    /// A controller for as many frames per second, by another choice.
+    pub(super) fn chosen_anew(&self, choice: QualityChoice) -> Self {
+        Self::new(choice, 1.0 / self.interval)
+    }
+
     /// How the next picture is drawn.
     pub(super) fn level(&self) -> Level {
         level_at(self.level)

@@ -271,6 +271,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("g")],
+        written: "G",
+        action: Action::TogglePanel(Panel::Settings),
+        meaning: "settings: output, latency, quality, flashes, tone map, gain",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("i")],
         written: "I",
         action: Action::ToggleCorner,

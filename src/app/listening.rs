@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use super::announcer::{TrackOrder, words_of};
 use super::overlay::OverlayContent;
+use super::settings_panel::Facts;
 use super::sound::Sound;
-use crate::config::Settings;
-use mariana_music::{Tables, TapTempo};
+use crate::config::{Choices, Settings};
+use mariana_music::{Gain, Tables, TapTempo};
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
 
@@ -118,6 +119,39 @@ impl Listening {
     /// Shows the picture later by this many steps, and says how late that is.
     pub(super) fn shift(&mut self, steps: f64) -> String {
         self.sound.shift(steps)
+    }
+
+    /// Shifts the picture to so many milliseconds; `settled` if they are to be remembered for the device.
+    pub(super) fn shift_to(&mut self, shift: f64, settled: bool) {
+        self.sound.shift_to(shift, settled);
+    }
+
+    /// Plays songs on the output with this id, or on the system's default.
+    pub(super) fn choose_output(&mut self, id: Option<String>) {
+        self.sound.choose_output(id);
+    }
+
+    /// Levels the sound for the picture from now on, or no longer.
+    pub(super) fn set_gain(&mut self, gain: Gain) {
+        self.sound.set_gain(gain);
+    }
+
+    /// What the panel of settings shows, while these choices hold in this run.
+    pub(super) fn facts<'a>(&'a mut self, choices: &'a Choices, names_output: bool) -> Facts<'a> {
+        let outputs = self.sound.outputs();
+        Facts {
+            choices,
+            remembered: &self.sound.settings().choices,
+            outputs,
+            output_for_this_run: names_output,
+            shift: self.sound.shift_ms(),
+            device: self.sound.device_name(),
+        }
+    }
+
+    /// What is wrong with settings and devices since the last call.
+    pub(super) fn take_complaints(&mut self) -> Vec<String> {
+        self.sound.take_complaints()
     }
 
     /// What is heard now, with the tapped tempo.

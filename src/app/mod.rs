@@ -23,6 +23,7 @@ mod reports;
 pub mod scene_browser;
 mod scene_regions;
 mod scene_stage;
+pub mod settings_panel;
 mod show;
 mod sound;
 mod stage;

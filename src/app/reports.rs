@@ -20,6 +20,8 @@ pub(super) struct Reports {
     due: Instant,
     /// Whether it was told that there is no sound.
     told_silent: bool,
+    /// Why the last choice of an output was refused, if it was.
+    told_refused: Option<String>,
     /// The window's title.
     title: String,
     playing: NowPlaying,
@@ -33,6 +35,7 @@ impl Reports {
             controls,
             due: now,
             told_silent: false,
+            told_refused: None,
             title: String::new(),
             playing: NowPlaying::default(),
         }
@@ -77,6 +80,11 @@ impl Reports {
         &self.playing
     }
 
+    /// Shows `text` over the picture when there is room.
+    pub(super) fn say(&mut self, text: String) {
+        self.announcer.say(text);
+    }
+
     /// Makes room over the picture for the sentences that wait.
     pub(super) fn update(&mut self, now: Instant) {
         self.announcer.update(now);
@@ -87,13 +95,20 @@ impl Reports {
         self.announcer.notice()
     }
 
-    /// Tells once why there is no sound, unless `silence_asked`. That the reason changes meanwhile (a server that has
+    /// Tells once why an output that was chosen does not play, and why there is no sound, unless `silence_asked`. That the reason changes meanwhile (a server that has
     /// died has no devices either) is no news.
     pub(super) fn tell_silence(&mut self, status: &PlayerStatus, silence_asked: bool) {
         if let Some(reason) = status.silent.as_ref().filter(|_| !silence_asked && !self.told_silent) {
             tell(&format!("the song plays without sound: {reason}"));
         }
         self.told_silent = status.silent.is_some();
+        if self.told_refused != status.refused {
+            self.told_refused.clone_from(&status.refused);
+            if let Some(reason) = &status.refused {
+                tell(reason);
+                self.announcer.answer(reason.clone());
+            }
+        }
     }
 
     /// Reports what is new of the song, over the picture and to the desktop.

@@ -321,6 +321,11 @@ impl SceneStage {
         self.on_stage.is_some()
     }
 
+    /// Notes that the same moment would look different.
+    pub(super) fn look_different(&mut self) {
+        self.revision += 1;
+    }
+
     /// A number that changes whenever the same moment would look different.
     pub(super) fn revision(&self) -> u64 {
         self.revision

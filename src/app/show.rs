@@ -19,7 +19,7 @@ use super::scene_stage::{LoadedScene, SceneLoader, SceneLoaders};
 use super::stage::{Opening, Stage, renewed};
 use super::window::{OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Typing, Waker, inbox};
-use crate::config::PlaySettings;
+use crate::config::{Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::gpu::error::GpuError;
@@ -35,7 +35,12 @@ const RENEWED_AGAIN: Duration = Duration::from_secs(5);
 ///
 /// # Errors
 /// There is nothing to be played once, or the window cannot show it.
-pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -> anyhow::Result<()> {
+pub fn run(
+    tracks: Option<Opened>,
+    settings: PlaySettings,
+    scene: SceneChoice,
+    memory: Memory,
+) -> anyhow::Result<()> {
     let started = Instant::now();
     let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
@@ -61,6 +66,7 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
     let wishes = WindowWishes {
         title: format!("{name} - Mariana"),
         size: settings.size,
+        place: settings.place,
         visible: !settings.gl_info,
         log_debug: scene.verbose,
     };
@@ -72,7 +78,8 @@ pub fn run(tracks: Option<Opened>, settings: PlaySettings, scene: SceneChoice) -
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
-        let opening = Opening { tracks, settings: &settings, scene: &scene, loaders, first, controls };
+        let opening =
+            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;

@@ -1,11 +1,14 @@
 //! What the show listens to: the song or a live input, and how much later the picture is shown.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::error::AppError;
 use super::overlay::SourceList;
-use crate::config::{ListenChoice, Settings, SettingsFile};
+use super::settings_panel;
+use crate::config::{DEFAULT_DEVICE, ListenChoice, Memory, Settings, SettingsFile};
 use crate::export::print::tell;
 use mariana_music::{self, Gain};
 use mariana_player::device_list::{DeviceList, DeviceWatch, ListedDevice};
@@ -36,9 +39,11 @@ pub(super) struct Sound {
     /// The shift of this run, in milliseconds, if it was given on the command line.
     asked_ms: Option<f64>,
     gain: Gain,
+    /// What songs play on; none is silence on purpose.
+    output: Option<Target>,
     /// Id of the device in use, as far as is known, and its name.
     device: Option<ListedDevice>,
-    watch: Option<std::sync::Arc<DeviceWatch>>,
+    watch: Option<Arc<DeviceWatch>>,
     list: Option<(Vec<(Source, String)>, Instant)>,
     /// A choice that is remembered only once the list is gone: on the way to it others were chosen for moments.
     unremembered: Option<Target>,
@@ -46,16 +51,24 @@ pub(super) struct Sound {
     hint: Option<String>,
     suggestion: Option<ListedDevice>,
     told: Option<String>,
+    /// What was complained of. Each is said once, however often it is tried again.
+    complaints: BTreeSet<String>,
+    /// Those that are not over the picture yet.
+    unsaid: Vec<String>,
 }
 
 /// What the show starts with.
 pub(super) struct Start {
     /// The song; none if only an input is listened to.
     pub player: Option<Player>,
+    /// What is remembered.
+    pub memory: Memory,
     /// An input.
     pub listen: Option<ListenChoice>,
     /// The input's id, name, or a part of one.
     pub device: Option<String>,
+    /// What songs play on; none is silence on purpose.
+    pub output: Option<Target>,
     /// The shift of this run, in seconds.
     pub latency: Option<f64>,
     /// Whether quiet and loud sound move the picture alike.
@@ -68,14 +81,14 @@ impl Sound {
     /// # Errors
     /// A thread cannot be started.
     pub(super) fn start(start: Start) -> Result<Self, AppError> {
-        let (file, error) = SettingsFile::of_user();
         let mut sound = Self {
             player: start.player,
             live: None,
             paused: true,
-            file,
+            file: start.memory.file,
             asked_ms: start.latency.map(|seconds| 1000.0 * seconds),
             gain: start.gain,
+            output: start.output,
             device: None,
             watch: None,
             list: None,
@@ -83,9 +96,11 @@ impl Sound {
             hint: None,
             suggestion: None,
             told: None,
+            complaints: BTreeSet::new(),
+            unsaid: Vec::new(),
         };
-        if let Some(error) = error {
-            sound.complain(&error.to_string());
+        if let Some(trouble) = start.memory.trouble {
+            sound.complain(&trouble.to_string());
         }
         if let Some(choice) = start.listen {
             let target = wanted(choice, start.device, sound.file.settings());
@@ -155,40 +170,90 @@ impl Sound {
 
     /// Shifts the picture by steps of [`SHIFT_STEP_MS`], and remembers the shift for the device. Returns it in words.
     pub(super) fn shift(&mut self, steps: f64) -> String {
+        let shift = self.shift_to(self.shift_ms() + steps * SHIFT_STEP_MS, true);
+        shift_in_words(shift, self.device.as_ref().map(|device| &*device.name))
+    }
+
+    /// Shifts the picture to so many milliseconds, as far as is possible, and returns them. If they are `settled` they
+    /// are remembered for the device.
+    pub(super) fn shift_to(&mut self, shift: f64, settled: bool) -> f64 {
         // Live sound cannot be shown before it arrives.
         let least = if self.live.is_some() { 0.0 } else { -PLAYER_LIMITS.latency_ms_max };
-        let shift = (self.shift_ms() + steps * SHIFT_STEP_MS).clamp(least, PLAYER_LIMITS.latency_ms_max);
+        let shift = shift.clamp(least, PLAYER_LIMITS.latency_ms_max);
         self.asked_ms = Some(shift);
-        let Some(device) = self.device.clone() else {
-            return shift_in_words(shift, None);
-        };
-        // From now on it is remembered for the device; another device has its own shift.
-        self.asked_ms = None;
-        self.remember(|settings| {
-            settings.latency_ms.insert(device.id.clone(), shift);
-        });
-        shift_in_words(shift, Some(&device.name))
+        if let Some(device) = self.device.clone().filter(|_| settled) {
+            // From now on it is remembered for the device; another device has its own shift.
+            self.asked_ms = None;
+            self.remember(|settings| {
+                settings.latency_ms.insert(device.id.clone(), shift);
+            });
+        }
+        shift
+    }
+
+    /// What people call the device in use, as far as is known.
+    pub(super) fn device_name(&self) -> Option<&str> {
+        self.device.as_ref().map(|device| &*device.name)
+    }
+
+    /// Plays songs on the output with this id while it is there, or on the system's default.
+    pub(super) fn choose_output(&mut self, id: Option<String>) {
+        let target = id.map_or(Target::Default, Target::Preferred);
+        if let Some(player) = &self.player {
+            player.choose_output(target.clone());
+        }
+        if self.live.is_none() {
+            // A shift that the command line gave belonged to another device.
+            self.asked_ms = None;
+        }
+        self.output = Some(target);
+    }
+
+    /// Levels the sound for the picture from now on, or no longer.
+    pub(super) fn set_gain(&mut self, gain: Gain) {
+        self.gain = gain;
+        if let Some(player) = &self.player {
+            player.set_gain(gain);
+        }
+        if let Some(live) = &self.live {
+            live.set_gain(gain);
+        }
+    }
+
+    /// The outputs that songs can play on, the system's default first; none in a show without songs.
+    pub(super) fn outputs(&mut self) -> Vec<settings_panel::Output> {
+        if self.player.is_none() {
+            return Vec::new();
+        }
+        let device_list = self.device_list().unwrap_or_default();
+        let open = self.device.as_ref().filter(|_| self.live.is_none());
+        outputs_of(&device_list, self.output.as_ref(), open)
     }
 
     /// How much later than the device says the picture is shown, in milliseconds.
-    fn shift_ms(&self) -> f64 {
+    pub(super) fn shift_ms(&self) -> f64 {
         let remembered = || self.file.latency_ms(&self.device.as_ref()?.id);
         self.asked_ms.or_else(remembered).unwrap_or(0.0)
     }
 
     /// Everything that can be listened to now; none if the devices cannot be watched.
     fn latest_sources(&mut self) -> Option<Vec<(Source, String)>> {
-        let device_list = match &self.watch {
-            Some(watch) => watch.latest().1,
-            None => match DeviceWatch::shared() {
-                Ok(watch) => self.watch.insert(watch).latest().1,
-                Err(error) => {
-                    self.complain(&error.to_string());
-                    return None;
-                }
-            },
-        };
+        let device_list = self.device_list()?;
         Some(self.sources(&device_list))
+    }
+
+    /// The devices that there are now; none if they cannot be watched.
+    fn device_list(&mut self) -> Option<Arc<DeviceList>> {
+        if let Some(watch) = &self.watch {
+            return Some(watch.latest().1);
+        }
+        match DeviceWatch::shared() {
+            Ok(watch) => Some(self.watch.insert(watch).latest().1),
+            Err(error) => {
+                self.complain(&error.to_string());
+                None
+            }
+        }
     }
 
     /// The song, whatever is listened to.
@@ -344,12 +409,17 @@ impl Sound {
         }
     }
 
-    /// Reports what is wrong with the settings, once.
+    /// Reports what is wrong with settings or devices, once: on the terminal, and over the picture.
     fn complain(&mut self, text: &str) {
-        if self.told.as_deref() != Some(text) {
+        if self.complaints.insert(text.to_owned()) {
             tell(text);
+            self.unsaid.push(text.to_owned());
         }
-        self.told = Some(text.to_owned());
+    }
+
+    /// What was complained of since the last call.
+    pub(super) fn take_complaints(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.unsaid)
     }
 }
 
@@ -365,9 +435,10 @@ fn wanted(choice: ListenChoice, device: Option<String>, settings: &Settings) -> 
         ListenChoice::Microphone => (&settings.microphone, Target::Default),
         ListenChoice::System => (&settings.system, Target::Monitor),
     };
-    let asked = device.map(match choice {
-        ListenChoice::Microphone => Target::Named,
-        ListenChoice::System => Target::MonitorOf,
+    let asked = device.map(|name| match choice {
+        _ if name == DEFAULT_DEVICE => default.clone(),
+        ListenChoice::Microphone => Target::Named(name),
+        ListenChoice::System => Target::MonitorOf(name),
     });
     asked.or_else(|| remembered.clone().map(Target::Named)).unwrap_or(default)
 }
@@ -379,12 +450,45 @@ fn note_choice(settings: &mut Settings, target: &Target) {
         Target::Monitor => settings.system = None,
         // Given on the command line, for one run.
         Target::MonitorOf(_) => {}
-        Target::Named(id) => {
+        Target::Named(id) | Target::Preferred(id) => {
             let entry = ListedDevice { id: id.clone(), name: String::new() };
             let place = if entry.is_monitor() { &mut settings.system } else { &mut settings.microphone };
             *place = Some(id.clone());
         }
     }
+}
+
+/// The outputs of a list of devices as rows, of which the one that is meant by `target` is chosen; `open` is the one that
+/// a song plays on.
+fn outputs_of(
+    device_list: &DeviceList,
+    target: Option<&Target>,
+    open: Option<&ListedDevice>,
+) -> Vec<settings_panel::Output> {
+    let default = device_list.default_output.as_ref();
+    let default = device_list.outputs.iter().find(|entry| Some(&entry.id) == default);
+    let chosen = match target {
+        Some(Target::Preferred(id)) => Some(id),
+        // A name of the command line may be a part of one.
+        Some(Target::Named(_)) => open.map(|entry| &entry.id),
+        _ => None,
+    };
+    let name = default.map_or_else(
+        || "The system's default output".to_owned(),
+        |entry| format!("The system's default output ({})", entry.name),
+    );
+    let mut outputs =
+        vec![settings_panel::Output { id: None, name, is_chosen: target == Some(&Target::Default) }];
+    outputs.extend(device_list.outputs.iter().map(|entry| settings_panel::Output {
+        id: Some(entry.id.clone()),
+        name: entry.name.clone(),
+        is_chosen: chosen == Some(&entry.id),
+    }));
+    if let Some(id) = chosen.filter(|id| !device_list.outputs.iter().any(|entry| entry.id == **id)) {
+        let name = format!("{id}, which is not there now");
+        outputs.push(settings_panel::Output { id: Some(id.clone()), name, is_chosen: true });
+    }
+    outputs
 }
 
 /// A shift in words.
@@ -417,11 +521,36 @@ mod tests {
         assert_eq!(wanted(system, None, &settings), named("p:tv.monitor"));
         assert_eq!(wanted(mic, Some("usb".into()), &settings), named("usb"));
         assert_eq!(wanted(system, Some("hdmi".into()), &settings), Target::MonitorOf("hdmi".into()));
+        assert_eq!(wanted(system, Some("default".into()), &settings), Target::Monitor);
         let none = Settings::default();
         assert_eq!(
             (wanted(mic, None, &none), wanted(system, None, &none)),
             (Target::Default, Target::Monitor)
         );
+    }
+
+    #[test]
+    fn outputs_are_listed_with_the_one_that_is_meant() {
+        let entry = |id: &str| ListedDevice { id: id.into(), name: id.to_uppercase() };
+        let device_list = DeviceList {
+            known: true,
+            outputs: vec![entry("p:a"), entry("p:b")],
+            default_output: Some("p:b".into()),
+            ..DeviceList::default()
+        };
+        let rows = |target: Option<Target>, open: Option<&str>| {
+            let open = open.map(entry);
+            let rows = outputs_of(&device_list, target.as_ref(), open.as_ref());
+            let mark = |row: &settings_panel::Output| if row.is_chosen { ">" } else { "" };
+            rows.iter().map(|row| format!("{}{}", mark(row), row.name)).collect::<Vec<_>>()
+        };
+        let default = "The system's default output (P:B)";
+        assert_eq!(rows(Some(Target::Default), Some("p:b")), [&format!(">{default}"), "P:A", "P:B"]);
+        assert_eq!(rows(Some(Target::Preferred("p:a".into())), None), [default, ">P:A", "P:B"]);
+        assert_eq!(rows(Some(Target::Named("A".into())), Some("p:a")), [default, ">P:A", "P:B"]);
+        assert_eq!(rows(None, None), [default, "P:A", "P:B"], "silence on purpose");
+        let gone = rows(Some(Target::Preferred("p:usb".into())), Some("p:b"));
+        assert_eq!(gone[3], ">p:usb, which is not there now");
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod drawing;
 mod leaving;
 mod opening;
 mod panels;
+mod settings;
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -30,8 +31,9 @@ use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
 use super::window::GlWindowContext;
 use super::window_thread::Waker;
-use crate::config::PlaySettings;
+use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
+use crate::gpu::shader_source::ShaderLibrary;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
 
@@ -54,6 +56,13 @@ pub(super) struct Stage {
     /// What the pointer asked for in the last picture.
     requests: Vec<Request>,
     pub(super) desk: Desk,
+    /// What was chosen, for this run.
+    choices: Choices,
+    /// Whether the command line says what songs play on.
+    names_output: bool,
+    /// Whether an output was chosen since the start.
+    chose_output: bool,
+    shaders: ShaderLibrary,
     /// What finds the pictures of the list of scenes.
     thumbnails: Option<Thumbnails>,
     /// The folder in which something was last picked.
@@ -178,7 +187,17 @@ impl Stage {
             self.follow_pick(picked);
             return None;
         }
+        if let (Some(settings), Some((key, _))) = (&mut self.desk.settings, self.input.typed(event)) {
+            let (taken, change) = settings.take_key(key);
+            if let Some(change) = change {
+                self.change_setting(change);
+            }
+            if taken {
+                return None;
+            }
+        }
         match event {
+            WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
                 self.window.resize((*size).into());
                 self.window.window().request_redraw();
@@ -220,6 +239,9 @@ impl Stage {
         if !self.reports.is_due(Instant::now()) {
             return Ok(false);
         }
+        for complaint in self.listening.take_complaints() {
+            self.reports.say(complaint);
+        }
         if let Some(live) = self.listening.live_status() {
             let paused = self.listening.is_paused();
             self.reports.look_at_input(&live, paused);
@@ -227,14 +249,15 @@ impl Stage {
             return Ok(false);
         }
         let Some(status) = self.listening.song_status() else { return Ok(false) };
-        self.reports.tell_silence(&status, settings.silent);
+        let silence_asked = settings.silent && !self.chose_output;
+        self.reports.tell_silence(&status, silence_asked);
         if let (true, true, 1, Some(error)) =
             (status.ended, settings.once, status.track.count, &status.troubles.last)
         {
             return Err(AppError::SongLost(error.clone()));
         }
         self.reports.look(&status, self.window.is_fullscreen());
-        self.set_title(title(self.scene.notes(), &status, settings.silent));
+        self.set_title(title(self.scene.notes(), &status, silence_asked));
         Ok(status.ended && settings.once)
     }
 
@@ -273,6 +296,7 @@ impl Stage {
         if let Some(files) = &mut self.desk.files {
             files.update();
         }
+        self.update_settings();
         let now = Instant::now();
         self.reports.update(now);
         if self.scene.is_drawing() {

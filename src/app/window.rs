@@ -16,7 +16,7 @@ use glutin::display::{GetGlDisplay, GlDisplay};
 use glutin::error::ErrorKind;
 use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
 use glutin_winit::{ApiPreference, DisplayBuilder, GlWindow};
-use winit::dpi::PhysicalSize;
+use winit::dpi::{PhysicalPosition, PhysicalSize};
 use winit::event_loop::ActiveEventLoop;
 use winit::raw_window_handle::HasWindowHandle;
 use winit::window::{Fullscreen, Window, WindowAttributes};
@@ -33,6 +33,8 @@ pub(super) struct WindowWishes {
     pub title: String,
     /// Width and height in pixels.
     pub size: (u32, u32),
+    /// Where its frame is to begin on the desktop, in pixels; none lets the system choose.
+    pub place: Option<(i32, i32)>,
     /// Whether it is shown.
     pub visible: bool,
     /// Whether the driver's messages are logged.
@@ -45,6 +47,7 @@ pub(super) struct OpenWindow {
     config: glutin::config::Config,
     window: Arc<Window>,
     size: (u32, u32),
+    place: Option<(i32, i32)>,
     refresh_rate: Option<f64>,
     log_debug: bool,
 }
@@ -59,6 +62,8 @@ pub(super) struct GlWindowContext {
     window: Arc<Window>,
     /// As the window's events last reported it. (Asking a window that others have closed would end the program.)
     size: Cell<(u32, u32)>,
+    /// The same; none where the window system tells nobody.
+    place: Cell<Option<(i32, i32)>>,
     refresh_rate: Option<f64>,
 }
 
@@ -91,6 +96,13 @@ impl OpenWindow {
             .with_inner_size(PhysicalSize::new(wishes.size.0, wishes.size.1))
             // Assistive technology must know it before it is seen.
             .with_visible(false);
+        let monitors = event_loop.available_monitors();
+        let monitors = monitors.map(|monitor| (monitor.position().into(), monitor.size().into()));
+        let place = wishes.place.filter(|place| can_be_grasped(*place, wishes.size, monitors));
+        let attributes = match place {
+            Some((x, y)) => attributes.with_position(PhysicalPosition::new(x, y)),
+            None => attributes,
+        };
         let attributes = identity::told_by(attributes);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
@@ -108,10 +120,11 @@ impl OpenWindow {
             .map_err(|error| no_context(&error))?;
         let window = window.ok_or_else(|| AppError::NoContext("the system opened no window".into()))?;
         let size = window.inner_size().into();
+        let place = window.outer_position().ok().map(Into::into);
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let refresh_rate = millihertz.filter(|rate| *rate > 0).map(|rate| f64::from(rate) / 1000.0);
         let window = Arc::new(window);
-        Ok(Self { config, window, size, refresh_rate, log_debug: wishes.log_debug })
+        Ok(Self { config, window, size, place, refresh_rate, log_debug: wishes.log_debug })
     }
 
     /// The window.
@@ -124,7 +137,7 @@ impl OpenWindow {
     /// # Errors
     /// The driver refuses, or has no OpenGL 3.3.
     pub(super) fn bind(self) -> Result<GlWindowContext, AppError> {
-        let Self { config, window, size, refresh_rate, log_debug } = self;
+        let Self { config, window, size, place, refresh_rate, log_debug } = self;
         let no_context = |error: &dyn std::fmt::Display| AppError::NoContext(error.to_string());
         let handle = window.window_handle().map_err(|error| no_context(&error))?.as_raw();
         let display = config.display();
@@ -155,8 +168,8 @@ impl OpenWindow {
         }
         let gl = Gl::load(|name| display.get_proc_address(name), log_debug)?;
         tracing::info!("window context by {}", config_kind(&config));
-        let size = Cell::new(size);
-        Ok(GlWindowContext { gl, context, surface, config, window, size, refresh_rate })
+        let (size, place) = (Cell::new(size), Cell::new(place));
+        Ok(GlWindowContext { gl, context, surface, config, window, size, place, refresh_rate })
     }
 }
 
@@ -175,14 +188,14 @@ impl GlWindowContext {
 
     /// Gives up the context and its surface; what was made in it must be gone. [`OpenWindow::bind`] makes another.
     pub(super) fn let_go(self) -> OpenWindow {
-        let Self { gl, context, surface, config, window, size, refresh_rate } = self;
+        let Self { gl, context, surface, config, window, size, place, refresh_rate } = self;
         drop(gl);
         // A surface that is in use lives on, and a window cannot have a second one.
         if let Err(error) = context.make_not_current() {
             tracing::warn!("the old context stays in use: {error}");
         }
         drop(surface);
-        OpenWindow { config, window, size: size.get(), refresh_rate, log_debug: false }
+        OpenWindow { config, window, size: size.get(), place: place.get(), refresh_rate, log_debug: false }
     }
 
     /// The functions of the context.
@@ -199,6 +212,18 @@ impl GlWindowContext {
     pub(super) fn size(&self) -> Option<(u32, u32)> {
         let (width, height) = self.size.get();
         (width > 0 && height > 0).then_some((width, height))
+    }
+
+    /// Where its frame begins on the desktop when it does not fill the screen, in pixels; none if nobody knows.
+    pub(super) fn place(&self) -> Option<(i32, i32)> {
+        self.place.get()
+    }
+
+    /// Notes where the window has moved.
+    pub(super) fn note_place(&self, place: (i32, i32)) {
+        if !self.is_fullscreen() {
+            self.place.set(Some(place));
+        }
     }
 
     /// Resizes the surface to the window's new size.
@@ -239,6 +264,26 @@ impl GlWindowContext {
     }
 }
 
+/// Least part of a window's upper edge that must be on a monitor for a hand to grasp it: width and height in pixels.
+const GRASP: (i64, i64) = (64, 24);
+
+/// Whether the upper edge of a window, with its frame from `place` on, is on one of the monitors, which have places and
+/// sizes. A monitor may have gone since the place was remembered.
+fn can_be_grasped(
+    place: (i32, i32),
+    size: (u32, u32),
+    mut monitors: impl Iterator<Item = ((i32, i32), (u32, u32))>,
+) -> bool {
+    let common = |from: i32, length: i64, of: i32, most: u32| {
+        let (from, of) = (i64::from(from), i64::from(of));
+        (from + length).min(of + i64::from(most)) - from.max(of)
+    };
+    monitors.any(|((x, y), (width, height))| {
+        common(place.0, i64::from(size.0), x, width) >= GRASP.0
+            && common(place.1, 2 * GRASP.1, y, height) >= GRASP.1
+    })
+}
+
 /// The interface that gave the context.
 fn config_kind(config: &glutin::config::Config) -> &'static str {
     match config {
@@ -255,6 +300,27 @@ fn config_kind(config: &glutin::config::Config) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_place_that_is_on_no_monitor_any_more_is_not_taken() {
+        let two = [((0, 0), (1920, 1080)), ((1920, 200), (1280, 1024))];
+        let is_there = |place| can_be_grasped(place, (640, 360), two.into_iter());
+        for place in [(0, 0), (1800, 900), (-500, 10), (2500, 1100), (100, -20), (3100, 300)] {
+            assert!(is_there(place), "{place:?}");
+        }
+        for place in [
+            (-600, 10),
+            (3190, 300),
+            (100, 1070),
+            (2500, 100),
+            (100, -40),
+            (i32::MAX, i32::MIN),
+            (i32::MIN, i32::MAX),
+        ] {
+            assert!(!is_there(place), "{place:?}");
+        }
+        assert!(!can_be_grasped((0, 0), (640, 360), [].into_iter()));
+    }
 
     #[test]
     fn a_driver_without_any_pixel_format_was_a_panic() {

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::choices::GainChoice;
+use super::choices::choice;
 use super::files::song_or_demo;
 use super::parse::{parse_duration, parse_fps, parse_seconds};
+use crate::config::Choice;
 use crate::export::analyze::{AnalyzeRequest, print_features};
+use mariana_music::Gain;
 
 #[derive(Args)]
 pub(super) struct AnalyzeArguments {
@@ -18,8 +20,8 @@ pub(super) struct AnalyzeArguments {
     #[arg(long)]
     json: bool,
     /// Whether quiet and loud sound are levelled in the values from 0 to 1
-    #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
-    gain: GainChoice,
+    #[arg(long, value_name = "AUTO-OFF", default_value = Gain::default().name(), value_parser = choice::<Gain>())]
+    gain: Gain,
     /// Lines per second
     #[arg(long, default_value = "60", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: f64,
@@ -37,7 +39,7 @@ pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
         fps: arguments.fps,
         start: arguments.start,
         duration: arguments.duration,
-        gain: arguments.gain.into(),
+        gain: arguments.gain,
         json: arguments.json,
     };
     print_features(&request, &mut BufWriter::new(std::io::stdout().lock()))?;

@@ -57,7 +57,7 @@ pub(super) fn run(arguments: BenchArguments) -> anyhow::Result<()> {
         at: arguments.at,
         size: arguments.size,
         frames: arguments.frames.into(),
-        gain: common.gain.into(),
+        gain: common.gain.unwrap_or_default(),
         scene: arguments.scene.choose(scene, &common)?,
         both: common.regions.is_none(),
         edges: arguments.edges,

@@ -1,10 +1,19 @@
 //! What the command line chooses from, and what that means.
 
-use crate::config::{QualityChoice, SdfChoice};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use crate::config::{Choice, SdfChoice};
 use crate::export::video::{Codec, EncodingQuality};
-use crate::gpu::scene_resources::CellUse;
-use mariana_field::world::ToneMap;
-use mariana_music::Gain;
+
+/// Reads a choice by its name.
+pub(super) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let names = T::ALL.iter().map(|(_, name, meaning)| match *meaning {
+        "" => PossibleValue::new(*name),
+        meaning => PossibleValue::new(*name).help(meaning),
+    });
+    let unknown = "it is none of the names";
+    PossibleValuesParser::new(names.collect::<Vec<_>>()).try_map(move |name| T::named(&name).ok_or(unknown))
+}
 
 /// See [`SdfChoice`].
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -24,42 +33,6 @@ impl From<Sdf> for SdfChoice {
     }
 }
 
-/// See [`Gain`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-pub(super) enum GainChoice {
-    Auto,
-    Off,
-}
-
-impl From<GainChoice> for Gain {
-    fn from(choice: GainChoice) -> Self {
-        match choice {
-            GainChoice::Auto => Gain::Auto,
-            GainChoice::Off => Gain::Off,
-        }
-    }
-}
-
-/// See [`ToneMap`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-pub(super) enum ToneMapChoice {
-    Agx,
-    Aces,
-    Reinhard,
-    None,
-}
-
-impl From<ToneMapChoice> for ToneMap {
-    fn from(choice: ToneMapChoice) -> Self {
-        match choice {
-            ToneMapChoice::Agx => ToneMap::Agx,
-            ToneMapChoice::Aces => ToneMap::Aces,
-            ToneMapChoice::Reinhard => ToneMap::Reinhard,
-            ToneMapChoice::None => ToneMap::None,
-        }
-    }
-}
-
 /// See [`mariana_player::track::Repeat`].
 #[derive(Clone, Copy, clap::ValueEnum)]
 pub(super) enum RepeatChoice {
@@ -69,47 +42,6 @@ pub(super) enum RepeatChoice {
     One,
     /// Each track once; the window stays open
     Off,
-}
-
-/// On or off.
-#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Switch {
-    On,
-    Off,
-}
-
-impl From<Switch> for CellUse {
-    fn from(switch: Switch) -> Self {
-        match switch {
-            Switch::On => Self::Always,
-            Switch::Off => Self::Never,
-        }
-    }
-}
-
-/// See [`QualityChoice`].
-#[derive(Clone, Copy, clap::ValueEnum)]
-pub(super) enum Quality {
-    /// As good as the frame rate allows
-    Auto,
-    /// About half of the window's width and height
-    Low,
-    Medium,
-    High,
-    /// Every pixel, every term, however long it takes
-    Best,
-}
-
-impl From<Quality> for QualityChoice {
-    fn from(quality: Quality) -> Self {
-        match quality {
-            Quality::Auto => QualityChoice::Auto,
-            Quality::Low => QualityChoice::Low,
-            Quality::Medium => QualityChoice::Medium,
-            Quality::High => QualityChoice::High,
-            Quality::Best => QualityChoice::Best,
-        }
-    }
 }
 
 /// See [`Codec`].

@@ -9,7 +9,7 @@ use clap::Args;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::prelude::*;
 
-use super::choices::{GainChoice, Sdf, Switch, ToneMapChoice};
+use super::choices::{Sdf, choice};
 use super::files::scene_of;
 use crate::ending::{self, Signal};
 use crate::export::output::Output;
@@ -18,6 +18,11 @@ use crate::export::print::tell;
 use crate::frame::held_inputs::Setting;
 use crate::gpu::scene_resources::CellUse;
 use crate::gpu::shader_source::ShaderLibrary;
+use mariana_field::world::ToneMap;
+use mariana_music::Gain;
+
+/// None is the scene's own. (A name, because an option of an option is a flag without a value to clap.)
+type WantedToneMap = Option<ToneMap>;
 
 #[derive(Args)]
 pub(super) struct CommonArguments {
@@ -26,14 +31,15 @@ pub(super) struct CommonArguments {
     sdf: Sdf,
     /// Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where
     /// that costs less; bench measures both]
-    #[arg(long, value_name = "ON-OFF")]
-    pub(super) regions: Option<Switch>,
-    /// How light is turned into screen colours [default: as the scene says, otherwise agx]
-    #[arg(long, value_name = "MAP")]
-    tone_map: Option<ToneMapChoice>,
+    #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
+    pub(super) regions: Option<bool>,
+    /// How light is turned into screen colours [default: scene, or in a window what was chosen there]
+    #[arg(long, value_name = "MAP", value_parser = choice::<WantedToneMap>())]
+    pub(super) tone_map: Option<WantedToneMap>,
     /// Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way
-    #[arg(long, value_name = "AUTO-OFF", default_value = "auto")]
-    pub(super) gain: GainChoice,
+    /// [default: auto, or in a window what was chosen there]
+    #[arg(long, value_name = "AUTO-OFF", value_parser = choice::<Gain>())]
+    pub(super) gain: Option<Gain>,
     /// Read the shaders from this folder, to work on them
     #[arg(long, value_name = "DIR")]
     shaders: Option<PathBuf>,
@@ -137,9 +143,13 @@ impl CommonArguments {
             source: scene_of(scene)?,
             sdf: self.sdf.into(),
             shaders: self.shaders.as_deref().map_or_else(ShaderLibrary::embedded, ShaderLibrary::on_disk),
-            cells: self.regions.map_or(CellUse::WhereTheyPay, Into::into),
+            cells: match self.regions {
+                None => CellUse::WhereTheyPay,
+                Some(true) => CellUse::Always,
+                Some(false) => CellUse::Never,
+            },
             view: None,
-            tone_map: self.tone_map.map(Into::into),
+            tone_map: self.tone_map.flatten(),
             verbose: self.verbose > 0,
         })
     }

@@ -3,15 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgAction, Args};
 
-use super::choices::{Quality, RepeatChoice, Switch};
+use super::choices::{RepeatChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
 use super::view::ViewArguments;
 use crate::app;
-use crate::config::{LastShow, ListenChoice, PlaySettings, SettingsFile};
+use crate::config::{Choices, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
@@ -38,7 +38,8 @@ pub(super) struct PlayArguments {
     /// Which tracks are repeated
     #[arg(long, value_name = "WHAT", default_value = "all")]
     repeat: RepeatChoice,
-    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or part of one
+    /// Output device, or input with --mic and --system: an id or name from 'mariana devices', or part of one, or
+    /// 'default' for the system's [default: what was chosen in the window, at first the system's]
     #[arg(long, value_name = "NAME", conflicts_with = "silent")]
     device: Option<String>,
     /// Play without sound, in real time
@@ -56,21 +57,23 @@ pub(super) struct PlayArguments {
     /// Maximum frames per second [default: the monitor's rate]
     #[arg(long, value_name = "FPS", value_parser = parse_fps, allow_negative_numbers = true)]
     fps_cap: Option<f64>,
-    /// How good the picture is; auto draws fewer pixels if frames take too long
-    #[arg(long, value_name = "HOW", default_value = "auto")]
-    quality: Quality,
-    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
-    #[arg(long, value_name = "ON-OFF", default_value = "on")]
-    flash_limiter: Switch,
+    /// How good the picture is; auto draws fewer pixels if frames take too long [default: what was chosen in the
+    /// window, at first auto]
+    #[arg(long, value_name = "HOW", value_parser = choice::<QualityChoice>())]
+    quality: Option<QualityChoice>,
+    /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for [default: what was
+    /// chosen in the window, at first on]
+    #[arg(long, value_name = "ON-OFF", value_parser = choice::<bool>())]
+    flash_limiter: Option<bool>,
     /// How many seconds one scene fades into another with N and P; 0 cuts
     #[arg(long, value_name = "SECONDS", default_value = "0.5", value_parser = parse_fade, allow_negative_numbers = true)]
     fade: f64,
     /// Whether the next and the previous scene are prepared while one is shown
-    #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead")]
-    prepare_ahead: Switch,
+    #[arg(long, value_name = "ON-OFF", default_value = "on", overrides_with = "prepare_ahead", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    prepare_ahead: bool,
     /// Whether programs that the driver has compiled are kept, in the user's folder for caches
-    #[arg(long, value_name = "ON-OFF", default_value = "on")]
-    program_cache: Switch,
+    #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    program_cache: bool,
     /// Start in full screen
     #[arg(long)]
     fullscreen: bool,
@@ -80,7 +83,8 @@ pub(super) struct PlayArguments {
     /// Size of the window in pixels [default: the last one, at first 1280x720]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
-    /// Begin anew instead of where the last show ended, and leave nothing to the next one
+    /// Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the
+    /// panel of settings still counts
     #[arg(long)]
     new: bool,
     /// Print which OpenGL is available, and exit
@@ -120,34 +124,39 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         (false, false) => None,
     };
     // What is wrong with the file is told when the window opens.
-    let (file, _) = SettingsFile::of_user();
+    let (file, trouble) = SettingsFile::of_user();
+    let remembered = file.settings().choices.clone();
+    let choices = Choices {
+        quality: arguments.quality.unwrap_or(remembered.quality),
+        flash_limiter: arguments.flash_limiter.unwrap_or(remembered.flash_limiter),
+        tone_map: common.tone_map.unwrap_or(remembered.tone_map),
+        gain: common.gain.unwrap_or(remembered.gain),
+        hints: remembered.hints && !arguments.clean,
+        ..remembered
+    };
     let last = match arguments.new {
         true => LastShow::default(),
         false => file.settings().last_show.clone().unwrap_or_default(),
     };
     let mut settings = PlaySettings {
+        choices,
         device: arguments.device,
         silent: arguments.silent,
         once: arguments.once,
         volume: arguments.volume.map(|percent| f32::from(percent) / 100.0).or(last.volume).unwrap_or(1.0),
         latency: arguments.latency.map(|milliseconds| milliseconds / 1000.0),
-        gain: common.gain.into(),
         listen,
         fps_cap: arguments.fps_cap,
-        quality: arguments.quality.into(),
         fade: arguments.fade,
-        prepare_ahead: arguments.prepare_ahead == Switch::On,
-        limit_flashes: arguments.flash_limiter == Switch::On,
-        program_cache: match arguments.program_cache {
-            Switch::On => ProgramCache::of_user(),
-            Switch::Off => ProgramCache::off(),
-        },
+        prepare_ahead: arguments.prepare_ahead,
+        program_cache: if arguments.program_cache { ProgramCache::of_user() } else { ProgramCache::off() },
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
         begin_at: 0.0,
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
-        clean: arguments.clean,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
+        // A window of another size might reach beyond the screen there.
+        place: last.place.filter(|_| arguments.size.is_none()),
         gl_info: arguments.gl_info,
     };
     let repeat = match arguments.repeat {
@@ -165,7 +174,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     if !arguments.new {
         settings.sliders = file.settings().sliders.get(&scene.source.title()).cloned().unwrap_or_default();
     }
-    let goes_on = songs.is_empty() && !arguments.new && !arguments.once;
+    let goes_on = songs.is_empty() && !arguments.new && !arguments.once && settings.choices.last_tracks;
     let last_tracks = file.last_tracks().filter(|_| goes_on);
     let tracks = match (listen, last_tracks) {
         (Some(_), _) => None,
@@ -186,7 +195,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         }
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
-    app::run(tracks, settings, scene)
+    app::run(tracks, settings, scene, Memory { file, trouble })
 }
 
 /// Size of the first window, in pixels.

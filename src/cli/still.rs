@@ -46,7 +46,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         song,
         at: arguments.at,
         size: arguments.size,
-        gain: common.gain.into(),
+        gain: common.gain.unwrap_or_default(),
         output,
         scene: SceneChoice { view: arguments.view.view, ..arguments.scene.choose(scene, &common)? },
         set: arguments.set.set,

@@ -4,9 +4,9 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
-use clap::Args;
+use clap::{ArgAction, Args};
 
-use super::choices::{CodecChoice, EncodingChoice, Switch};
+use super::choices::{CodecChoice, EncodingChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
 use super::files::Files;
 use super::parse::{parse_duration, parse_fps, parse_seconds, parse_size};
@@ -48,8 +48,8 @@ pub(super) struct VideoArguments {
     #[arg(long)]
     title_card: bool,
     /// Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for
-    #[arg(long, value_name = "ON-OFF", default_value = "on")]
-    flash_limiter: Switch,
+    #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    flash_limiter: bool,
     /// The scene to show, as for 'still'; several with the time in the song from which on each is shown, such as
     /// --scene orb --scene city@1:20 [default: speakers]
     #[arg(long, value_name = "SCENE[@TIME]", allow_hyphen_values = true)]
@@ -88,8 +88,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         duration: arguments.duration.or(preset.duration),
         fps: arguments.fps.unwrap_or(preset.fps),
         size: arguments.size.unwrap_or(preset.size),
-        gain: common.gain.into(),
-        limit_flashes: arguments.flash_limiter == Switch::On,
+        gain: common.gain.unwrap_or_default(),
+        limit_flashes: arguments.flash_limiter,
         output,
         scenes,
         set: arguments.set.set,

@@ -19,6 +19,9 @@ pub struct LastShow {
     /// Width and height of the window in pixels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<(u32, u32)>,
+    /// Where on the desktop the window was, in pixels to the right and down, its frame included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<(i32, i32)>,
     /// Whether it filled the screen.
     pub fullscreen: bool,
     /// The scene: the name of a shipped one, or a file with its whole path.

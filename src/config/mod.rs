@@ -1,15 +1,17 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
+mod choices;
 mod last_show;
 mod settings;
+mod understood;
 
+pub use choices::{Choice, Choices};
 pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
 
 use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
-use mariana_music::Gain;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -48,10 +50,25 @@ pub enum ListenChoice {
     System,
 }
 
+/// What stands in the place of a device's name for the system's default.
+pub const DEFAULT_DEVICE: &str = "default";
+
+/// What is remembered, as it was found at the start.
+#[derive(Debug)]
+pub struct Memory {
+    /// The file.
+    pub file: SettingsFile,
+    /// What is wrong with it, if anything.
+    pub trouble: Option<SettingsError>,
+}
+
 /// How the window plays and shows a song, or what it listens to.
 #[derive(Debug, Clone)]
 pub struct PlaySettings {
-    /// Output device, or input device to listen to, by id, name or part of a name; none is the default.
+    /// What the user chose for good, and what the command line says of it for this run.
+    pub choices: Choices,
+    /// Output device, or input device to listen to, by id, name or part of a name, or [`DEFAULT_DEVICE`]; none is the
+    /// one that was chosen for good.
     pub device: Option<String>,
     /// No sound: the song runs on the silent clock.
     pub silent: bool,
@@ -62,16 +79,10 @@ pub struct PlaySettings {
     /// The sound is heard this much later than the device says, in seconds; none uses what is remembered for the
     /// device.
     pub latency: Option<f64>,
-    /// Whether quiet and loud sound move the picture alike.
-    pub gain: Gain,
     /// Listen to this instead of playing a song.
     pub listen: Option<ListenChoice>,
     /// Most frames per second; none is the monitor's rate.
     pub fps_cap: Option<f64>,
-    /// How much a picture may cost.
-    pub quality: QualityChoice,
-    /// Whether more than three flashes a second are dimmed.
-    pub limit_flashes: bool,
     /// How long one scene fades into another, in seconds; 0 is a cut.
     pub fade: f64,
     /// Whether the next and the previous scene are prepared while one is shown.
@@ -86,10 +97,10 @@ pub struct PlaySettings {
     pub sliders: BTreeMap<String, f32>,
     /// Whether the next show goes on where this one ends.
     pub remembered: bool,
-    /// Show nothing over the picture but what was asked for and what is wrong.
-    pub clean: bool,
     /// Size of the window in pixels at the start.
     pub size: (u32, u32),
+    /// Where on the desktop the window opens, in pixels; none lets the system choose.
+    pub place: Option<(i32, i32)>,
     /// Print the OpenGL version and driver, and end.
     pub gl_info: bool,
 }

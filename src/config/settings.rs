@@ -4,12 +4,17 @@
 //! microphone = "pulseaudio:alsa_input.usb-mic"        # what --mic listens to; absent: the default input
 //! system = "pulseaudio:hdmi.monitor"                   # what --system listens to; absent: what the default output plays
 //!
+//! [choices]                                            # what the panel of settings changes, by the names of flags
+//! quality = "high"
+//! flash_limiter = "off"
+//!
 //! [latency_ms]                                         # by device: how much later the picture is shown
 //! "pulseaudio:bluez_output.headphones" = 180.0
 //! ```
 //!
 //! Devices are remembered by their ids, which are names, not numbers. A file that cannot be read is reported once and
-//! changes nothing else; when a new one is written, the unreadable one is kept beside it.
+//! changes nothing else; when a new one is written, the unreadable one is kept beside it. What a newer version has
+//! written is read as far as it is known, and stays in the file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, create_dir_all};
@@ -20,7 +25,9 @@ use directories::ProjectDirs;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 use serde::{Deserialize, Serialize};
 
+use super::choices::Choices;
 use super::last_show::{self, LastShow};
+use super::understood::{rewrite, understood};
 use crate::atomic_file::AtomicFile;
 use crate::limits::LIMITS;
 
@@ -34,6 +41,9 @@ pub struct Settings {
     /// Id of the monitor that `--system` listens to; none is the default output's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub system: Option<String>,
+    /// What was chosen in the panel of settings.
+    #[serde(skip_serializing_if = "is_untouched")]
+    pub choices: Choices,
     /// Names of the scenes that the user has marked.
     #[serde(skip_serializing_if = "BTreeSet::is_empty")]
     pub favourite_scenes: BTreeSet<String>,
@@ -48,7 +58,16 @@ pub struct Settings {
     pub latency_ms: BTreeMap<String, f64>,
 }
 
-/// Why settings are not read or written. The show continues with those that it has.
+fn is_untouched(choices: &Choices) -> bool {
+    *choices == Choices::default()
+}
+
+/// Most keys that a message names.
+const NAMED_MAX: usize = 3;
+/// Most letters of a key in it.
+const NAME_LETTERS_MAX: usize = 40;
+
+/// Why settings are not read or written, or not all of them. The show continues with those that it has.
 #[derive(Debug, thiserror::Error)]
 pub enum SettingsError {
     /// The file holds something other than settings.
@@ -58,6 +77,14 @@ pub enum SettingsError {
         path: PathBuf,
         /// What is wrong with it.
         reason: String,
+    },
+    /// A newer version has written it, or somebody has misspelt something.
+    #[error("the settings in {} hold what this version does not know ({names}): that is kept, and all else applies", path.display())]
+    Newer {
+        /// The file.
+        path: PathBuf,
+        /// The keys, separated by commas.
+        names: String,
     },
     /// The file is larger than settings ever are.
     #[error("the settings in {} are larger than {} bytes, so nothing is remembered; delete the file", path.display(), LIMITS.settings_bytes_max)]
@@ -95,10 +122,13 @@ impl SettingsFile {
 
     /// The same for another file; without one, settings last as long as the program.
     pub fn open(path: Option<PathBuf>) -> (Self, Option<SettingsError>) {
-        let read = path.as_deref().map_or_else(|| Ok(Settings::default()), read);
-        let (settings, error) = match read {
-            Ok(settings) => (settings, None),
-            Err(error) => (Settings::default(), Some(error)),
+        let read = path.as_deref().map_or_else(|| Ok(Found::default()), read);
+        let (settings, error) = match (read, &path) {
+            (Ok(Found { settings, strange, .. }), Some(path)) if !strange.is_empty() => {
+                (settings, Some(newer(path, &strange)))
+            }
+            (Ok(found), _) => (found.settings, None),
+            (Err(error), _) => (Settings::default(), Some(error)),
         };
         (Self { path, settings }, error)
     }
@@ -134,30 +164,51 @@ impl SettingsFile {
     pub fn change(&mut self, change: impl Fn(&mut Settings)) -> Result<(), SettingsError> {
         change(&mut self.settings);
         let Some(path) = &self.path else { return Ok(()) };
-        let mut fresh = match read(path) {
-            Ok(settings) => settings,
+        let Found { mut table, settings: before, .. } = match read(path) {
+            Ok(found) => found,
             Err(SettingsError::Malformed { .. } | SettingsError::TooLarge { .. }) => {
                 std::fs::rename(path, path.with_extension("toml.broken"))
                     .map_err(|error| refused(path, "written", &error))?;
-                self.settings.clone()
+                return write(path, &mut toml::Table::new(), &Settings::default(), &self.settings);
             }
             Err(error) => return Err(error),
         };
-        change(&mut fresh);
-        write(path, &fresh)?;
-        self.settings = fresh;
+        let mut after = before.clone();
+        change(&mut after);
+        write(path, &mut table, &before, &after)?;
+        self.settings = after;
         Ok(())
     }
+}
+
+/// What is in a file.
+#[derive(Default)]
+struct Found {
+    /// Everything.
+    table: toml::Table,
+    /// As much of it as this version knows.
+    settings: Settings,
+    /// The names of the rest.
+    strange: Vec<String>,
+}
+
+fn newer(path: &Path, strange: &[String]) -> SettingsError {
+    let short = |name: &String| name.chars().take(NAME_LETTERS_MAX).filter(|c| !c.is_control()).collect();
+    let mut names: Vec<String> = strange.iter().take(NAMED_MAX).map(short).collect();
+    if strange.len() > NAMED_MAX {
+        names.push(format!("{} more", strange.len() - NAMED_MAX));
+    }
+    SettingsError::Newer { path: path.to_owned(), names: names.join(", ") }
 }
 
 pub(super) fn refused(path: &Path, doing: &'static str, error: &dyn std::fmt::Display) -> SettingsError {
     SettingsError::System { path: path.to_owned(), doing, reason: error.to_string() }
 }
 
-fn read(path: &Path) -> Result<Settings, SettingsError> {
+fn read(path: &Path) -> Result<Found, SettingsError> {
     let file = match File::open(path) {
         Ok(file) => file,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Settings::default()),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Found::default()),
         Err(error) => return Err(refused(path, "read", &error)),
     };
     let mut bytes = Vec::new();
@@ -168,19 +219,27 @@ fn read(path: &Path) -> Result<Settings, SettingsError> {
     }
     let malformed = |reason: String| SettingsError::Malformed { path: path.to_owned(), reason };
     let text = std::str::from_utf8(&bytes).map_err(|error| malformed(error.to_string()))?;
-    let mut settings: Settings =
+    let table: toml::Table =
         toml::from_str(text).map_err(|error| malformed(error.message().trim().replace('\n', " ")))?;
+    let (mut settings, strange): (Settings, _) = understood(&table);
     let range = -PLAYER_LIMITS.latency_ms_max..=PLAYER_LIMITS.latency_ms_max;
     settings.latency_ms.retain(|_, shift| range.contains(shift));
     for sliders in settings.sliders.values_mut() {
         sliders.retain(|_, value| value.is_finite());
     }
-    Ok(settings)
+    Ok(Found { table, settings, strange })
 }
 
-fn write(path: &Path, settings: &Settings) -> Result<(), SettingsError> {
+/// Writes what `table` holds, changed as `after` differs from `before`.
+fn write(
+    path: &Path,
+    table: &mut toml::Table,
+    before: &Settings,
+    after: &Settings,
+) -> Result<(), SettingsError> {
     let failed = |error: &dyn std::fmt::Display| refused(path, "written", error);
-    let text = toml::to_string(settings).map_err(|error| failed(&error))?;
+    rewrite(table, before, after).map_err(|error| failed(&error))?;
+    let text = toml::to_string(table).map_err(|error| failed(&error))?;
     let folder = path.parent().unwrap_or(Path::new("."));
     create_dir_all(folder).map_err(|error| failed(&error))?;
     let written = AtomicFile::create(path).and_then(|file| file.write(text.as_bytes()));
@@ -223,7 +282,7 @@ mod tests {
     #[test]
     fn a_broken_file_is_told_and_kept() {
         for text in
-            [&b"microphone = 3"[..], b"[latency_ms", b"\xff\xfe", b"unknown = \"key\"", &[b'#'; 1 << 21]]
+            [&b"microphone = "[..], b"[latency_ms", b"\xff\xfe", b"unknown = \"key\" = 3", &[b'#'; 1 << 21]]
         {
             let (_folder, path) = folder();
             let (mut file, error) = with_text(&path, text);
@@ -237,6 +296,39 @@ mod tests {
             assert!(error.is_none());
             assert_eq!(next.settings().system.as_deref(), Some("p:a.monitor"));
         }
+    }
+
+    #[test]
+    fn what_a_newer_version_wrote_is_told_and_stays() {
+        let (_folder, path) = folder();
+        let text = b"microphone = \"p:mic\"\nmood = 3\n[choices]\nquality = \"ultra\"\ngain = \"off\"\n\
+                     [last_show]\nvolume = 0.5\nhat = true\n";
+        let (mut file, error) = with_text(&path, text);
+        let told = error.expect("it is told").to_string();
+        assert!(told.contains("(choices.quality, last_show.hat, mood)") && told.contains("kept"), "{told}");
+        assert_eq!(file.settings().microphone.as_deref(), Some("p:mic"));
+        assert_eq!(file.settings().last_show.as_ref().and_then(|show| show.volume), Some(0.5));
+        assert_eq!(file.settings().choices, Choices { gain: mariana_music::Gain::Off, ..Choices::default() });
+        file.change(|settings| {
+            settings.microphone = None;
+            settings.last_show = Some(LastShow { volume: Some(0.25), ..LastShow::default() });
+        })
+        .unwrap();
+        let kept: toml::Table = std::fs::read_to_string(&path).unwrap().parse().unwrap();
+        assert_eq!((kept.get("microphone"), kept["mood"].as_integer()), (None, Some(3)));
+        assert_eq!(kept["choices"]["quality"].as_str(), Some("ultra"));
+        assert_eq!(kept["choices"]["gain"].as_str(), Some("off"));
+        assert_eq!(kept["last_show"]["hat"].as_bool(), Some(true));
+        assert_eq!(kept["last_show"]["volume"].as_float(), Some(0.25));
+        assert!(!path.with_extension("toml.broken").exists());
+        // What is chosen anew takes the place of what was not known.
+        file.change(|settings| settings.choices.quality = crate::config::QualityChoice::Low).unwrap();
+        let (next, error) = SettingsFile::open(Some(path));
+        assert_eq!(next.settings().choices.quality, crate::config::QualityChoice::Low);
+        assert!(error.is_some_and(|error| error.to_string().contains("(last_show.hat, mood)")));
+        // A message stays short.
+        let many: Vec<String> = (0..9).map(|n| format!("{n}\n").repeat(100)).collect();
+        assert!(newer(Path::new("a"), &many).to_string().len() < 300);
     }
 
     #[test]

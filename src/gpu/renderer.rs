@@ -198,6 +198,12 @@ impl Renderer {
         Ok(())
     }
 
+    /// [`Renderer::limit_flashes`] has no effect any more.
+    pub fn remove_flash_limiter(&mut self) {
+        self.flashes = None;
+        self.is_limited = false;
+    }
+
     /// Uses this tone map from now on, whatever scenes say; none means as they say.
     pub fn set_tone_map(&mut self, tone_map: Option<ToneMap>) {
         self.post.set_tone_map(tone_map);

@@ -11,6 +11,7 @@ mod window_panels;
 mod window_programs;
 mod window_quality;
 mod window_scenes;
+mod window_settings;
 mod window_views;
 
 #[path = "../support/mod.rs"]

@@ -150,7 +150,7 @@ _mariana() {
                     return 0
                     ;;
                 --tone-map)
-                    COMPREPLY=($(compgen -W "agx aces reinhard none" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "scene agx aces reinhard none" -- "${cur}"))
                     return 0
                     ;;
                 --gain)
@@ -234,7 +234,7 @@ _mariana() {
                     return 0
                     ;;
                 --tone-map)
-                    COMPREPLY=($(compgen -W "agx aces reinhard none" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "scene agx aces reinhard none" -- "${cur}"))
                     return 0
                     ;;
                 --gain)
@@ -518,7 +518,7 @@ _mariana() {
                     return 0
                     ;;
                 --tone-map)
-                    COMPREPLY=($(compgen -W "agx aces reinhard none" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "scene agx aces reinhard none" -- "${cur}"))
                     return 0
                     ;;
                 --gain)
@@ -618,7 +618,7 @@ _mariana() {
                     return 0
                     ;;
                 --tone-map)
-                    COMPREPLY=($(compgen -W "agx aces reinhard none" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "scene agx aces reinhard none" -- "${cur}"))
                     return 0
                     ;;
                 --gain)

@@ -27,16 +27,16 @@ end
 complete -c mariana -n "__fish_mariana_needs_command" -l repeat -d 'Which tracks are repeated' -r -f -a "all\t'All tracks, again and again'
 one\t'One track, again and again'
 off\t'Each track once; the window stays open'"
-complete -c mariana -n "__fish_mariana_needs_command" -l device -d 'Output device, or input with --mic and --system: an id or name from \'mariana devices\', or part of one' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l device -d 'Output device, or input with --mic and --system: an id or name from \'mariana devices\', or part of one, or \'default\' for the system\'s [default: what was chosen in the window, at first the system\'s]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l volume -d 'Volume at the start, in percent [default: the last one, at first 100]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l latency -d 'How much later the sound is heard than the device reports; negative for earlier [default: what [ and ] set last]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l fps-cap -d 'Maximum frames per second [default: the monitor\'s rate]' -r
-complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'How good the picture is; auto draws fewer pixels if frames take too long' -r -f -a "auto\t'As good as the frame rate allows'
+complete -c mariana -n "__fish_mariana_needs_command" -l quality -d 'How good the picture is; auto draws fewer pixels if frames take too long [default: what was chosen in the window, at first auto]' -r -f -a "auto\t'As good as the frame rate allows'
 low\t'About half of the window\'s width and height'
 medium\t''
 high\t''
 best\t'Every pixel, every term, however long it takes'"
-complete -c mariana -n "__fish_mariana_needs_command" -l flash-limiter -d 'Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for' -r -f -a "on\t''
+complete -c mariana -n "__fish_mariana_needs_command" -l flash-limiter -d 'Whether flashes are dimmed if there are more than three a second, as WCAG 2.3.1 asks for [default: what was chosen in the window, at first on]' -r -f -a "on\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l fade -d 'How many seconds one scene fades into another with N and P; 0 cuts' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l prepare-ahead -d 'Whether the next and the previous scene are prepared while one is shown' -r -f -a "on\t''
@@ -51,11 +51,12 @@ compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l regions -d 'Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where that costs less; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l tone-map -d 'How light is turned into screen colours [default: as the scene says, otherwise agx]' -r -f -a "agx\t''
+complete -c mariana -n "__fish_mariana_needs_command" -l tone-map -d 'How light is turned into screen colours [default: scene, or in a window what was chosen there]' -r -f -a "scene\t'As the scene says, otherwise agx'
+agx\t''
 aces\t''
 reinhard\t''
 none\t''"
-complete -c mariana -n "__fish_mariana_needs_command" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way' -r -f -a "auto\t''
+complete -c mariana -n "__fish_mariana_needs_command" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way [default: auto, or in a window what was chosen there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_needs_command" -l mic -d 'Show what a microphone or another input hears, instead of a song'
@@ -65,7 +66,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l silent -d 'Play without
 complete -c mariana -n "__fish_mariana_needs_command" -l once -d 'End with the last track instead of starting over'
 complete -c mariana -n "__fish_mariana_needs_command" -l fullscreen -d 'Start in full screen'
 complete -c mariana -n "__fish_mariana_needs_command" -l clean -d 'Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar'
-complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Begin anew instead of where the last show ended, and leave nothing to the next one'
+complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the panel of settings still counts'
 complete -c mariana -n "__fish_mariana_needs_command" -l gl-info -d 'Print which OpenGL is available, and exit'
 complete -c mariana -n "__fish_mariana_needs_command" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
@@ -91,15 +92,16 @@ compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l regions -d 'Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where that costs less; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l tone-map -d 'How light is turned into screen colours [default: as the scene says, otherwise agx]' -r -f -a "agx\t''
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l tone-map -d 'How light is turned into screen colours [default: scene, or in a window what was chosen there]' -r -f -a "scene\t'As the scene says, otherwise agx'
+agx\t''
 aces\t''
 reinhard\t''
 none\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way' -r -f -a "auto\t''
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way [default: auto, or in a window what was chosen there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s v -l verbose -d 'Log what happens; twice for more'
-complete -c mariana -n "__fish_mariana_using_subcommand still" -s h -l help -d 'Print help'
+complete -c mariana -n "__fish_mariana_using_subcommand still" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l for -d 'Make it as a place wants it: its size, rate and length; other flags still count' -r -f -a "youtube\t'1920x1080 at 60 frames a second'
 reel\t'Upright, 1080x1920 at 30 frames a second, the first 90 seconds'
 story\t'Upright, 1080x1920 at 30 frames a second, the first 60 seconds'
@@ -128,11 +130,12 @@ compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l regions -d 'Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where that costs less; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l tone-map -d 'How light is turned into screen colours [default: as the scene says, otherwise agx]' -r -f -a "agx\t''
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l tone-map -d 'How light is turned into screen colours [default: scene, or in a window what was chosen there]' -r -f -a "scene\t'As the scene says, otherwise agx'
+agx\t''
 aces\t''
 reinhard\t''
 none\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way' -r -f -a "auto\t''
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way [default: auto, or in a window what was chosen there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist over the first five seconds'
@@ -156,18 +159,19 @@ compiled\t''
 auto\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l regions -d 'Whether rays skip empty space and run tapes shortened for the place; the picture is the same [default: where that costs less; bench measures both]' -r -f -a "on\t''
 off\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l tone-map -d 'How light is turned into screen colours [default: as the scene says, otherwise agx]' -r -f -a "agx\t''
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l tone-map -d 'How light is turned into screen colours [default: scene, or in a window what was chosen there]' -r -f -a "scene\t'As the scene says, otherwise agx'
+agx\t''
 aces\t''
 reinhard\t''
 none\t''"
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way' -r -f -a "auto\t''
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way [default: auto, or in a window what was chosen there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l all -d 'Measure all shipped scenes'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l edges -d 'Also compare the picture at edges with one of 64 samples per pixel; slow'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l json -d 'Print JSON instead of text'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -s v -l verbose -d 'Log what happens; twice for more'
-complete -c mariana -n "__fish_mariana_using_subcommand bench" -s h -l help -d 'Print help'
+complete -c mariana -n "__fish_mariana_using_subcommand bench" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand check" -l json -d 'Print a JSON object for each mistake, one a line: file, line, column, end, severity, message, hint'
 complete -c mariana -n "__fish_mariana_using_subcommand check" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand tape" -l glsl -d 'Print the distance as GLSL instead'

@@ -202,6 +202,11 @@ impl Analyzer {
         analyzer
     }
 
+    /// Levels from now on, or no longer: what is heard goes over to it within tenths of a second.
+    pub fn set_gain(&mut self, gain: Gain) {
+        self.gain.set(gain);
+    }
+
     /// Frames per second of the stream.
     pub fn sample_rate(&self) -> u32 {
         self.sample_rate

@@ -78,6 +78,11 @@ impl AutoGain {
         }
     }
 
+    /// Levels from now on, or no longer; what is heard goes over to it within tenths of a second.
+    pub(super) fn set(&mut self, gain: Gain) {
+        self.gain = gain;
+    }
+
     /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.held.fill(0.0);
@@ -93,9 +98,8 @@ impl AutoGain {
         }
         self.next = (self.next + 1) % self.held.len();
         let loudest = self.held.iter().fold(0.0_f32, |loudest, power| loudest.max(*power));
-        if self.gain == Gain::Auto {
-            self.gain_follower.follow(&mut self.gain_db, gain_at(decibels(loudest)));
-        }
+        let wanted = if self.gain == Gain::Auto { gain_at(decibels(loudest)) } else { 0.0 };
+        self.gain_follower.follow(&mut self.gain_db, wanted);
         (loudest, self.gain_db)
     }
 }
@@ -124,5 +128,17 @@ mod tests {
         ] {
             assert!((gain_at(level) - gain).abs() < 1e-4, "{level} dB: {} dB", gain_at(level));
         }
+    }
+
+    #[test]
+    fn a_change_is_gone_over_to_and_without_one_there_is_no_gain() {
+        let mut gain = AutoGain::new(Gain::Off, 0.01);
+        let after = |gain: &mut AutoGain| (0..200).fold(0.0, |_, _| gain.follow(1e-3).1);
+        assert_eq!(after(&mut gain).to_bits(), 0.0_f32.to_bits());
+        gain.set(Gain::Auto);
+        assert!(after(&mut gain) > 9.0, "quiet sound is lifted");
+        gain.set(Gain::Off);
+        assert!(gain.follow(1e-3).1 > 1.0, "it falls at once");
+        assert!(after(&mut gain).abs() < 1e-3);
     }
 }

@@ -11,7 +11,7 @@ use mariana_music::limits::LIMITS as MUSIC_LIMITS;
 
 use super::device_list::ListedDevice;
 use super::error::{DeviceError, Direction};
-use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, monitor_id};
+use super::hosts::{PlaybackConnection, host, hosts_by_preference, is_server, is_watched, monitor_id};
 use super::server_connection::ServerConnection;
 
 /// The sample rate for which buffer sizes are given, in hertz.
@@ -29,6 +29,8 @@ pub enum Target {
     Monitor,
     /// The device with this id or name, or whose id or name contains it.
     Named(String),
+    /// The device with this id while it is there, and otherwise the system's default; both are followed.
+    Preferred(String),
     /// The input that records what the named output plays.
     MonitorOf(String),
 }
@@ -142,7 +144,9 @@ pub(crate) fn refusal(
         ErrorKind::PermissionDenied => DeviceError::Denied { direction, device },
         ErrorKind::UnsupportedConfig => DeviceError::Format { direction, device, format: "unusual".into() },
         // A default device may be a name with nothing behind it.
-        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable if *target == Target::Default => {
+        ErrorKind::DeviceNotAvailable | ErrorKind::HostUnavailable
+            if matches!(target, Target::Default | Target::Preferred(_)) =>
+        {
             DeviceError::NoDevice(direction)
         }
         _ => DeviceError::Open { direction, device, reason: sentence(error) },
@@ -153,23 +157,34 @@ pub(crate) fn refusal(
 pub(crate) fn find(direction: Direction, target: &Target) -> Result<cpal::Device, (DeviceError, ErrorKind)> {
     let none = |error| (error, ErrorKind::DeviceNotAvailable);
     let hosts = || hosts_by_preference().into_iter().filter_map(|id| Some((id, host(id).ok()?)));
+    let is_for = |device: &cpal::Device| match direction {
+        Direction::Output => device.supports_output(),
+        Direction::Input => device.supports_input(),
+    };
+    let default = || {
+        let found = hosts().find_map(|(_, host)| match direction {
+            Direction::Output => host.default_output_device(),
+            Direction::Input => host.default_input_device(),
+        });
+        found.ok_or_else(|| none(DeviceError::NoDevice(direction)))
+    };
     match target {
-        Target::Default => hosts()
-            .find_map(|(_, host)| match direction {
-                Direction::Output => host.default_output_device(),
-                Direction::Input => host.default_input_device(),
-            })
-            .ok_or_else(|| none(DeviceError::NoDevice(direction))),
+        Target::Default => default(),
+        Target::Preferred(wanted) => {
+            // Only where the list of devices is kept: elsewhere asking for each takes long.
+            let listed = hosts().find(|(id, _)| is_watched(*id)).and_then(|(_, host)| host.devices().ok());
+            let there = listed
+                .into_iter()
+                .flatten()
+                .find(|device| device.id().is_ok_and(|id| id.to_string() == *wanted) && is_for(device));
+            there.map_or_else(default, Ok)
+        }
         Target::Monitor => monitor().ok_or_else(|| none(DeviceError::NoLoopback)),
         Target::Named(name) | Target::MonitorOf(name) => {
             let monitors_only = matches!(target, Target::MonitorOf(_));
             let devices = hosts().filter_map(|(_, host)| host.devices().ok()).flatten();
-            let fitting = devices.filter(|device| match direction {
-                Direction::Output => device.supports_output(),
-                Direction::Input => {
-                    device.supports_input() && (!monitors_only || ListedDevice::of(device).is_monitor())
-                }
-            });
+            let fitting = devices
+                .filter(|device| is_for(device) && (!monitors_only || ListedDevice::of(device).is_monitor()));
             best_match(fitting.collect(), name, ListedDevice::of)
                 .ok_or_else(|| none(DeviceError::UnknownDevice { direction, name: name.clone() }))
         }

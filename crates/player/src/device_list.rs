@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use cpal::traits::{DeviceTrait, HostTrait};
 
-use super::hosts::{self, hosts_by_preference, hush_sound_library, is_server, monitored_output};
+use super::hosts::{self, hosts_by_preference, hush_sound_library, is_watched, monitored_output};
 use super::worker::Worker;
 
 /// Time between two polls of a sound server.
@@ -70,9 +70,7 @@ impl DeviceList {
     /// Asks the sound system. May block as long as it likes.
     fn look() -> Self {
         hush_sound_library();
-        // Listing ALSA's devices takes long and prints; `mariana devices` does it on demand.
-        let watched =
-            hosts_by_preference().into_iter().find(|id| is_server(*id) || cfg!(not(target_os = "linux")));
+        let watched = hosts_by_preference().into_iter().find(|id| is_watched(*id));
         let Some(host) = watched.and_then(|id| hosts::host(id).ok()) else { return Self::default() };
         let id_of = |device: Option<cpal::Device>| {
             device.and_then(|device| device.id().ok()).map(|id| id.to_string())

@@ -34,6 +34,12 @@ pub(crate) fn is_server(host: cpal::HostId) -> bool {
     host.name().eq_ignore_ascii_case("pulseaudio")
 }
 
+/// Whether the list of devices tells about this host while the show runs. Listing ALSA's devices takes long and prints;
+/// `mariana devices` does it on demand.
+pub(crate) fn is_watched(host: cpal::HostId) -> bool {
+    is_server(host) || cfg!(not(target_os = "linux"))
+}
+
 /// Keeps libasound from printing on stderr what it also returns as an error, for this thread.
 pub(crate) fn hush_sound_library() {
     #[cfg(target_os = "linux")]

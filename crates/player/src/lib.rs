@@ -32,6 +32,7 @@ mod device;
 pub mod device_list;
 pub mod devices;
 mod error;
+mod gain_switch;
 mod hosts;
 pub mod input;
 pub mod limits;

@@ -23,8 +23,10 @@ use std::sync::mpsc::{Sender, channel, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::clock::{Audible, Clock};
+use super::device::Target;
 use super::device_list::ListedDevice;
 use super::error::PlayerError;
+use super::gain_switch::GainSwitch;
 use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
@@ -52,8 +54,8 @@ const ANALYSIS_QUEUE: usize = 32;
 /// How to play.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerOptions {
-    /// Id or name (or a part of one) of the output device; none means the default device.
-    pub device: Option<String>,
+    /// The output device.
+    pub target: Target,
     /// What follows the last track and each track; the list must be told the same.
     pub repeat: Repeat,
     /// Whether the order is random; the list must be told the same.
@@ -71,7 +73,7 @@ pub struct PlayerOptions {
 impl Default for PlayerOptions {
     fn default() -> Self {
         Self {
-            device: None,
+            target: Target::Default,
             repeat: Repeat::All,
             shuffled: false,
             volume: 1.0,
@@ -107,6 +109,8 @@ pub struct PlayerStatus {
     pub device: Option<ListedDevice>,
     /// Why there is no sound, if the song runs on the silent clock.
     pub silent: Option<String>,
+    /// Why the output that was chosen last is not open, while the one before goes on.
+    pub refused: Option<String>,
     /// Stretches of silence because samples came too late.
     pub underruns: u64,
     /// Calls of the callback.
@@ -144,6 +148,7 @@ pub struct Player {
     supervisor: Option<Supervisor>,
     decoding: Worker,
     analysis: Worker,
+    gain: GainSwitch,
     /// Ends when the decoding does.
     list_thread: Worker,
     /// The track that was last audible, where it stands in the list now.
@@ -190,15 +195,17 @@ impl Player {
         let timeline = SharedTimeline::default();
         let troubles = SharedTroubles::default();
         let (to_analysis, analysis_inbox) = sync_channel(ANALYSIS_QUEUE);
-        let (notes, gain) = (timeline.clone(), options.gain);
-        let analysis = Worker::spawn("analysis", move || analysis::run(&analysis_inbox, rate, gain, &notes))?;
+        let gain = GainSwitch::new(options.gain);
+        let (notes, of_analysis) = (timeline.clone(), gain.clone());
+        let analyse = move || analysis::run(&analysis_inbox, rate, &of_analysis, &notes);
+        let analysis = Worker::spawn("analysis", analyse)?;
         let (commands, inbox) = channel();
         let (to_list, requests) = channel::<Request>();
         let (answers, told) = (commands.clone(), troubles.clone());
         let list_thread = Worker::spawn("list", move || listing::run(list, &requests, &answers, &told))?;
         let work = Decoding::new(first, to_list, timeline.clone(), to_analysis, troubles.clone());
         let decoding = Worker::spawn("decoding", move || work.run(&inbox))?;
-        let request = OutputRequest { choice: options.output, device: options.device, silent_rate: rate };
+        let request = OutputRequest { choice: options.output, target: options.target, silent_rate: rate };
         let outputs = commands.clone();
         // If the decoding thread has ended, so has the playback.
         let deliver = move |link| drop(outputs.send(Command::Output { link, at: Instant::now() }));
@@ -211,6 +218,7 @@ impl Player {
             supervisor,
             decoding,
             analysis,
+            gain,
             list_thread,
             track,
             listing,
@@ -305,6 +313,20 @@ impl Player {
         self.send(Command::Edit(Edit::Append(files)));
     }
 
+    /// Plays on another output from now on; the present one goes on until that one is open. A song without a device
+    /// on purpose has one from then on.
+    pub fn choose_output(&self, target: Target) {
+        if let Some(supervisor) = &self.supervisor {
+            supervisor.choose(target);
+        }
+    }
+
+    /// Levels the sound for the picture from now on, or no longer. It shows within half a second, because the analysis
+    /// is ahead of the sound.
+    pub fn set_gain(&self, gain: Gain) {
+        self.gain.set(gain);
+    }
+
     /// Changes the volume by `delta`; the result is clamped to 0 to 1.
     pub fn change_volume(&self, delta: f32) {
         self.controls.set_volume(self.controls.volume() + delta);
@@ -351,6 +373,7 @@ impl Player {
             output: output.description,
             device: output.device,
             silent: output.silent,
+            refused: output.refused,
             underruns: self.counters.underruns.load(Ordering::Relaxed),
             callbacks: self.counters.callbacks.load(Ordering::Relaxed),
             worst_callback_load: self.counters.worst_load_millionths.load(Ordering::Relaxed) as f64 / 1e6,

@@ -402,13 +402,19 @@ impl<P: Port> Watch<P> {
         }
     }
 
-    /// The id of the device that should be open, if the target is a default.
+    /// The id of the device that should be open, if the target is a default or has one.
     fn default_of(&self, device_list: &DeviceList) -> Option<String> {
-        match (self.target.as_ref()?, P::DIRECTION) {
-            (Target::Named(_) | Target::MonitorOf(_), _) => None,
-            (Target::Monitor, _) => device_list.default_output.as_deref().map(monitor_id),
-            (Target::Default, Direction::Output) => device_list.default_output.clone(),
-            (Target::Default, Direction::Input) => device_list.default_input.clone(),
+        let (listed, default) = match P::DIRECTION {
+            Direction::Output => (&device_list.outputs, &device_list.default_output),
+            Direction::Input => (&device_list.inputs, &device_list.default_input),
+        };
+        match self.target.as_ref()? {
+            Target::Named(_) | Target::MonitorOf(_) => None,
+            Target::Monitor => device_list.default_output.as_deref().map(monitor_id),
+            Target::Preferred(wanted) if listed.iter().any(|entry| entry.id == *wanted) => {
+                Some(wanted.clone())
+            }
+            Target::Preferred(_) | Target::Default => default.clone(),
         }
     }
 

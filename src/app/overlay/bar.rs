@@ -30,8 +30,12 @@ const GAP: f32 = 3.0;
 const SIGN: f32 = 15.0;
 /// Distance of two bars of the loudness.
 const BAR_STEP: f32 = 3.0;
-/// Width of the volume's rail.
-const VOLUME_WIDTH: f32 = 84.0;
+/// Width of the volume's rail: at least, or there is none, and at most.
+const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
+/// Buttons at the right.
+const RIGHT_BUTTONS: f32 = 8.0;
+/// Between buttons.
+const BUTTON_GAP: f32 = 2.0;
 
 /// What the bar shows.
 #[derive(Debug, Clone, Copy)]
@@ -77,7 +81,7 @@ pub(super) fn show(context: &egui::Context, space: Rect, bar: &Bar<'_>, requests
         }
         style::frame().show(ui, |ui| {
             ui.set_width((width - 2.0 * style::PADDING.x).max(0.0));
-            ui.spacing_mut().item_spacing = vec2(2.0, GAP);
+            ui.spacing_mut().item_spacing = vec2(BUTTON_GAP, GAP);
             words(ui, bar);
             seek_rail(ui, bar, requests);
             buttons(ui, bar, requests);
@@ -177,6 +181,7 @@ fn draw_share(painter: &Painter, rail: Rect, share: f32) {
 
 fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     let now = bar.now;
+    let right = RIGHT_BUTTONS * (BUTTON + BUTTON_GAP);
     ui.horizontal(|ui| {
         let mut act = |ui: &mut Ui, icon, action, lit| key_button(ui, icon, action, lit, requests);
         if !now.live {
@@ -190,11 +195,14 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             act(ui, repeat, Action::ChangeRepeat, now.repeat != Repeat::Off);
             let sound = if now.muted { Icon::Muted } else { Icon::Volume };
             act(ui, sound, Action::ToggleMute, false);
-            volume(ui, now, requests);
+            let room = ui.available_width() - right;
+            if room >= VOLUME_WIDTH.0 {
+                volume(ui, now, room.min(VOLUME_WIDTH.1), requests);
+            }
             let font = style::proportional(style::SMALL_SIZE);
             ui.add_space(6.0);
-            let room = ui.available_width() - 8.0 * BUTTON;
-            let times = style::line(ui.painter(), &now.times(), font, style::DIM, room.max(1.0));
+            let room = ui.available_width() - right;
+            let times = style::line(ui.painter(), &now.times(), font, style::DIM, f32::MAX);
             if room > times.size().x {
                 let (place, _) = ui.allocate_exact_size(vec2(times.size().x, BUTTON), Sense::hover());
                 ui.painter().galley(place.left_center() - vec2(0.0, 0.5 * times.size().y), times, style::DIM);
@@ -203,6 +211,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             key_button(ui, Icon::Fullscreen, Action::ToggleFullscreen, false, requests);
             key_button(ui, Icon::Keys, Action::ToggleHelp, bar.help, requests);
+            panel_button(ui, Icon::Settings, Panel::Settings, bar, requests);
             key_button(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders, requests);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
             panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
@@ -254,9 +263,9 @@ pub(super) fn button(ui: &mut Ui, icon: Icon, words: &str, lit: bool) -> Respons
 }
 
 /// The volume's rail.
-fn volume(ui: &mut Ui, now: &NowPlaying, requests: &mut Vec<Request>) {
-    let (place, response) = ui.allocate_exact_size(vec2(VOLUME_WIDTH, BUTTON), Sense::click_and_drag());
-    let rail = Rect::from_center_size(place.center(), vec2(VOLUME_WIDTH - 14.0, LINE_HEIGHT));
+fn volume(ui: &mut Ui, now: &NowPlaying, width: f32, requests: &mut Vec<Request>) {
+    let (place, response) = ui.allocate_exact_size(vec2(width, BUTTON), Sense::click_and_drag());
+    let rail = Rect::from_center_size(place.center(), vec2(width - 14.0, LINE_HEIGHT));
     let volume = if now.muted { 0.0 } else { now.volume };
     let mut shown = volume;
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.is_pointer_button_down_on()) {

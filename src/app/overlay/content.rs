@@ -8,6 +8,7 @@ use super::tracks::Tracks;
 use super::welcome::Welcome;
 use crate::app::file_browser::FileBrowser;
 use crate::app::scene_browser::SceneBrowser;
+use crate::app::settings_panel::SettingsPanel;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
 #[derive(Debug, Default)]
@@ -36,6 +37,8 @@ pub struct OverlayContent<'a> {
     pub scenes: Option<&'a SceneBrowser>,
     /// The list of files.
     pub files: Option<&'a FileBrowser>,
+    /// The settings.
+    pub settings: Option<&'a SettingsPanel>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -168,6 +171,7 @@ impl OverlayContent<'_> {
             && self.tracks.is_none()
             && self.scenes.is_none()
             && self.files.is_none()
+            && self.settings.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -185,6 +189,7 @@ impl OverlayContent<'_> {
             || self.sources.is_some()
             || self.scenes.is_some()
             || self.files.is_some()
+            || self.settings.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -199,6 +204,7 @@ impl OverlayContent<'_> {
         (self.bar, self.hides_pointer).hash(&mut hasher);
         self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
         self.files.map(FileBrowser::revision).hash(&mut hasher);
+        self.settings.map(SettingsPanel::revision).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

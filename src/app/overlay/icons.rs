@@ -20,6 +20,7 @@ pub(super) enum Icon {
     Source,
     Scenes,
     Sliders,
+    Settings,
     Keys,
     Fullscreen,
     Cross,
@@ -93,6 +94,18 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
                 pen.line(&[(-0.9, y), (0.9, y)]);
                 pen.dot((knob, y), 0.24);
             }
+        }
+        Icon::Settings => {
+            // A wheel with eight teeth.
+            let eighth = std::f32::consts::TAU / 8.0;
+            for tooth in 0..8 {
+                let turn = |offset: f32, radius: f32| {
+                    let angle = (tooth as f32 + offset) * eighth;
+                    (radius * angle.cos(), radius * angle.sin())
+                };
+                pen.surface(&[turn(-0.24, 0.55), turn(-0.17, 0.95), turn(0.17, 0.95), turn(0.24, 0.55)]);
+            }
+            pen.ring(0.5, 0.28);
         }
         Icon::Keys => {
             pen.frame((-0.95, -0.6), (0.95, 0.6));
@@ -191,6 +204,12 @@ impl Pen<'_> {
         self.painter.circle_filled(self.at(middle), radius * self.unit, self.color);
     }
 
+    /// A circle around the middle, drawn with a pen of some width.
+    fn ring(&self, radius: f32, width: f32) {
+        let stroke = Stroke::new(width * self.unit, self.color);
+        self.painter.circle_stroke(self.middle, radius * self.unit, stroke);
+    }
+
     /// A part of a circle, open to the left.
     fn arc(&self, middle: (f32, f32), radius: f32) {
         let points = (-4..=4).map(|step| {
@@ -221,6 +240,7 @@ mod tests {
             Icon::Source,
             Icon::Scenes,
             Icon::Sliders,
+            Icon::Settings,
             Icon::Keys,
             Icon::Fullscreen,
             Icon::Cross,

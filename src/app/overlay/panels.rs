@@ -8,7 +8,9 @@ use super::browser::TilePictures;
 use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
-use super::{assisted, bar, browser, files, help, params, problem, sources, style, tracks, welcome};
+use super::{
+    assisted, bar, browser, files, help, params, problem, settings, sources, style, tracks, welcome,
+};
 use crate::system_fonts::SystemFonts;
 
 /// Widest line at the top or in the corner, as a share of the window's width.
@@ -35,6 +37,7 @@ struct Kept {
     pictures: TilePictures,
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
+    seen_setting: Option<settings::Seen>,
 }
 
 /// What was laid out.
@@ -156,6 +159,12 @@ fn show(
     match content.files {
         Some(list) => panels.push(files::show(context, space, list, &mut kept.selected_file, requests)),
         None => kept.selected_file = None,
+    }
+    match content.settings {
+        Some(rows) => {
+            panels.push(settings::show(context, space, rows, &mut kept.seen_setting, requests));
+        }
+        None => kept.seen_setting = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);

@@ -15,6 +15,8 @@ pub enum Panel {
     Scenes,
     /// Files to open.
     Files,
+    /// What the user chooses for good.
+    Settings,
 }
 
 /// What the user asked for with the pointer.
@@ -34,6 +36,8 @@ pub enum Request {
     Scenes(SceneRequest),
     /// Something with the list of files.
     Files(FileRequest),
+    /// Something with the settings.
+    Settings(SettingRequest),
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.
@@ -95,5 +99,28 @@ pub enum FileRequest {
     /// To go to the folder above.
     Up,
     /// To close the list.
+    Close,
+}
+
+/// What is asked of the panel of settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum SettingRequest {
+    /// To choose a value of a row.
+    Pick {
+        /// The place of the row.
+        row: usize,
+        /// The place of the value in it.
+        value: usize,
+    },
+    /// To shift the picture.
+    Shift {
+        /// The place of the row.
+        row: usize,
+        /// Milliseconds, negative for earlier.
+        shift: f64,
+        /// Whether the pointer has let go of it.
+        settled: bool,
+    },
+    /// To close the panel.
     Close,
 }

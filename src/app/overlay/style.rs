@@ -21,6 +21,8 @@ pub(super) const BUTTON: Color32 = Color32::from_rgb(196, 200, 208);
 pub(super) const ERROR: Color32 = Color32::from_rgb(255, 128, 112);
 /// Hints, and values that are set.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(130, 204, 232);
+/// Text on a ground of [`ACCENT`].
+pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
 /// Rails of sliders and caps of keys.
 pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 

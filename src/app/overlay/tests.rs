@@ -8,10 +8,12 @@ use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, Vec2};
 
 use super::panels::{LaidOut, Panels};
 use super::{
-    Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, Slider, SourceList, TrackRequest,
-    Tracks, style,
+    Bar, Notice, NowPlaying, OverlayContent, Panel, Problem, Request, SettingRequest, Slider, SourceList,
+    TrackRequest, Tracks, style,
 };
 use crate::app::keys::Action;
+use crate::app::settings_panel::SettingsPanel;
+use crate::config::{Choices, QualityChoice};
 use crate::system_fonts::SystemFonts;
 use crate::system_fonts::tiny_font::{TinyFont, folder_of};
 use mariana_player::{ListedTrack, ListedTracks};
@@ -257,6 +259,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
         act(Action::TogglePanel(Panel::Sources)),
         act(Action::TogglePanel(Panel::Scenes)),
         act(Action::ToggleSliders),
+        act(Action::TogglePanel(Panel::Settings)),
         act(Action::ToggleHelp),
         act(Action::ToggleFullscreen),
     ];
@@ -283,6 +286,60 @@ fn ten_thousand_tracks_cost_the_rows_that_show_and_a_click_plays_one() {
     assert_eq!(asked(&mut stage, third, content), [Request::Tracks(TrackRequest::Play(2))]);
     let cross = Pos2::new(laid_out.panels[0].right() - style::PADDING.x - 10.0 - 12.0, third.y);
     assert_eq!(asked(&mut stage, cross, content), [Request::Tracks(TrackRequest::Remove(2))]);
+}
+
+#[test]
+fn settings_are_inside_the_window_and_a_click_chooses() {
+    use crate::app::settings_panel::tests::panel;
+    let choices = Choices { quality: QualityChoice::High, ..Choices::default() };
+    let rows: &'static SettingsPanel = Box::leak(Box::new(panel(&choices, Some("tv"))));
+    let content = || OverlayContent { settings: Some(rows), ..Default::default() };
+    let place = |wanted: &str| rows.rows().iter().position(|row| row.name == wanted).unwrap();
+    for screen in [SCREEN, Vec2::new(560.0, 315.0), Vec2::new(2560.0, 1440.0), Vec2::new(60.0, 40.0)] {
+        let mut stage = Stage::new(screen);
+        stage.frame(Vec::new(), content());
+        let laid_out = stage.frame(Vec::new(), content());
+        if screen.y < 100.0 {
+            continue;
+        }
+        assert!(stage.screen.contains_rect(laid_out.panels[0]), "{screen:?}: {:?}", laid_out.panels);
+        let (bounds, texts) = drawn(&laid_out);
+        assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
+        assert!(texts.iter().any(|(text, _)| text == "this run"), "{texts:?}");
+        for (name, row, value) in [("medium", "Quality", 2), ("· USB", "USB", 0)] {
+            let Some((_, at)) = texts.iter().find(|(text, _)| text == name) else { continue };
+            let pick = Request::Settings(SettingRequest::Pick { row: place(row), value });
+            assert_eq!(asked(&mut stage, at.center(), content), [pick], "{screen:?}: {name}");
+        }
+        // The rail: a click far to the right is settled when it is let go.
+        let rail = Pos2::new(place_of(&texts, "+35 ms").left() - 40.0, place_of(&texts, "+35 ms").center().y);
+        let requests = asked(&mut stage, rail, content);
+        let Some(Request::Settings(SettingRequest::Shift { shift, settled: true, .. })) = requests.last()
+        else {
+            panic!("{screen:?}: {requests:?}")
+        };
+        assert!(*shift > 300.0, "{screen:?}: {shift}");
+    }
+}
+
+#[test]
+fn the_selected_setting_is_seen_however_small_the_window_is() {
+    use crate::app::settings_panel::tests::panel;
+    use winit::keyboard::{Key, NamedKey};
+    let mut rows = panel(&Choices::default(), None);
+    let mut stage = Stage::new(Vec2::new(560.0, 200.0));
+    stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+    let ways = [NamedKey::ArrowDown; 12].into_iter().chain([NamedKey::ArrowUp; 12]);
+    for key in ways {
+        let _ = rows.take_key(&Key::Named(key));
+        stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+        let laid_out =
+            stage.frame(Vec::new(), OverlayContent { settings: Some(&rows), ..Default::default() });
+        let row = &rows.rows()[rows.selected()];
+        let (_, texts) = drawn(&laid_out);
+        let at = texts.iter().find(|(text, _)| text.ends_with(&row.name)).map(|(_, at)| *at);
+        assert!(at.is_some_and(|at| at.height() > 12.0), "{} is not seen: {texts:?}", row.name);
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
 use crate::app::scene_browser::SceneBrowser;
+use crate::app::settings_panel::SettingsPanel;
 use crate::scenes::SceneSource;
 use mariana_player::{ListedTracks, LoudnessShape};
 
@@ -23,6 +24,8 @@ pub(in crate::app) struct Desk {
     pub(super) browser: Option<SceneBrowser>,
     /// The list of files, while it is open.
     pub(super) files: Option<FileBrowser>,
+    /// The settings, while they are open.
+    pub(super) settings: Option<SettingsPanel>,
     /// Whether nothing shows over the picture but what was asked for and what is wrong.
     pub(super) clean: bool,
 }
@@ -48,6 +51,7 @@ impl Desk {
             welcomed: None,
             browser: None,
             files: None,
+            settings: None,
             clean,
         }
     }
@@ -67,12 +71,14 @@ impl Desk {
         listening.show_in(content, open == Some(Panel::Sources), now);
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
+        content.settings = self.settings.as_ref();
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
         content.hides_pointer = (self.clean || !seen.awake) && open.is_none() && content.params.is_none();
         if self.clean {
             content.notice = None;
-        } else if let Some(since) =
-            self.welcomed.filter(|_| !seen.awake && content.problem.is_none() && !content.help)
+        } else if let Some(since) = self
+            .welcomed
+            .filter(|_| !seen.awake && open.is_none() && content.problem.is_none() && !content.help)
         {
             let (title, artist) = (&*playing.title, playing.artist.as_deref());
             content.welcome = Some(Welcome { title, artist, scene, since });

@@ -19,10 +19,11 @@ impl Stage {
         let mut show = LastShow {
             fullscreen,
             size: self.window.size().filter(|_| !fullscreen).or(before.size),
+            place: self.window.place().or(before.place),
             scene: self.scene.shown_source().and_then(name_of).or(before.scene),
             volume: before.volume,
-            track: before.track,
-            seconds: before.seconds,
+            track: if self.choices.last_tracks { before.track } else { 0 },
+            seconds: if self.choices.last_tracks { before.seconds } else { 0.0 },
             shuffled: before.shuffled,
             repeat: before.repeat,
         };
@@ -31,13 +32,16 @@ impl Stage {
             let remaining = status.track.duration.map(|duration| duration - status.position);
             let is_over = remaining.is_some_and(|remaining| remaining < LEFT_MIN);
             show.volume = Some(status.volume);
-            show.track = status.track.entry;
-            show.seconds = if is_over { 0.0 } else { status.position };
+            if self.choices.last_tracks {
+                show.track = status.track.entry;
+                show.seconds = if is_over { 0.0 } else { status.position };
+            }
             show.shuffled = status.shuffled;
             show.repeat = Some(repeat_name(status.repeat).to_owned());
             // A track inside the program has no file, and a part of one cannot be named in a list.
             let files = list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none()));
-            self.listening.keep_tracks(files.collect::<Option<Vec<_>>>().as_deref());
+            let files = files.collect::<Option<Vec<_>>>().filter(|_| self.choices.last_tracks);
+            self.listening.keep_tracks(files.as_deref());
         }
         let (scene, sliders) = (self.scene.name().unwrap_or_default(), self.scene.moved_sliders());
         self.listening.remember(move |settings| {

@@ -24,14 +24,14 @@ use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
 use crate::app::window::{GlWindowContext, OpenWindow};
 use crate::app::window_thread::Waker;
-use crate::config::PlaySettings;
+use crate::config::{Choices, DEFAULT_DEVICE, Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
 use mariana_player::playlist::Opened;
-use mariana_player::{OutputChoice, Player, PlayerOptions};
+use mariana_player::{OutputChoice, Player, PlayerOptions, Target};
 
 /// Frame cap where the monitor reports no rate.
 const FPS_DEFAULT: f64 = 60.0;
@@ -46,6 +46,8 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) settings: &'a PlaySettings,
     /// How scenes are drawn.
     pub(in crate::app) scene: &'a SceneChoice,
+    /// What is remembered.
+    pub(in crate::app) memory: Memory,
     /// What loads scenes.
     pub(in crate::app) loaders: SceneLoaders,
     /// The first of them.
@@ -60,7 +62,9 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, loaders, first, controls } = self;
+        let Self { tracks, settings, scene, memory, loaders, first, controls } = self;
+        let choices = settings.choices.clone();
+        tracing::info!("what holds in this run: {choices:?}");
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -84,14 +88,14 @@ impl Opening<'_> {
             move || of_scenes.wake(),
         )?;
         scene.move_sliders(&settings.sliders);
-        let renderer = renderer(&window, settings, choice)?;
+        let renderer = renderer(&window, &choices, choice)?;
         // The song starts with the first picture, so that none of it is missed.
         let options = PlayerOptions {
-            device: settings.device.clone(),
+            target: output_of(settings),
             volume: settings.volume,
             paused: true,
             output: if settings.silent { OutputChoice::Silent } else { OutputChoice::Auto },
-            gain: settings.gain,
+            gain: choices.gain,
             ..PlayerOptions::default()
         };
         let mut announcer = Announcer::default();
@@ -111,10 +115,12 @@ impl Opening<'_> {
         }
         let sound = Sound::start(Start {
             player,
+            memory,
             listen: settings.listen,
             device: settings.device.clone(),
+            output: (!settings.silent).then(|| output_of(settings)),
             latency: settings.latency,
-            gain: settings.gain,
+            gain: choices.gain,
         })?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
@@ -123,7 +129,7 @@ impl Opening<'_> {
             listening: Listening::new(sound),
             renderer,
             scene,
-            pace: DrawingPace::new(settings.quality, fps, now),
+            pace: DrawingPace::new(choices.quality, fps, now),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),
             occluded: false,
@@ -133,11 +139,26 @@ impl Opening<'_> {
             last_folder: None,
             waker: waker.clone(),
             controls,
-            desk: Desk::new(settings.clean),
+            desk: Desk::new(!choices.hints),
+            choices,
+            names_output: settings.device.is_some() || settings.silent,
+            chose_output: false,
+            shaders: choice.shaders.clone(),
             overlay,
             waited: None,
             window,
         })
+    }
+}
+
+/// The output that songs play on at the start.
+fn output_of(settings: &PlaySettings) -> Target {
+    match (settings.device.as_deref(), &settings.choices.output) {
+        // With an input, the device is that.
+        (Some(DEFAULT_DEVICE), _) => Target::Default,
+        (Some(name), _) if settings.listen.is_none() => Target::Named(name.to_owned()),
+        (_, Some(id)) => Target::Preferred(id.clone()),
+        (_, None) => Target::Default,
     }
 }
 
@@ -147,18 +168,14 @@ fn sources(settings: &PlaySettings, scene: &SceneChoice) -> Sources {
 }
 
 /// A renderer for a window.
-fn renderer(
-    window: &GlWindowContext,
-    settings: &PlaySettings,
-    scene: &SceneChoice,
-) -> Result<Renderer, AppError> {
+fn renderer(window: &GlWindowContext, choices: &Choices, scene: &SceneChoice) -> Result<Renderer, AppError> {
     let library = &scene.shaders;
     let mut renderer = Renderer::new(window.gl(), library, Counting::Off)?;
     renderer.prepare_for_window(library)?;
-    if settings.limit_flashes {
+    if choices.flash_limiter {
         renderer.add_flash_limiter(library)?;
     }
-    renderer.set_tone_map(scene.tone_map);
+    renderer.set_tone_map(choices.tone_map);
     Ok(renderer)
 }
 
@@ -200,7 +217,7 @@ pub(in crate::app) fn renewed(
     scenes.take_over(kept.moved, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
-        renderer: renderer(&window, settings, scene)?,
+        renderer: renderer(&window, &stage.choices, scene)?,
         scene: scenes,
         overlay,
         pace: stage.pace.renewed(Instant::now()),

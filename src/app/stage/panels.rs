@@ -19,6 +19,7 @@ impl Stage {
         }
         self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
         self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
+        self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
     }
 
     /// Whether keys are text at present.
@@ -169,6 +170,7 @@ impl Stage {
         }
         self.look_through_scenes(false);
         self.look_through_files(false);
+        self.show_settings(false);
     }
 
     /// What the pointer asked for since the last call.
@@ -198,6 +200,7 @@ impl Stage {
             Request::Listen(place) => self.listening.choose_source(place),
             Request::Scenes(request) => return self.obey_in_scenes(request),
             Request::Files(request) => self.obey_in_files(request),
+            Request::Settings(request) => self.obey_in_settings(request),
         }
         self.hurry_reports();
     }

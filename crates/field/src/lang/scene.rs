@@ -154,7 +154,7 @@ impl ToneMap {
     }
 
     /// Its name in scenes.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             ToneMap::Agx => "agx",
             ToneMap::Aces => "aces",

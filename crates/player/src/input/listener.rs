@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 use rtrb::Producer;
 
 use super::input_callback::InputCallbackLink;
-use mariana_music::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
+use crate::gain_switch::GainSwitch;
+use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
 /// How long the thread sleeps if no callback wakes it.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -73,7 +74,7 @@ pub(super) struct Listener {
     moments: Producer<Heard>,
     link: Option<InputCallbackLink>,
     analyzer: Analyzer,
-    gain: Gain,
+    gain: GainSwitch,
     stream: u64,
     /// Added to the numbers of the stream's moments: the number of hops that had passed when the stream began.
     first_number: u64,
@@ -92,8 +93,8 @@ pub(super) struct Listener {
 }
 
 impl Listener {
-    pub(super) fn new(ear: Arc<Ear>, moments: Producer<Heard>, gain: Gain) -> Self {
-        let analyzer = Analyzer::with_gain(48_000, Alignment::Trailing, gain);
+    pub(super) fn new(ear: Arc<Ear>, moments: Producer<Heard>, gain: GainSwitch) -> Self {
+        let analyzer = Analyzer::with_gain(48_000, Alignment::Trailing, gain.get());
         Self {
             ear,
             moments,
@@ -131,7 +132,7 @@ impl Listener {
             if self.analyzer.sample_rate() == link.rate {
                 self.analyzer.restart(0);
             } else {
-                self.analyzer = Analyzer::with_gain(link.rate, Alignment::Trailing, self.gain);
+                self.analyzer = Analyzer::with_gain(link.rate, Alignment::Trailing, self.gain.get());
             }
             let hop = self.analyzer.hop() as f64 / f64::from(self.analyzer.sample_rate());
             self.first_number = ((self.ear.now() / hop) as u64).max(self.last_number + 1);
@@ -144,6 +145,7 @@ impl Listener {
     /// Analyses the frames that have come.
     fn listen(&mut self) {
         let now = self.ear.now();
+        self.analyzer.set_gain(self.gain.get());
         self.batch.clear();
         if let Some(link) = &mut self.link {
             let count = link.ring.slots();
@@ -209,11 +211,12 @@ pub(super) fn has_signal(frames: &[StereoFrame]) -> bool {
 mod tests {
     use super::*;
     use crate::input::InputCallback;
+    use mariana_music::Gain;
     use rtrb::{Consumer, RingBuffer};
 
     fn listener() -> (Listener, Consumer<Heard>) {
         let (moments, heard) = RingBuffer::new(1024);
-        (Listener::new(Arc::new(Ear::new()), moments, Gain::Off), heard)
+        (Listener::new(Arc::new(Ear::new()), moments, GainSwitch::new(Gain::Off)), heard)
     }
 
     fn all(heard: &mut Consumer<Heard>) -> Vec<Heard> {

@@ -20,6 +20,7 @@ use super::probe::Prober;
 use crate::device::Target;
 use crate::device_list::{DeviceList, DeviceWatch, ListedDevice};
 use crate::error::PlayerError;
+use crate::gain_switch::GainSwitch;
 use crate::limits::LIMITS;
 use crate::player::Moment;
 use crate::supervisor::Supervisor;
@@ -82,6 +83,7 @@ pub struct Live {
     /// Taken when dropped.
     supervisor: Option<Supervisor<InputPort>>,
     listener: Worker,
+    gain: GainSwitch,
     moments: Consumer<Heard>,
     track: FeatureTrack,
     latest: Option<Heard>,
@@ -107,7 +109,8 @@ impl Live {
         let (producer, moments) = RingBuffer::new(MOMENTS);
         let ear = Arc::new(Ear::new());
         let (links, inbox) = channel();
-        let work = Listener::new(ear.clone(), producer, gain);
+        let gain = GainSwitch::new(gain);
+        let work = Listener::new(ear.clone(), producer, gain.clone());
         let listener = Worker::spawn("listening", move || work.run(&inbox))?;
         let thread = listener.thread().cloned().unwrap_or_else(std::thread::current);
         let watch = DeviceWatch::shared()?;
@@ -118,6 +121,7 @@ impl Live {
             watch,
             supervisor: Some(supervisor),
             listener,
+            gain,
             moments,
             track: FeatureTrack::new(LIMITS.latency_ms_max / 1000.0 + TRACK_RESERVE),
             latest: None,
@@ -137,6 +141,11 @@ impl Live {
         if let Some(supervisor) = &self.supervisor {
             supervisor.choose(target);
         }
+    }
+
+    /// Levels the sound for the picture from now on, or no longer.
+    pub fn set_gain(&self, gain: Gain) {
+        self.gain.set(gain);
     }
 
     /// What it listens to.
@@ -228,7 +237,9 @@ impl Live {
             Target::Default => "the microphone".into(),
             Target::Monitor => "what the computer plays".into(),
             Target::MonitorOf(name) => format!("what {name} plays"),
-            Target::Named(id) => device_list.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone()),
+            Target::Named(id) | Target::Preferred(id) => {
+                device_list.input(id).map_or_else(|| id.clone(), |entry| entry.name.clone())
+            }
         }
     }
 }

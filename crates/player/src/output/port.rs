@@ -37,8 +37,8 @@ pub enum OutputChoice {
 pub struct OutputRequest {
     /// What to play on.
     pub choice: OutputChoice,
-    /// A device's id or name; none means the default device.
-    pub device: Option<String>,
+    /// Which device.
+    pub target: Target,
     /// Frames per second of the silent clock.
     pub silent_rate: u32,
 }
@@ -52,6 +52,8 @@ pub struct OutputStatus {
     pub device: Option<ListedDevice>,
     /// Why there is no sound, if there is none.
     pub silent: Option<String>,
+    /// Why the choice is not open, while the previous device goes on.
+    pub refused: Option<String>,
     /// The history of what is audible; none while nothing is open yet.
     pub history: Option<Arc<SpanHistory>>,
     /// How often a device was opened.
@@ -73,8 +75,7 @@ impl Supervisor {
         counters: Arc<Counters>,
         deliver: impl FnMut(OutputCallbackLink) + Send + 'static,
     ) -> io::Result<Self> {
-        let target = (request.choice == OutputChoice::Auto)
-            .then(|| request.device.map_or(Target::Default, Target::Named));
+        let target = (request.choice == OutputChoice::Auto).then_some(request.target);
         let port = OutputPort {
             controls,
             counters,
@@ -85,10 +86,15 @@ impl Supervisor {
         Watching::start(port, target).map(Self)
     }
 
+    /// Changes to another device; the present one goes on until the other is there.
+    pub fn choose(&self, target: Target) {
+        self.0.choose(target);
+    }
+
     /// What is played on now.
     pub fn status(&self) -> OutputStatus {
-        let StreamStatus { description, device, silent, note: history, openings, .. } = self.0.status();
-        OutputStatus { description, device, silent, history, openings }
+        let StreamStatus { description, device, silent, refused, note: history, openings } = self.0.status();
+        OutputStatus { description, device, silent, refused, history, openings }
     }
 
     /// The history of the present output; none while nothing is open yet.

@@ -7,9 +7,10 @@
 
 use std::sync::mpsc::Receiver;
 
+use crate::gain_switch::GainSwitch;
 use crate::timeline::SharedTimeline;
 use crate::track::scale;
-use mariana_music::{Alignment, Analyzer, Gain, StereoFrame, TimedFeatures};
+use mariana_music::{Alignment, Analyzer, StereoFrame, TimedFeatures};
 
 /// What the decoding thread sends, in order.
 pub(crate) enum AnalysisInput {
@@ -23,16 +24,22 @@ pub(crate) enum AnalysisInput {
 }
 
 /// Works until the decoding thread ends.
-pub(crate) fn run(inbox: &Receiver<AnalysisInput>, sample_rate: u32, gain: Gain, timeline: &SharedTimeline) {
-    let mut analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain);
+pub(crate) fn run(
+    inbox: &Receiver<AnalysisInput>,
+    sample_rate: u32,
+    gain: &GainSwitch,
+    timeline: &SharedTimeline,
+) {
+    let mut analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain.get());
     let (mut rate, mut factor) = (sample_rate, 1.0);
     let mut passage = 0;
     for input in inbox {
+        analyzer.set_gain(gain.get());
         let mut emit = |moment: &TimedFeatures| timeline.lock().push_features(passage, moment);
         match input {
             AnalysisInput::Begin { passage: next, sample_rate, position, gain: its } => {
                 if sample_rate != rate {
-                    analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain);
+                    analyzer = Analyzer::with_gain(sample_rate, Alignment::Centred, gain.get());
                 }
                 (passage, rate, factor) = (next, sample_rate, its);
                 analyzer.restart(position);

@@ -468,7 +468,7 @@ fn volume_and_mute_are_kept_in_range() {
 
 #[test]
 fn an_unknown_device_is_named_and_the_song_runs_without_sound() {
-    let options = PlayerOptions { device: Some("no such box".into()), ..PlayerOptions::default() };
+    let options = PlayerOptions { target: Target::Named("no such box".into()), ..PlayerOptions::default() };
     let mut player = start(9_000_000, options);
     wait_for(&mut player, "it moves", |player| player.status().position > 0.1);
     let reason = player.status().silent.expect("there is no sound");

@@ -42,7 +42,7 @@ impl FrameSource for Tone {
 }
 
 fn play(device: Option<&str>) -> Player {
-    let options = PlayerOptions { device: device.map(Into::into), ..PlayerOptions::default() };
+    let options = PlayerOptions { target: device.map_or(Target::Default, named), ..PlayerOptions::default() };
     Player::start_alone(Box::new(Tone(0)), options).expect("it starts")
 }
 
@@ -129,6 +129,52 @@ fn a_song_is_heard_again_when_the_server_is_back() {
         assert!(player.status().position > before);
         wait_for_live(&mut live, "sound again", hears("viz.monitor"));
     }
+}
+
+#[test]
+fn a_song_moves_to_another_output_and_goes_on() {
+    let session = Session::with_server();
+    let mut player = play(None);
+    wait_for(&mut player, "the sound", plays_on("viz"));
+    session.server().plug("usb", &[]);
+    let before = player.status().position;
+    player.choose_output(named("usb"));
+    wait_for(&mut player, "the other output", plays_on("usb"));
+    assert!(player.status().position >= before, "the song went back");
+    // One that is not there leaves it where it is, and says so.
+    player.choose_output(named("no such box"));
+    wait_for(&mut player, "the refusal", |status| status.refused.is_some());
+    assert!(plays_on("usb")(&player.status()), "{:?}", player.status());
+    player.choose_output(Target::Default);
+    wait_for(&mut player, "the default", plays_on("viz"));
+    assert_eq!(player.status().refused, None);
+}
+
+#[test]
+fn an_output_that_is_preferred_is_played_on_while_it_is_there() {
+    let session = Session::with_server();
+    let id = |name: &str| {
+        let start = Instant::now();
+        loop {
+            if let Some(entry) = device_list().outputs.iter().find(|entry| entry.id.ends_with(name)) {
+                return entry.id.clone();
+            }
+            assert!(start.elapsed() < WAIT_LIMIT, "there is no {name} in {:?}", device_list());
+            std::thread::sleep(LOOK_PERIOD);
+        }
+    };
+    let _watch = DeviceWatch::shared().expect("it runs");
+    let plugged = session.server().plug("usb", &[]);
+    let target = Target::Preferred(id("usb"));
+    session.server().unplug(&plugged);
+    // It is not there at the start: the default plays, and nothing is wrong.
+    let options = PlayerOptions { target, ..PlayerOptions::default() };
+    let mut player = Player::start_alone(Box::new(Tone(0)), options).expect("it starts");
+    wait_for(&mut player, "the default", plays_on("viz"));
+    let plugged = session.server().plug("usb", &[]);
+    wait_for(&mut player, "the one that is preferred", plays_on("usb"));
+    session.server().unplug(&plugged);
+    wait_for(&mut player, "the default again", plays_on("viz"));
 }
 
 #[test]
