@@ -26,13 +26,26 @@ impl Renderer {
         let stands = self.stands.take();
         let finished_light = self.finished_light.take();
         let (is_limited, timer, fade) = (self.is_limited, self.timer.take(), self.fade.take());
-        let drawn = self.begin(frame, scene).and_then(|()| {
-            // The cost of a small picture says nothing about that of a large one.
-            self.go_on_block(&scene.names(), (program, &Costs::default()), Duration::MAX)
+        let drawn = self.draw_aside(frame, scene, program).and_then(|()| {
+            // As it is drawn while the scene before fades away.
+            self.keep_light()?;
+            self.set_fade(Some(0.5));
+            self.draw_aside(frame, scene, program)
         });
         self.making = None;
         (self.targets, self.stands, self.finished_light) = (targets, stands, finished_light);
         (self.is_limited, self.timer, self.fade) = (is_limited, timer, fade);
-        drawn.map(|_| ())
+        drawn
+    }
+
+    /// Draws a picture whose cost is forgotten: that of a small one says nothing about that of a large one.
+    fn draw_aside(
+        &mut self,
+        frame: &Frame,
+        scene: &SceneResources,
+        program: &Program,
+    ) -> Result<(), GpuError> {
+        self.begin(frame, scene)?;
+        self.go_on_block(&scene.names(), (program, &Costs::default()), Duration::MAX).map(|_| ())
     }
 }

@@ -1,0 +1,20 @@
+// Reads as many textures as any program may; nothing of it is seen.
+//
+// Mesa binds no sampler for a texture buffer: whatever the program before had in that slot stays there, and llvmpipe
+// compiles a scene's program once for each kind of sampler that it finds in its slots, read or not. This program is drawn
+// before, so that a scene finds the same ones whatever was drawn last.
+
+uniform sampler2D slot_0, slot_1, slot_2, slot_3, slot_4, slot_5, slot_6, slot_7;
+uniform sampler2D slot_8, slot_9, slot_10, slot_11, slot_12, slot_13, slot_14, slot_15;
+
+layout(location = 0) out vec4 color;
+
+void main() {
+    ivec2 texel = ivec2(0);
+    color = texelFetch(slot_0, texel, 0) + texelFetch(slot_1, texel, 0) + texelFetch(slot_2, texel, 0)
+        + texelFetch(slot_3, texel, 0) + texelFetch(slot_4, texel, 0) + texelFetch(slot_5, texel, 0)
+        + texelFetch(slot_6, texel, 0) + texelFetch(slot_7, texel, 0) + texelFetch(slot_8, texel, 0)
+        + texelFetch(slot_9, texel, 0) + texelFetch(slot_10, texel, 0) + texelFetch(slot_11, texel, 0)
+        + texelFetch(slot_12, texel, 0) + texelFetch(slot_13, texel, 0) + texelFetch(slot_14, texel, 0)
+        + texelFetch(slot_15, texel, 0);
+}
