@@ -4,8 +4,22 @@
 // compiles a scene's program once for each kind of sampler that it finds in its slots, read or not. This program is drawn
 // before, so that a scene finds the same ones whatever was drawn last.
 
-uniform sampler2D slot_0, slot_1, slot_2, slot_3, slot_4, slot_5, slot_6, slot_7;
-uniform sampler2D slot_8, slot_9, slot_10, slot_11, slot_12, slot_13, slot_14, slot_15;
+uniform sampler2D slot_0;
+uniform sampler2D slot_1;
+uniform sampler2D slot_2;
+uniform sampler2D slot_3;
+uniform sampler2D slot_4;
+uniform sampler2D slot_5;
+uniform sampler2D slot_6;
+uniform sampler2D slot_7;
+uniform sampler2D slot_8;
+uniform sampler2D slot_9;
+uniform sampler2D slot_10;
+uniform sampler2D slot_11;
+uniform sampler2D slot_12;
+uniform sampler2D slot_13;
+uniform sampler2D slot_14;
+uniform sampler2D slot_15;
 
 layout(location = 0) out vec4 color;
 

@@ -14,6 +14,9 @@ use super::target::{Target, Texel};
 /// Reads as many textures as any program may.
 pub const SAMPLERS_SHADER: &str = "samplers.frag";
 
+/// Textures that a program may read, each at a unit of its own.
+const SLOTS: u32 = 16;
+
 /// See the module.
 pub(super) struct Samplers {
     program: LazyProgram,
@@ -31,14 +34,13 @@ impl Samplers {
         Ok(Self { program, texel: Target::new(gl, (1, 1), &[Texel::Rgba8], None)? })
     }
 
-    /// Puts the same samplers into all slots. `target` is what is drawn into next; nothing of it changes. Texture unit
-    /// 0 and the vertices of a full-screen triangle are used.
+    /// Puts the same samplers into all slots. `target` is what is drawn into next; nothing of it changes. The
+    /// vertices of a full-screen triangle are bound; what was bound to the texture units is not any more.
     ///
     /// # Errors
     /// What the driver says about a malformed shader.
     pub(super) fn settle(&self, gl: &Gl, target: &Target) -> Result<(), GpuError> {
-        // The slots have no units of their own, so all of them read the first.
-        self.texel.bind_color(0, 0);
+        (0..SLOTS).for_each(|unit| self.texel.bind_color(0, unit));
         target.bind();
         self.program.bind(gl)?;
         // SAFETY: plain state and a draw on objects of ours, none of whose pixels is within the scissor.
