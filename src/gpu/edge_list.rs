@@ -90,7 +90,9 @@ impl EdgeList {
     fn reserve(&mut self, rows: u32) -> Result<(), GpuError> {
         let rows = rows.clamp(1, self.rows_max);
         if self.samples.size().1 < self.block.1 * rows {
-            let size = (self.block.0 * self.row(), self.block.1 * rows);
+            let side_max = self.gl.info().texture_side_max;
+            let side = |side| no_power_of_two(side).min(side_max);
+            let size = (side(self.block.0 * self.row()), side(self.block.1 * rows));
             self.samples = Target::new(&self.gl, size, &self.texels, None)?;
         }
         Ok(())
@@ -176,7 +178,7 @@ impl EdgeList {
 }
 
 /// A side of at least this many texels that is not a power of two. Software renderers compile programs once more for
-/// powers of two; the scene's programs read this texture, and resizing a window must not make them wait.
+/// powers of two: what has sides that change in the middle of a show must not make it wait.
 fn no_power_of_two(side: u32) -> u32 {
     if side.is_power_of_two() { side + 1 } else { side }
 }

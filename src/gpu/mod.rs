@@ -18,6 +18,7 @@ pub mod post;
 pub mod probe;
 pub mod program;
 pub mod renderer;
+pub mod samplers;
 pub mod scene_program;
 pub mod scene_resources;
 pub mod shader_source;

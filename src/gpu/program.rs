@@ -25,7 +25,7 @@ pub const UNIFORM_BLOCKS: [(&str, u32); 6] = [
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their
 /// number ([`scene_texture`]). Textures that share a unit are never read by one program.
-pub const TEXTURE_UNITS: [(&str, u32); 28] = [
+pub const TEXTURE_UNITS: [(&str, u32); 44] = [
     ("light_swings", 0),
     ("red_swings", 1),
     ("light_ages", 2),
@@ -54,6 +54,22 @@ pub const TEXTURE_UNITS: [(&str, u32); 28] = [
     ("shown_red_swings", 14),
     ("shown_red_ages", 15),
     ("sound_tables", 15),
+    ("slot_0", 0),
+    ("slot_1", 1),
+    ("slot_2", 2),
+    ("slot_3", 3),
+    ("slot_4", 4),
+    ("slot_5", 5),
+    ("slot_6", 6),
+    ("slot_7", 7),
+    ("slot_8", 8),
+    ("slot_9", 9),
+    ("slot_10", 10),
+    ("slot_11", 11),
+    ("slot_12", 12),
+    ("slot_13", 13),
+    ("slot_14", 14),
+    ("slot_15", 15),
 ];
 
 const _: () = assert!(FIELD_LIMITS.scene_textures_max <= 12, "the scene's textures have the units 0..12");

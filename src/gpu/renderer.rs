@@ -37,6 +37,7 @@ use super::gl::Gl;
 use super::object::VertexArray;
 use super::post::{Block, Post, PostTargets};
 use super::program::{LazyProgram, Program, unit_of};
+use super::samplers::Samplers;
 use super::scene_resources::SceneResources;
 use super::shader_source::{ShaderLibrary, Variant};
 use super::target::{Stencil, Target, Texel};
@@ -77,6 +78,8 @@ pub enum Counting {
 pub struct Renderer {
     gl: Gl,
     edges: LazyProgram,
+    /// On a software renderer.
+    samplers: Option<Samplers>,
     post: Post,
     frame_block: Block,
     pass_block: Block,
@@ -140,6 +143,7 @@ impl Renderer {
         let renderer = Self {
             gl: gl.clone(),
             edges: LazyProgram::new(gl, library, EDGE_SHADER, &Variant::default())?,
+            samplers: gl.info().software.then(|| Samplers::new(gl, library)).transpose()?,
             post: Post::new(gl, library)?,
             frame_block: Block::new(gl, "FrameBlock")?,
             pass_block: Block::new(gl, "PassBlock")?,

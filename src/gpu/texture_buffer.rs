@@ -68,17 +68,22 @@ impl TextureBuffer {
 /// Most bytes of a texel.
 const TEXEL_BYTES: usize = 16;
 
-/// The bytes, with a texel appended if their number is a power of two. Mesa's software renderers compile a program
-/// once more for buffers of such sizes, which tapes and regions have now and then by chance: in the middle of a show,
-/// for seconds.
+/// The bytes, padded to a length of the one kind for which Mesa's software renderers have compiled a program. Tapes and
+/// regions have lengths of all kinds, and each other kind is compiled for in the middle of a show, for seconds: powers
+/// of two, and those whose remainder by 65,536 is less than 256, because the second byte of a buffer's length is read
+/// as the number of a texture's last mip level.
 fn padded(bytes: &[u8]) -> Cow<'_, [u8]> {
-    if bytes.len().is_power_of_two() {
-        // One texel and one more would make two, again a power of two.
-        let more = if bytes.len() == TEXEL_BYTES { 2 } else { 1 };
-        Cow::Owned([bytes, &vec![0; more * TEXEL_BYTES]].concat())
+    let length = bytes.len();
+    let stored = if length & 0xff00 == 0 {
+        (length & !0xffff) + 0x100 + TEXEL_BYTES
+    } else if length.is_power_of_two() {
+        length + TEXEL_BYTES
     } else {
-        Cow::Borrowed(bytes)
-    }
+        return Cow::Borrowed(bytes);
+    };
+    let mut stored_bytes = bytes.to_vec();
+    stored_bytes.resize(stored, 0);
+    Cow::Owned(stored_bytes)
 }
 
 #[cfg(test)]
@@ -86,12 +91,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_buffer_whose_size_was_a_power_of_two_was_compiled_for_once_more() {
-        for bytes in [16, 1024, 1 << 16] {
-            let buffer = vec![1; bytes];
+    fn buffers_of_some_sizes_were_compiled_for_once_more() {
+        for length in [0, 16, 48, 240, 256, 1024, 1 << 16, (1 << 16) + 16, (1 << 20) + 240] {
+            let buffer = vec![1; length];
             let stored = padded(&buffer);
-            assert!(!stored.len().is_power_of_two() && stored.starts_with(&buffer));
+            assert!(!stored.len().is_power_of_two() && stored.len() % 65_536 >= 256, "{length}");
+            assert!(stored.starts_with(&buffer) && stored.len() < length + 512);
         }
-        assert_eq!(padded(&[1; 48]).len(), 48);
+        assert_eq!(padded(&[1; 272]).len(), 272);
     }
 }

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop};
@@ -97,6 +97,56 @@ fn a_change_to_a_prepared_scene_waits_for_nothing_and_the_way_back_neither() {
     }
     assert_eq!(pictures_between(&told, " b is shown, compiled", "a fade begins"), 0, "{told}");
     assert!(!told.contains("is coming"), "{told}");
+}
+
+/// Files below a folder.
+fn files_in(folder: &Path) -> usize {
+    let Ok(entries) = fs::read_dir(folder) else { return 0 };
+    let in_entry = |path: PathBuf| if path.is_dir() { files_in(&path) } else { 1 };
+    entries.map(|entry| in_entry(entry.unwrap().path())).sum()
+}
+
+/// Waits for this many more pictures.
+fn wait_for_pictures(app: &App, more: usize) {
+    let before = count(&app.told(), "a picture in ");
+    wait_until("pictures", || count(&app.told(), "a picture in ") >= before + more);
+}
+
+/// Mesa's software renderers keep a file of each program and of each form of it that they compile.
+#[test]
+fn a_driver_compiled_prepared_scenes_once_more_when_they_were_shown() {
+    let place = Place::new();
+    // What is prepared beside b has programs that are there.
+    for (name, channel) in [("a.scene", 0), ("b.scene", 1), ("c.scene", 0)] {
+        place.save(name, channel);
+        // It reads the sound's tables, too.
+        let path = place.desktop.folder().join(name);
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(path, text.replace("* sin(t)", "* sin(t) + 0.1 * spectrum(fract(p.x))")).unwrap();
+    }
+    let cache = place.desktop.folder().join("driver");
+    let variables = [("MESA_SHADER_CACHE_DIR", cache.to_str().unwrap())];
+    let scene = place.desktop.folder().join("a.scene");
+    let scene = ["--scene", scene.to_str().unwrap()];
+    // In one size, which is no power of two.
+    let size = ["--silent", "--size", "90x54", "--quality", "best", "-vv", "--sdf", "compiled"];
+    let app = place.desktop.open_with(&variables, &place.song, &[&scene[..], &size[..], &AHEAD[..]].concat());
+    wait_until("both neighbours", || count(&app.told(), " is ready ahead") == 2);
+    // They are written by a thread of the driver.
+    let mut files = 0;
+    wait_until("the driver's files", || {
+        wait_for_pictures(&app, 20);
+        let before = std::mem::replace(&mut files, files_in(&cache));
+        files > 0 && files == before
+    });
+    for (key, channel, fades) in [("n", 1, 1), ("p", 0, 2), ("n", 1, 3)] {
+        app.press(&[key]);
+        wait_for_channel(&app, channel);
+        wait_until("the fade's end", || count(&app.told(), "a fade ends") == fades);
+        wait_for_pictures(&app, 20);
+        assert_eq!(files_in(&cache), files, "the driver compiled something after {key}");
+    }
+    quit(app);
 }
 
 #[test]

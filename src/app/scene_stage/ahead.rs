@@ -15,8 +15,9 @@ use crate::scenes::{ReadyScene, SceneSource};
 use mariana_field::world::World;
 use mariana_music::Features;
 
-/// Size of the picture that nobody sees: no power of two, because those of windows are none either.
-const REHEARSAL_SIZE: (u32, u32) = (18, 14);
+/// Size of the picture that nobody sees: no power of two, because those of windows are none either, and large enough
+/// to tell what a pixel costs.
+const REHEARSAL_SIZE: (u32, u32) = (90, 54);
 /// Approximate bytes of a scene's program.
 const PROGRAM_BYTES: u64 = 20 << 20;
 /// Approximate bytes of a picture's texel: decoded, and on the GPU with its mip levels.
@@ -142,19 +143,11 @@ impl Ahead {
 
     /// Takes the neighbour that is gone to, if it is loaded, and leaves the loader of the scene that was shown in
     /// its place: the sides change.
-    fn take(
-        &mut self,
-        forward: bool,
-        to: &SceneSource,
-        from: SceneSource,
-        loader: &mut SceneLoader,
-    ) -> Option<Cast> {
+    fn take(&mut self, to: &SceneSource, from: SceneSource, loader: &mut SceneLoader) -> Option<Cast> {
         let neighbours = self.neighbours.as_mut()?;
-        let [next, previous] = neighbours;
-        let neighbour = if forward { next } else { previous };
-        if neighbour.source.as_ref() != Some(to) || neighbour.cast().is_none() {
-            return None;
-        }
+        let is_it =
+            |neighbour: &&mut Neighbour| neighbour.source.as_ref() == Some(to) && neighbour.cast().is_some();
+        let neighbour = neighbours.iter_mut().find(is_it)?;
         let State::Loaded { cast, .. } = std::mem::replace(&mut neighbour.state, State::Unasked) else {
             return None;
         };
@@ -183,13 +176,13 @@ fn bytes_of(world: &World) -> u64 {
 
 impl SceneStage {
     /// Takes the neighbour that is gone to, if it is loaded.
-    pub(super) fn take_neighbour(&mut self, forward: bool, to: &SceneSource) -> Option<Cast> {
+    pub(super) fn take_neighbour(&mut self, to: &SceneSource) -> Option<Cast> {
         // Only the scene that is shown is kept in exchange.
         let from = self.on_stage.as_ref()?.source.clone();
         if self.source != from {
             return None;
         }
-        self.ahead.take(forward, to, from, &mut self.loader)
+        self.ahead.take(to, from, &mut self.loader)
     }
 
     /// Goes on preparing the neighbours of the scene on the stage.

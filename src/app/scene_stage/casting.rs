@@ -39,7 +39,10 @@ impl SceneStage {
         let (compiles, interprets) = match self.choice {
             SdfChoice::Interpreted => (!fits, true),
             SdfChoice::Compiled => (true, false),
-            SdfChoice::Auto => (!fits || cast.is_compiled_by_itself(), !self.is_patient_with(cast)),
+            SdfChoice::Auto => {
+                let interprets = cast.compiled.is_none() && !self.is_patient_with(cast);
+                (!fits || cast.is_compiled_by_itself(), interprets)
+            }
         };
         if compiles {
             self.ask_for_compiled(id);

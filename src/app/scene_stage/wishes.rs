@@ -48,22 +48,17 @@ impl SceneStage {
     /// Asks for the next or the previous scene.
     pub(crate) fn go(&mut self, forward: bool) {
         let next = if forward { self.list.next(&self.source) } else { self.list.previous(&self.source) };
-        if let Some(cast) = self.take_neighbour(forward, &next) {
-            self.source = next;
-            self.problem = None;
-            self.await_scene();
-            return self.bring(cast);
-        }
-        self.source = next.clone();
-        self.await_scene();
-        self.loader.request(next);
+        self.show_source(next);
     }
 
-    /// Asks for a scene.
+    /// Asks for a scene. One that is prepared needs no loader.
     pub(crate) fn show_source(&mut self, source: SceneSource) {
+        let prepared = self.take_neighbour(&source);
         self.source = source.clone();
         self.await_scene();
-        self.loader.request(source);
+        let Some(cast) = prepared else { return self.loader.request(source) };
+        self.problem = None;
+        self.bring(cast);
     }
 
     /// All scenes that the keys go through. Reads a folder.

@@ -218,7 +218,9 @@ impl Renderer {
         let (Some(mut making), Some(mut targets)) = (self.making.take(), self.targets.take()) else {
             return Ok(Progress::Finished { spent: Duration::ZERO });
         };
-        self.prepare_go(scene);
+        self.prepare_passes();
+        self.settle_samplers(&targets.first)?;
+        scene.bind(&self.gl);
         let mut cost = costs.of(program);
         if making.spent == Duration::ZERO {
             if self.upscale.is_none() {
@@ -263,17 +265,17 @@ impl Renderer {
         Ok(progress)
     }
 
-    /// Sets what a go needs, whatever was drawn since the last one.
-    fn prepare_go(&self, scene: &SceneNames) {
-        self.prepare_passes();
-        scene.bind(&self.gl);
-    }
-
     /// Sets what every pass needs.
     pub(super) fn prepare_passes(&self) {
         // SAFETY: the vertices are ours.
         unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
         self.reset_state();
+    }
+
+    /// Lets a scene's program find the same samplers whatever was drawn last. `edges.frag`, which is drawn within a
+    /// picture, changes only the first slot, where scenes have a texture that brings its own sampler.
+    fn settle_samplers(&self, target: &Target) -> Result<(), GpuError> {
+        self.samplers.as_ref().map_or(Ok(()), |samplers| samplers.settle(&self.gl, target))
     }
 
     /// Draws the next part of a picture, or moves on to the next pass. Returns whether the picture is finished.

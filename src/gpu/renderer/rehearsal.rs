@@ -11,8 +11,9 @@ use crate::gpu::scene_resources::SceneResources;
 use crate::gpu::tiles::Costs;
 
 impl Renderer {
-    /// Draws a small picture that nobody sees, so that the driver has nothing left to make when the scene is shown.
-    /// What was finished last stays. A picture that is being drawn would be lost.
+    /// Draws a small picture that nobody sees, so that the driver has nothing left to make when the scene is shown,
+    /// and the costs of its pixels are known. What was finished last stays. A picture that is being drawn would be
+    /// lost.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -27,12 +28,16 @@ impl Renderer {
         let finished_light = self.finished_light.take();
         let (is_limited, timer, fade) = (self.is_limited, self.timer.take(), self.fade.take());
         let drawn = self.begin(frame, scene).and_then(|()| {
-            // The cost of a small picture says nothing about that of a large one.
-            self.go_on_block(&scene.names(), (program, &Costs::default()), Duration::MAX)
+            // The driver's work is no cost of the scene.
+            self.go_on_block(&scene.names(), (program, &Costs::default()), Duration::MAX)?;
+            // As it is drawn while the scene before fades away.
+            self.keep_light()?;
+            self.set_fade(Some(0.5));
+            self.draw(frame, scene, program)
         });
         self.making = None;
         (self.targets, self.stands, self.finished_light) = (targets, stands, finished_light);
         (self.is_limited, self.timer, self.fade) = (is_limited, timer, fade);
-        drawn.map(|_| ())
+        drawn
     }
 }

@@ -1,0 +1,34 @@
+// Reads as many textures as any program may; nothing of it is seen.
+//
+// Mesa binds no sampler for a texture buffer: whatever the program before had in that slot stays there, and llvmpipe
+// compiles a scene's program once for each kind of sampler that it finds in its slots, read or not. This program is drawn
+// before, so that a scene finds the same ones whatever was drawn last.
+
+uniform sampler2D slot_0;
+uniform sampler2D slot_1;
+uniform sampler2D slot_2;
+uniform sampler2D slot_3;
+uniform sampler2D slot_4;
+uniform sampler2D slot_5;
+uniform sampler2D slot_6;
+uniform sampler2D slot_7;
+uniform sampler2D slot_8;
+uniform sampler2D slot_9;
+uniform sampler2D slot_10;
+uniform sampler2D slot_11;
+uniform sampler2D slot_12;
+uniform sampler2D slot_13;
+uniform sampler2D slot_14;
+uniform sampler2D slot_15;
+
+layout(location = 0) out vec4 color;
+
+void main() {
+    ivec2 texel = ivec2(0);
+    color = texelFetch(slot_0, texel, 0) + texelFetch(slot_1, texel, 0) + texelFetch(slot_2, texel, 0)
+        + texelFetch(slot_3, texel, 0) + texelFetch(slot_4, texel, 0) + texelFetch(slot_5, texel, 0)
+        + texelFetch(slot_6, texel, 0) + texelFetch(slot_7, texel, 0) + texelFetch(slot_8, texel, 0)
+        + texelFetch(slot_9, texel, 0) + texelFetch(slot_10, texel, 0) + texelFetch(slot_11, texel, 0)
+        + texelFetch(slot_12, texel, 0) + texelFetch(slot_13, texel, 0) + texelFetch(slot_14, texel, 0)
+        + texelFetch(slot_15, texel, 0);
+}
