@@ -19,7 +19,7 @@ fn find(reader: &ScreenReader<'_>, role: u32, begin: &str) -> Option<Control> {
 
 fn wait_for(reader: &ScreenReader<'_>, role: u32, begin: &str) -> Control {
     let mut found = None;
-    wait_until(&format!("{begin}"), || {
+    wait_until(begin, || {
         found = find(reader, role, begin);
         found.is_some()
     });
