@@ -373,11 +373,51 @@ const ROOTED: [u32; 128] = {
     rooted
 };
 
+/// By operator number: the compounds of which it may be an operand of the last part. Each has a part before the last, so
+/// most operations need not be compared any further.
+const BEFORE_LAST: [u32; 128] = {
+    let mut before = [0; 128];
+    let mut place = 0;
+    while place < Compound::ALL.len() {
+        let compound = Compound::ALL[place];
+        let parts = compound.parts();
+        let last = parts[parts.len() - 1];
+        let operands = [last.a, last.b];
+        let mut operand = 0;
+        while operand < operands.len() {
+            if let Reads::Part(earlier) = operands[operand] {
+                let op = parts[earlier].op;
+                before[op.number() as usize] |= compound.bit();
+                if matches!(op, Op::Add) {
+                    before[Op::Sub.number() as usize] |= compound.bit();
+                }
+                if matches!(op, Op::Sub) {
+                    before[Op::Add.number() as usize] |= compound.bit();
+                }
+            }
+            operand += 1;
+        }
+        place += 1;
+    }
+    before
+};
+
 impl Compounds {
     /// The compound of this set with the most parts that has this operation as its last part.
     #[inline]
     pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
-        let candidates = self.0 & ROOTED.get(usize::from(last.op.number())).copied().unwrap_or(0);
+        let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);
+        let rooted = self.0 & by_op(&ROOTED, last.op);
+        if rooted == 0 {
+            return None;
+        }
+        let before = |operand: Arg| match operand {
+            Arg::Value(value) if values.is_own(value) => {
+                values.operation(value).map_or(0, |operation| by_op(&BEFORE_LAST, operation.op))
+            }
+            _ => 0,
+        };
+        let candidates = rooted & (before(last.a) | before(last.b));
         if candidates == 0 { None } else { find_among(candidates, values, last) }
     }
 }
