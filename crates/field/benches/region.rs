@@ -46,7 +46,7 @@ fn trees(criterion: &mut Criterion) {
         let Ok(world) = World::new(name, scene, Vec::new()) else { continue };
         let inputs = inputs_of(&world);
         let center = world.frame_tape.values(&inputs).camera.position;
-        let options = RegionOptions { cells: true, texels_max: 1 << 22, center };
+        let options = RegionOptions { cells: true, texels_max: 1 << 22, center, eye: None };
         let plan = RegionPlan::new(&world);
         eprintln!("{name}: {:?}", plan.build(&inputs, &options).stats);
         group.bench_function(name, |bencher| bencher.iter(|| black_box(plan.build(&inputs, &options))));
