@@ -357,50 +357,40 @@ const ROOTED: [u32; 128] = {
     let mut rooted = [0; 128];
     let mut place = 0;
     while place < Compound::ALL.len() {
-        let compound = Compound::ALL[place];
-        let parts = compound.parts();
-        let op = parts[parts.len() - 1].op;
-        rooted[op.number() as usize] |= compound.bit();
-        // A sum of a negative number or product stands as a difference, and the other way round.
-        if matches!(op, Op::Add) {
-            rooted[Op::Sub.number() as usize] |= compound.bit();
-        }
-        if matches!(op, Op::Sub) {
-            rooted[Op::Add.number() as usize] |= compound.bit();
-        }
+        let parts = Compound::ALL[place].parts();
+        note(&mut rooted, parts[parts.len() - 1].op, Compound::ALL[place]);
         place += 1;
     }
     rooted
 };
 
-/// By operator number: the compounds of which it may be an operand of the last part. Each has a part before the last, so
-/// most operations need not be compared any further.
+/// By operator number: the compounds of which it may be an operand of the last part. Every one has such an operand.
 const BEFORE_LAST: [u32; 128] = {
     let mut before = [0; 128];
     let mut place = 0;
     while place < Compound::ALL.len() {
-        let compound = Compound::ALL[place];
-        let parts = compound.parts();
-        let last = parts[parts.len() - 1];
-        let operands = [last.a, last.b];
-        let mut operand = 0;
-        while operand < operands.len() {
-            if let Reads::Part(earlier) = operands[operand] {
-                let op = parts[earlier].op;
-                before[op.number() as usize] |= compound.bit();
-                if matches!(op, Op::Add) {
-                    before[Op::Sub.number() as usize] |= compound.bit();
-                }
-                if matches!(op, Op::Sub) {
-                    before[Op::Add.number() as usize] |= compound.bit();
-                }
-            }
-            operand += 1;
+        let parts = Compound::ALL[place].parts();
+        let Part { a, b, .. } = parts[parts.len() - 1];
+        if let Reads::Part(earlier) = a {
+            note(&mut before, parts[earlier].op, Compound::ALL[place]);
+        }
+        if let Reads::Part(earlier) = b {
+            note(&mut before, parts[earlier].op, Compound::ALL[place]);
         }
         place += 1;
     }
     before
 };
+
+/// Notes a compound of which an operator is a part.
+const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
+    table[op.number() as usize] |= compound.bit();
+    // A sum of a negative number or product stands as a difference, and the other way round.
+    if matches!(op, Op::Add | Op::Sub) {
+        table[Op::Add.number() as usize] |= compound.bit();
+        table[Op::Sub.number() as usize] |= compound.bit();
+    }
+}
 
 impl Compounds {
     /// The compound of this set with the most parts that has this operation as its last part.
