@@ -71,7 +71,7 @@ pub struct SceneResources {
     uploaded: RefCell<Option<Arc<BuiltRegions>>>,
 }
 
-/// Grid spacing of the possible centres of the tree of a scene without bounds.
+/// Grid spacing of the places of the eye for which trees are built.
 const CENTER_STEP: f32 = 8.0;
 
 /// What regions were built for: equal requests give equal trees.
@@ -305,15 +305,17 @@ impl SceneResources {
 
     /// What the regions of a frame are built for.
     pub fn region_request(&self, frame: &Frame) -> RegionRequest {
-        // The tree of a scene without bounds follows the eye, but not at every step.
+        // A tree follows an eye among the surfaces, but not at every step.
         let eye = frame.camera.position.as_vec3();
-        let center = if self.world.bounds.is_some() {
-            glam::Vec3::ZERO
-        } else {
-            CENTER_STEP * (eye / CENTER_STEP).round()
+        let near_eye = (CENTER_STEP * (eye / CENTER_STEP).round()).to_array();
+        let (center, eye) = match self.world.bounds {
+            None => (near_eye, None),
+            Some(bounds) => {
+                ([0.0; 3], (!self.world.steep && bounds.hold(eye.to_array())).then_some(near_eye))
+            }
         };
-        let center = center.to_array();
-        let options = RegionOptions { cells: self.with_cells.get(), texels_max: self.texels_max, center };
+        let (cells, texels_max) = (self.with_cells.get(), self.texels_max);
+        let options = RegionOptions { cells, texels_max, center, eye };
         let programs = if self.shortens.get() && self.is_interpretable {
             self.worth.borrow().request(&self.buffers, &frame.inputs)
         } else {

@@ -386,7 +386,9 @@ fn hits_and_misses_are_those_of_the_oracle() {
         for moment in 0..moments {
             let inputs = inputs_of(&world, 3.0 + 17.0 * moment as f32);
             let center = world.frame_tape.values(&inputs).camera.position;
-            let regions = plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center });
+            let eye = world.bounds.is_some_and(|bounds| bounds.hold(center)).then_some(center);
+            let regions =
+                plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center, eye });
             let mut table = Vec::new();
             tape.table_values(&inputs, &mut table);
             let oracle = Oracle { tape: &tape, table, frame: &inputs };

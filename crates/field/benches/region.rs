@@ -1,4 +1,4 @@
-//! How long the tree of a frame takes, on one thread: of the speakers, of the surfaces, and of a scene of over 11,000
+//! How long the tree of a frame takes, on one thread: of some shipped scenes, and of a scene of over 11,000
 //! clauses.
 
 use mariana_field::graph::{SoundInput, SoundInputs};
@@ -18,9 +18,11 @@ let balls = smooth_union(for i in 0..100: sphere(p - place(i + 1000), 0.4 + 0.2 
 min(boxes, balls)
 ";
 
-const SCENES: [(&str, &str); 4] = [
+const SCENES: [(&str, &str); 6] = [
     ("speakers", include_str!("../../../assets/scenes/speakers.scene")),
     ("gyroid", include_str!("../../../assets/scenes/gyroid.scene")),
+    ("lattice", include_str!("../../../assets/scenes/lattice.scene")),
+    ("tunnel", include_str!("../../../assets/scenes/tunnel.scene")),
     ("terrain", include_str!("../../../assets/scenes/terrain.scene")),
     ("many", MANY),
 ];
@@ -46,7 +48,8 @@ fn trees(criterion: &mut Criterion) {
         let Ok(world) = World::new(name, scene, Vec::new()) else { continue };
         let inputs = inputs_of(&world);
         let center = world.frame_tape.values(&inputs).camera.position;
-        let options = RegionOptions { cells: true, texels_max: 1 << 22, center };
+        let eye = world.bounds.is_some_and(|bounds| !world.steep && bounds.hold(center)).then_some(center);
+        let options = RegionOptions { cells: true, texels_max: 1 << 22, center, eye };
         let plan = RegionPlan::new(&world);
         eprintln!("{name}: {:?}", plan.build(&inputs, &options).stats);
         group.bench_function(name, |bencher| bencher.iter(|| black_box(plan.build(&inputs, &options))));

@@ -357,27 +357,57 @@ const ROOTED: [u32; 128] = {
     let mut rooted = [0; 128];
     let mut place = 0;
     while place < Compound::ALL.len() {
-        let compound = Compound::ALL[place];
-        let parts = compound.parts();
-        let op = parts[parts.len() - 1].op;
-        rooted[op.number() as usize] |= compound.bit();
-        // A sum of a negative number or product stands as a difference, and the other way round.
-        if matches!(op, Op::Add) {
-            rooted[Op::Sub.number() as usize] |= compound.bit();
-        }
-        if matches!(op, Op::Sub) {
-            rooted[Op::Add.number() as usize] |= compound.bit();
-        }
+        let parts = Compound::ALL[place].parts();
+        note(&mut rooted, parts[parts.len() - 1].op, Compound::ALL[place]);
         place += 1;
     }
     rooted
 };
 
+/// By operator number: the compounds of which it may be an operand of the last part. Every one has such an operand.
+const BEFORE_LAST: [u32; 128] = {
+    let mut before = [0; 128];
+    let mut place = 0;
+    while place < Compound::ALL.len() {
+        let parts = Compound::ALL[place].parts();
+        let Part { a, b, .. } = parts[parts.len() - 1];
+        if let Reads::Part(earlier) = a {
+            note(&mut before, parts[earlier].op, Compound::ALL[place]);
+        }
+        if let Reads::Part(earlier) = b {
+            note(&mut before, parts[earlier].op, Compound::ALL[place]);
+        }
+        place += 1;
+    }
+    before
+};
+
+/// Notes a compound of which an operator is a part.
+const fn note(table: &mut [u32; 128], op: Op, compound: Compound) {
+    table[op.number() as usize] |= compound.bit();
+    // A sum of a negative number or product stands as a difference, and the other way round.
+    if matches!(op, Op::Add | Op::Sub) {
+        table[Op::Add.number() as usize] |= compound.bit();
+        table[Op::Sub.number() as usize] |= compound.bit();
+    }
+}
+
 impl Compounds {
     /// The compound of this set with the most parts that has this operation as its last part.
     #[inline]
     pub(crate) fn find(self, values: &impl Values, last: Operation) -> Option<Found> {
-        let candidates = self.0 & ROOTED.get(usize::from(last.op.number())).copied().unwrap_or(0);
+        let by_op = |table: &[u32; 128], op: Op| table.get(usize::from(op.number())).copied().unwrap_or(0);
+        let rooted = self.0 & by_op(&ROOTED, last.op);
+        if rooted == 0 {
+            return None;
+        }
+        let before = |operand: Arg| match operand {
+            Arg::Value(value) if values.is_own(value) => {
+                values.operation(value).map_or(0, |operation| by_op(&BEFORE_LAST, operation.op))
+            }
+            _ => 0,
+        };
+        let candidates = rooted & (before(last.a) | before(last.b));
         if candidates == 0 { None } else { find_among(candidates, values, last) }
     }
 }

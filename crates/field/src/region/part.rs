@@ -15,9 +15,12 @@ use crate::graph::Interval;
 
 /// Programs up to this length are not divided further.
 const UNDIVIDED_MAX: usize = 16;
-/// In a scene that has no bounds and needs gradients, a cell is divided if its side is more than this share of its
-/// distance from the middle.
-const FINE_SHARE: f32 = 0.3;
+/// Around the eye a cell is divided if its side is more than this share of its distance from there ..
+const FINE_SHARE: f32 = 0.16;
+/// .. or this share, if gradients are needed.
+const STEEP_FINE_SHARE: f32 = 0.3;
+/// If the cells of a brick need more different programs than this, decisions that save little are not taken.
+const GROUPS_MANY: usize = 16;
 /// Farther from surfaces than this no ray asks for the object.
 const OBJECT_REACH: f32 = 0.25;
 
@@ -123,6 +126,11 @@ impl<'a> Part<'a> {
         }
     }
 
+    /// How many texels the part has written.
+    pub(super) fn texel_count(&self) -> usize {
+        self.texels.len()
+    }
+
     /// Takes the result: the blocks of the root and the texels, for a tree in which `before` texels of other parts
     /// come first.
     pub(super) fn finish(mut self, before: usize) -> (Vec<(usize, Cells)>, Vec<Texel>, RegionStats) {
@@ -176,8 +184,14 @@ impl<'a> Part<'a> {
         let shares = neighbours.iter().flat_map(|eighth| [away & near & eighth, away & !near & eighth]);
         level.together.clear();
         level.together.extend(shares.filter(|cells| *cells != 0));
-        level.decisions.decide(program, structure, &level.rows, [own, near], &level.together);
-        level.decisions.groups(&level.rows, &[near, own & !near], &mut level.groups);
+        for coarse in [false, true] {
+            level.decisions.coarse = coarse;
+            level.decisions.decide(program, structure, &level.rows, [own, near], &level.together);
+            level.decisions.groups(&level.rows, &[near, own & !near], &mut level.groups);
+            if depth == 1 || level.groups.len() <= GROUPS_MANY {
+                break;
+            }
+        }
         for index in 0..level.groups.len() {
             let group = level.groups[index];
             level.decisions.shortened(
@@ -190,7 +204,7 @@ impl<'a> Part<'a> {
             );
             let slopes = self.slopes(&level, depth, group & surface);
             let mut divided =
-                if depth == 1 { group & surface & self.divisible(&level.short, &block) } else { 0 };
+                if depth == 1 { self.divisible(&level.short, &block, group & surface) } else { 0 };
             if divided != 0 {
                 level.structure.look_at(&level.short);
             }
@@ -221,13 +235,16 @@ impl<'a> Part<'a> {
         cells
     }
 
-    /// The cells of a block that are worth dividing, given their program.
-    fn divisible(&self, program: &Program, block: &Block) -> u64 {
-        match &self.gradients {
-            None if program.steps.len() > UNDIVIDED_MAX => u64::MAX,
-            None => 0,
-            Some(_) => mask(|cell| self.is_close(block, cell)),
+    /// Those of a block's cells that are worth dividing, given their program.
+    fn divisible(&self, program: &Program, block: &Block, cells: u64) -> u64 {
+        if self.gradients.is_none() && program.steps.len() <= UNDIVIDED_MAX {
+            return 0;
         }
+        let options = self.trunk.options;
+        let Some(eye) = options.eye.or(self.trunk.unbounded.then_some(options.center)) else { return cells };
+        cells_of(cells)
+            .filter(|cell| self.is_close(block, *cell, eye))
+            .fold(0, |close, cell| close | 1 << cell)
     }
 
     /// The address of the next texels, if there is room for this many.
@@ -237,17 +254,18 @@ impl<'a> Part<'a> {
         fits.then_some(at as u32)
     }
 
-    /// Whether a cell of a block looks large from the middle of a tree without bounds. Gradients take too long to
-    /// compute for small cells everywhere.
-    fn is_close(&self, block: &Block, cell: usize) -> bool {
+    /// Whether a cell of a block looks large from about where the eye is. Small ones do not pay where few rays come, and
+    /// gradients take too long to compute for them.
+    fn is_close(&self, block: &Block, cell: usize, eye: [f32; 3]) -> bool {
         let place = place_in(cell);
         let away = (0..3).map(|axis| {
             let low = block.low[axis] + place[axis] as f32 * block.cell[axis];
-            let center = self.trunk.options.center[axis];
-            (low - center).max(center - low - block.cell[axis]).max(0.0)
+            (low - eye[axis]).max(eye[axis] - low - block.cell[axis]).max(0.0)
         });
+        let away_squared: f32 = away.map(|along| along * along).sum();
         let side = block.cell.into_iter().fold(0.0, f32::max);
-        !self.trunk.unbounded || side > FINE_SHARE * away.fold(0.0, f32::hypot)
+        let share = if self.gradients.is_some() { STEEP_FINE_SHARE } else { FINE_SHARE };
+        side * side > share * share * away_squared
     }
 
     /// The words of the gradient for a group of the level's cells; 0 where no surface may be or no ray asks. In

@@ -134,16 +134,26 @@ impl Program {
     /// A number that identifies the program; two programs share it only with a chance of one in 2^64.
     pub(super) fn hash(&self) -> u64 {
         const FACTORS: [u64; 3] = [0x9E37_79B9_7F4A_7C15, 0xBF58_476D_1CE4_E5B9, 0x94D0_49BB_1331_11EB];
-        // Both words are mixed outside of the chain, so that the chain has one product per step.
+        // Words are mixed outside of the chain, so that the chain has one product per step.
         let mix = |hash: u64, first: u64, second: u64| {
             let words = first.wrapping_mul(FACTORS[0]) ^ second.wrapping_mul(FACTORS[1]).rotate_left(32);
             (hash ^ words).wrapping_mul(FACTORS[2]).rotate_left(23)
         };
-        let steps = self.steps.iter().fold(0, |hash, step| {
+        let with_step = |hash: u64, step: &Step| {
             let number = u64::from(step.number.to_bits()) << 32;
             let operator = u64::from(step.op.number()) | (step.form as u64) << 8;
             mix(hash, u64::from(step.a) | u64::from(step.b) << 32, number | operator)
-        });
+        };
+        // Four chains, because the CPU would wait for each product of a single one.
+        let (fours, rest) = self.steps.as_chunks::<4>();
+        let mut chains = [0, 1, 2, 3];
+        for four in fours {
+            for (chain, step) in chains.iter_mut().zip(four) {
+                *chain = with_step(*chain, step);
+            }
+        }
+        let joined = chains.into_iter().fold(self.steps.len() as u64, |hash, chain| mix(hash, chain, 0));
+        let steps = rest.iter().fold(joined, with_step);
         let hash = self.roots.iter().fold(steps, |hash, root| match root {
             Arg::Value(value) => mix(hash, u64::from(*value), 1),
             Arg::Number(number) => mix(hash, u64::from(number.to_bits()), 2),
@@ -172,12 +182,29 @@ pub(super) struct Structure {
     pub(super) outermost: Vec<u32>,
     /// Whether the step may become a constant, or one of its arguments, somewhere.
     pub(super) may_settle: Vec<bool>,
+    /// By value: the steps that only it needs, itself included.
+    weight: Vec<u16>,
     /// By value: how many steps read it, and the last one that does.
     uses: Vec<u8>,
     reader: Vec<u32>,
 }
 
 impl Structure {
+    /// Whether it saves next to nothing that a step becomes one of its operands, given the one that is dropped. A sum
+    /// of what lies outside is a chain, and one part of it hardly saves anything without the others.
+    pub(super) fn saves_little(&self, step: &Step, dropped: Arg) -> bool {
+        let most = match step.op {
+            Op::OutsideAdd | Op::Mask => return false,
+            Op::Min | Op::Max => 2,
+            _ => 1,
+        };
+        let saved = match dropped {
+            Arg::Value(value) if step.op.arity() == 2 => self.weight[value as usize].saturating_add(1),
+            _ => 1,
+        };
+        saved <= most
+    }
+
     /// Collects these facts about a program.
     pub(super) fn look_at(&mut self, program: &Program) {
         let count = program.values();
@@ -198,6 +225,14 @@ impl Structure {
             if let Arg::Value(value) = root {
                 self.uses[*value as usize] = u8::MAX;
             }
+        }
+        refill(&mut self.weight, count, 0u16);
+        for (index, step) in program.steps.iter().enumerate() {
+            let own =
+                |value: u32| if self.uses[value as usize] == 1 { self.weight[value as usize] } else { 0 };
+            let second = if step.a == step.b { 0 } else { own(step.b) };
+            let steps = own(step.a).saturating_add(second).saturating_add(1);
+            self.weight[program.inputs + index] = steps;
         }
         self.outermost.clear();
         self.outermost.extend(0..count as u32);

@@ -30,6 +30,8 @@ pub(super) struct ChoiceTrace {
     values: Vec<Decided>,
     /// [`Program::inputs`].
     inputs: usize,
+    /// Whether decisions that save little are left out where not all cells agree: they cost a group.
+    pub(super) coarse: bool,
     /// The steps that some cell needs, last first.
     needed: Vec<u32>,
     /// Those needed steps about which something was decided in some cell.
@@ -219,6 +221,7 @@ fn decide(
     decisions.inputs = program.inputs;
     decisions.needed.clear();
     decisions.settled.clear();
+    let coarse = decisions.coarse;
     let values = &mut decisions.values[..];
     for &(root, cells) in roots {
         if let Arg::Value(value) = program.roots[root] {
@@ -287,6 +290,15 @@ fn decide(
             _ => {}
         }
         (left, right) = (left & live, right & live);
+        if coarse {
+            // What all cells have in common costs no group.
+            if left != live && structure.saves_little(step, step.second()) {
+                left = 0;
+            }
+            if right != live && structure.saves_little(step, step.first()) {
+                right = 0;
+            }
+        }
         for cells in together {
             if left & cells != live & cells {
                 left &= !cells;

@@ -91,6 +91,61 @@ fn many_shapes_are_the_same_in_every_cell() {
     assert!(mean < 60.0, "{mean} texels for a tape");
 }
 
+/// Balls and bars in cells of 4, each node with a size of its own, as far as 22 from the eye in the middle.
+const LATTICE: &str = "
+fn node(p) = round(p / 4)
+object frame {
+  shape = if length(p) < 22 then lattice(p) else 100
+  bound = if length(p) < 22 then others(p) else 100
+}
+fn lattice(p) {
+  let q = p - 4 * node(p)
+  let a = abs(q)
+  let ball = length(q) - 0.4 - 0.4 * hash(node(p)) * band(0)
+  smooth_union(ball, min(length(a.xy), length(a.yz), length(a.zx)) - 0.07, 0.3)
+}
+fn others(p) {
+  let a = abs(p - 4 * node(p))
+  sqrt(dot(a, a) + 4 * (4 - 2 * max(a.x, a.y, a.z))) - 0.9
+}
+";
+
+#[test]
+fn cells_that_differ_in_little_share_a_tape() {
+    let world = world_of(LATTICE);
+    let inputs = inputs_of(&world, 3.0, 0.7);
+    assert_regions_are_right(&world, &inputs, 20_000);
+    let stats = RegionPlan::new(&world)
+        .build(&inputs, &RegionOptions { texels_max: 1 << 22, ..Default::default() })
+        .stats;
+    // If every cell took what it needs and nothing else, there would be twice as many.
+    assert!(stats.cells > 100_000 && stats.tapes < 9_000, "{stats:?}");
+}
+
+#[test]
+fn cells_that_look_small_are_not_divided() {
+    let world = world_of(LATTICE);
+    assert!(world.bounds.is_some());
+    let inputs = inputs_of(&world, 3.0, 0.7);
+    let plan = RegionPlan::new(&world);
+    let everywhere = RegionOptions { texels_max: 1 << 22, ..Default::default() };
+    let around = RegionOptions { eye: Some([-18.0, 0.0, 0.0]), ..everywhere };
+    let [everywhere, around] = [everywhere, around].map(|options| plan.build(&inputs, &options));
+    let side = |tree: &Regions, at: [f32; 3]| tree.cell_at(at).map_or(0.0, |cell| cell.high[0] - cell.low[0]);
+    let (mut near, mut far) = (0, 0);
+    for number in 0..20_000 {
+        let at = point(&around, number);
+        assert_eq!(around.distance(at, 0.1, &inputs), everywhere.distance(at, 0.1, &inputs), "{at:?}");
+        let [here, there] = [&around, &everywhere].map(|tree| side(tree, at));
+        if at[0] < -9.0 && at[1].abs() < 9.0 && at[2].abs() < 9.0 {
+            assert_eq!(here, there, "{at:?}");
+            near += 1;
+        }
+        far += usize::from(here > there);
+    }
+    assert!(near > 300 && far > 300, "{near} {far}");
+}
+
 #[test]
 fn a_tree_without_room_is_right_and_says_so() {
     let world = world_of(MANY);
@@ -263,7 +318,7 @@ fn cells_hold_the_slopes_in_them() {
         let world = world_of(text);
         assert!(world.steep, "{text}");
         let inputs = inputs_of(&world, 3.5, 0.8);
-        let options = RegionOptions { cells: false, texels_max: 1 << 22, center: [0.3; 3] };
+        let options = RegionOptions { cells: false, texels_max: 1 << 22, center: [0.3; 3], eye: None };
         let regions = RegionPlan::new(&world).build(&inputs, &options);
         let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
         let mut gradients = crate::tape::GradientEvaluator::new(&tape, &inputs);

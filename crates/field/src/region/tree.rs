@@ -21,11 +21,14 @@ pub struct RegionOptions {
     pub texels_max: usize,
     /// Centre of the tree if the scene has no bounds.
     pub center: [f32; 3],
+    /// In a scene with bounds: about where the eye is, if it is within them. Cells that look small from there are not
+    /// divided; in a scene without bounds this holds around its centre.
+    pub eye: Option<[f32; 3]>,
 }
 
 impl Default for RegionOptions {
     fn default() -> Self {
-        Self { cells: true, texels_max: 1 << 16, center: [0.0; 3] }
+        Self { cells: true, texels_max: 1 << 16, center: [0.0; 3], eye: None }
     }
 }
 
@@ -158,6 +161,7 @@ pub(super) fn build(
         let count = parts.max(1);
         let mut parts: Vec<Part> = (0..count).map(|number| Part::new(&trunk, number, count)).collect();
         run(&mut parts);
+        texels.reserve_exact(trunk.texels.len() + parts.iter().map(Part::texel_count).sum::<usize>());
         texels.extend_from_slice(&trunk.texels);
         for part in parts {
             let (blocks, its, of_part) = part.finish(texels.len() - trunk.texels.len());

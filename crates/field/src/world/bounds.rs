@@ -18,6 +18,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Whether a place lies in the box.
+    pub fn hold(&self, place: [f32; 3]) -> bool {
+        (0..3).all(|axis| self.low[axis] <= place[axis] && place[axis] <= self.high[axis])
+    }
+
     /// The cube that reaches `reach` from a place along each axis.
     pub fn around(place: [f32; 3], reach: f32) -> Self {
         Self { low: place.map(|v| v - reach), high: place.map(|v| v + reach) }
