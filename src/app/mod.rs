@@ -4,7 +4,8 @@
 mod announcer;
 mod drawing_pace;
 mod dynamic_resolution;
-pub mod error;
+pub mod edits;
+mod error;
 pub mod file_browser;
 mod frame_times;
 pub mod identity;
