@@ -17,8 +17,8 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use crate::config::QualityChoice;
 use super::edits;
+use crate::config::QualityChoice;
 use crate::gpu::edge_samples::EdgeSamples;
 
 /// How a picture is drawn.
