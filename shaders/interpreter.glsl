@@ -11,8 +11,6 @@
 // because they would otherwise be computed with every clause. A GPU skips branches, and its compilers make a function
 // anew at each call: its loop holds one clause.
 
-#include "operators.glsl"
-
 uniform usamplerBuffer tape;        // RGBA32UI
 
 #ifdef COUNT_EVALUATIONS
@@ -45,32 +43,9 @@ int operator_number(uint word) {
     return int(opcode < 64u ? opcode : 64u | (opcode & 63u));
 }
 
-// --- Registers ---
-
-// Up to 8 registers are variables, selected by the bits of the register's number; more are an array.
-#define PICK4(file, first, word, place) (HAS(word, place, 1) ? (HAS(word, place, 0) ? file[first + 3] : file[first + 2]) : (HAS(word, place, 0) ? file[first + 1] : file[first]))
-#define PICK8(file, word, place) (HAS(word, place, 2) ? PICK4(file, 4, word, place) : PICK4(file, 0, word, place))
-#define PUT(file, i, at, value) file[i] = at == uint(i) ? value : file[i]
-#define PUT4(file, at, value) PUT(file, 0, at, value); PUT(file, 1, at, value); PUT(file, 2, at, value); PUT(file, 3, at, value)
-#define PUT8(file, at, value) PUT4(file, at, value); PUT(file, 4, at, value); PUT(file, 5, at, value); PUT(file, 6, at, value); PUT(file, 7, at, value)
-
-#if REGION_REGISTERS == 4
-#define REGION_READ(word, place) PICK4(region_file, 0, word, place)
-#define REGION_WRITE(at, value) PUT4(region_file, at, value)
-#elif REGION_REGISTERS == 8
-#define REGION_READ(word, place) PICK8(region_file, word, place)
-#define REGION_WRITE(at, value) PUT8(region_file, at, value)
-#else
-#define REGION_READ(word, place) region_file[BYTE(word, place) & uint(REGION_REGISTERS - 1)]
-#define REGION_WRITE(at, value) region_file[at & uint(REGION_REGISTERS - 1)] = value
-#endif
-#if REGISTERS == 8
-#define READ(word, place) PICK8(tape_file, word, place)
-#define WRITE(at, value) PUT8(tape_file, at, value)
-#else
-#define READ(word, place) tape_file[BYTE(word, place) & uint(REGISTERS - 1)]
-#define WRITE(at, value) tape_file[at & uint(REGISTERS - 1)] = value
-#endif
+// The operators, and how registers are read, READ(word, place), and written, WRITE(at, value): few are variables,
+// selected by the bits of the register's number; more are an array.
+#include "operators.glsl"
 
 // Whether a clause is the second of its texel: known at each call, or only in the loop.
 #ifdef EVERY_CASE
@@ -98,10 +73,9 @@ float region_file[REGION_REGISTERS];
 
 // Runs a clause; with EVERY_CASE except for rare operators, which run_region computes from their operands a and b.
 void region_clause(uint word, uint immediate, CLAUSE_PLACE last, out float a, out float b) {
-    int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : REGION_READ(word, 3);
-    float r = region_common(number, a, b, uintBitsToFloat(immediate));
+    float r = region_common(word, a, b, uintBitsToFloat(immediate));
     uint at = written_register(word, last);
     REGION_WRITE(at, r);
 }
@@ -127,7 +101,7 @@ vec2 run_region(int first, vec3 p, float penumbra) {
             if ((words.z & 255u) == 0u || region_is_rare(operator_number(words.z))) break;
         }
         if ((words.z & 255u) == 0u) break;
-        float r = region_rare(operator_number(words.z), a, b, 0.0);
+        float r = region_rare(words.z, a, b, 0.0);
         REGION_WRITE(BYTE(words.z, 1), r);
     }
 #else
@@ -158,7 +132,7 @@ void tape_clause(uint word, uint immediate, CLAUSE_PLACE last, vec3 p, vec3 n, o
     int number = operator_number(word);
     a = a_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 2);
     b = b_is_immediate(word) ? uintBitsToFloat(immediate) : READ(word, 3);
-    float r = tape_common(number, a, b, uintBitsToFloat(immediate));
+    float r = tape_common(word, a, b, uintBitsToFloat(immediate));
 #ifdef INPUT_CLAUSES
     r = number == 8 ? p.x : number == 9 ? p.y : number == 10 ? p.z : r;
     r = number == 11 ? n.x : number == 12 ? n.y : number == 13 ? n.z : r;
@@ -203,7 +177,7 @@ vec2 run_tape(int first, vec3 p, vec3 n) {
             if ((words.z & 255u) == 0u || tape_is_rare(operator_number(words.z))) break;
         }
         if ((words.z & 255u) == 0u) break;
-        float r = tape_rare(operator_number(words.z), a, b, 0.0);
+        float r = tape_rare(words.z, a, b, 0.0);
         WRITE(BYTE(words.z, 1), r);
     }
 #else

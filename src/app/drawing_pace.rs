@@ -146,6 +146,12 @@ impl DrawingPace {
         if still || is_view { self.resolution.still_level() } else { self.resolution.level() }
     }
 
+    /// Says whether samples are saved because the scene is being edited. A show that stands still is drawn well all the
+    /// same: there is time.
+    pub(super) fn set_edited(&mut self, edited: bool) {
+        self.resolution.set_edited(edited);
+    }
+
     /// Whether a show that stands still could be drawn better than it is, by a driver whose textures have up to
     /// `side_max` texels.
     pub(super) fn could_be_better(&self, now: Instant, is_view: bool, side_max: u32) -> bool {

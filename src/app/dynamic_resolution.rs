@@ -17,6 +17,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use super::edits;
 use crate::config::QualityChoice;
 use crate::gpu::edge_samples::EdgeSamples;
 
@@ -120,6 +121,8 @@ pub(super) struct DynamicResolution {
     /// When the last frames at this level were, and what they cost in seconds.
     frames: VecDeque<(Instant, f64)>,
     settling: usize,
+    /// Whether fewer samples are taken, because the scene is being edited.
+    edited: bool,
     /// Whether the driver once had no memory for a picture.
     lacks_room: bool,
     last: Option<Instant>,
@@ -147,6 +150,7 @@ impl DynamicResolution {
             level,
             frames: VecDeque::new(),
             settling: SETTLING,
+            edited: false,
             lacks_room: false,
             last: None,
             patience: PATIENCE.0,
@@ -164,7 +168,20 @@ impl DynamicResolution {
 
     /// How the next picture is drawn.
     pub(super) fn level(&self) -> Level {
-        level_at(self.level)
+        let level = level_at(self.level);
+        if self.edited { Level { edges: edits::SAMPLES, ..level } } else { level }
+    }
+
+    /// From now on samples are saved because the scene is being edited, or no longer. What was chosen is drawn so in any
+    /// case.
+    pub(super) fn set_edited(&mut self, edited: bool) {
+        if self.choice == QualityChoice::Auto && self.edited != edited {
+            self.edited = edited;
+            // What frames cost with other samples tells nothing.
+            self.gave_way = None;
+            self.frames.clear();
+            self.settling = SETTLING;
+        }
     }
 
     /// How a picture that stands still is drawn: there is time for it.
@@ -283,7 +300,8 @@ impl DynamicResolution {
     }
 
     fn come_back(&mut self, now: Instant) {
-        let Some(better) = self.level.checked_sub(1) else { return };
+        // A level that fits because samples are saved would be left again when the text rests.
+        let Some(better) = self.level.checked_sub(1).filter(|_| !self.edited) else { return };
         let since = self.frames.front().map(|(then, _)| now.saturating_duration_since(*then));
         // Frames a little younger than the patience are the oldest that there can be.
         let waited = since.is_some_and(|since| since + LOOK.0 >= self.patience);

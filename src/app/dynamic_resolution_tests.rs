@@ -182,3 +182,29 @@ fn short_sides_stay() {
         assert!((0.7..0.88).contains(&ratio), "{pair:?}: {ratio}");
     }
 }
+
+#[test]
+fn an_edited_scene_saves_samples_gives_way_if_it_must_and_comes_back_when_it_rests() {
+    let mut window = Window::new();
+    // What samples cost, too: too much at the best level even if they are saved.
+    let cost = |_, level: Level| 0.02 * level.scale.powi(2) * (1.0 + level.edges.count() as f64 / 4.0);
+    window.dynamic_resolution.set_edited(true);
+    assert_eq!(window.dynamic_resolution.level().edges, EdgeSamples::Two);
+    window.show(1.0, cost);
+    let edited = window.dynamic_resolution.level;
+    assert!(edited > 0, "late frames still give way");
+    // There is time left, but the samples that come back will need it.
+    window.show(30.0, |_, _| 0.001);
+    assert_eq!(window.dynamic_resolution.level, edited);
+    window.dynamic_resolution.set_edited(false);
+    assert_eq!(window.dynamic_resolution.level().edges, EdgeSamples::Four);
+    window.show(30.0, |_, _| 0.001);
+    assert_eq!(window.dynamic_resolution.level, 0);
+
+    let mut chosen = DynamicResolution::new(QualityChoice::High, FPS);
+    chosen.set_edited(true);
+    assert_eq!(chosen.level().edges, EdgeSamples::Four, "what was chosen stays");
+    let mut window = DynamicResolution::new(QualityChoice::Auto, FPS);
+    window.set_edited(true);
+    assert_eq!(window.still_level().edges, EdgeSamples::Sixteen, "there is time for what stands still");
+}

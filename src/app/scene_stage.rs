@@ -34,6 +34,7 @@ use kept::KeptPrograms;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
+use super::edits::Edits;
 use super::overlay::Slider;
 use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
@@ -111,6 +112,7 @@ pub(super) struct SceneStage {
     before: Option<Cast>,
     ahead: Ahead,
     fading: Fading,
+    edits: Edits,
     /// The picture that is being drawn.
     making: Option<Making>,
     universal: UniversalInterpreters,
@@ -169,6 +171,7 @@ impl SceneStage {
             before: None,
             ahead: Ahead::with(loaders.ahead),
             fading: Fading::of(ways.fade),
+            edits: Edits::default(),
             making: None,
             // Without threads it would be compiled between frames, which then come late.
             universal: UniversalInterpreters::new(!gl.info().software && compiler.has_threads()),
@@ -296,6 +299,11 @@ impl SceneStage {
             SdfChoice::Compiled | SdfChoice::Auto => [Mode::Compiled, Mode::Interpreted],
         };
         order.into_iter().find(|mode| cast.program(*mode).is_some())
+    }
+
+    /// Whether the scene on the stage is being edited and drawn with fewer samples meanwhile.
+    pub(super) fn saves_samples(&self, now: Instant) -> bool {
+        self.edits.save_samples(self.mode(), now)
     }
 
     /// Whether the regions of a requested picture have come.

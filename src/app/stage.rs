@@ -299,6 +299,11 @@ impl Stage {
         self.update_settings();
         let now = Instant::now();
         self.reports.update(now);
+        let edited = self.scene.saves_samples(now);
+        // A picture that was begun is not begun again because the text rests.
+        if edited || !self.scene.is_drawing() {
+            self.pace.set_edited(edited);
+        }
         if self.scene.is_drawing() {
             return Ok(now);
         }

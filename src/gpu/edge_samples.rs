@@ -3,6 +3,8 @@
 /// How many further samples a pixel at an edge gets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EdgeSamples {
+    /// For moving pictures of a scene that is being edited: enough for edges that are no stairs.
+    Two,
     /// For moving pictures.
     Four,
     /// Twice as many.
@@ -13,7 +15,8 @@ pub enum EdgeSamples {
 
 impl EdgeSamples {
     /// All of them.
-    pub const ALL: [EdgeSamples; 3] = [EdgeSamples::Four, EdgeSamples::Eight, EdgeSamples::Sixteen];
+    pub const ALL: [EdgeSamples; 4] =
+        [EdgeSamples::Two, EdgeSamples::Four, EdgeSamples::Eight, EdgeSamples::Sixteen];
 
     /// How many there are.
     pub fn count(self) -> usize {
@@ -21,9 +24,11 @@ impl EdgeSamples {
     }
 
     /// Offsets from the pixel's centre, in sixteenths of a pixel: no two share a row or a column, and they are spread
-    /// as evenly as possible (the standard patterns of Direct3D 11; of four, a rotated grid).
+    /// as evenly as possible (the standard patterns of Direct3D 11; of four, a rotated grid). Two lie on one line with
+    /// the centre, along which edges stay stairs: it is neither level, nor upright, nor a diagonal.
     fn places(self) -> &'static [[i8; 2]] {
         match self {
+            EdgeSamples::Two => &[[-5, 4], [5, -4]],
             EdgeSamples::Four => &[[-2, -6], [6, -2], [-6, 2], [2, 6]],
             EdgeSamples::Eight => &[[1, -3], [-1, 3], [5, 1], [-3, -5], [-5, 5], [-7, -1], [3, 7], [7, -7]],
             EdgeSamples::Sixteen => &[
@@ -57,6 +62,7 @@ impl EdgeSamples {
     /// Width and height, in texels, of the block into which they are drawn when they are placed side by side.
     pub fn block(self) -> (u32, u32) {
         match self {
+            EdgeSamples::Two => (2, 1),
             EdgeSamples::Four => (2, 2),
             EdgeSamples::Eight => (4, 2),
             EdgeSamples::Sixteen => (4, 4),
@@ -68,7 +74,7 @@ impl EdgeSamples {
     /// levels.)
     pub fn contrasts(self) -> [f32; 2] {
         match self {
-            EdgeSamples::Four => [0.03, 0.20],
+            EdgeSamples::Two | EdgeSamples::Four => [0.03, 0.20],
             EdgeSamples::Eight => [0.025, 0.12],
             EdgeSamples::Sixteen => [0.02, 0.06],
         }

@@ -10,8 +10,8 @@
 //! the renderer draws with any scene's.
 //!
 //! **Samples where edges are.** Every pixel gets one sample. If neighbours show different surfaces (a key in alpha)
-//! and visibly different colours, the same program draws more: four in the window (6 to 13 % of the pixels), sixteen
-//! in stills and videos, which also look for the edges of shadows. `bench --edges` compares them with 64 samples
+//! and visibly different colours, the same program draws more: four in the window (6 to 13 % of the pixels; two while
+//! a scene that is interpreted is being edited), sixteen in stills and videos, which also look for the edges of shadows. `bench --edges` compares them with 64 samples
 //! everywhere. On a GPU a stencil selects these pixels. A software renderer computes eight neighbours at once, and
 //! those few pixels would cost more than the first samples of all: there they are read back and listed, and their
 //! samples are drawn side by side. All samples are drawn in one GL state, because some drivers compile a program once
@@ -216,6 +216,7 @@ impl Renderer {
     /// From now on pixels at edges get this many samples; the default is four.
     pub fn set_edge_samples(&mut self, samples: EdgeSamples) {
         if self.edge_samples != samples {
+            tracing::debug!("{} further samples at edges", samples.count());
             self.edge_samples = samples;
             self.put_targets_away();
         }

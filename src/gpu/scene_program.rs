@@ -107,10 +107,14 @@ impl Interpreter {
     /// Whether this variant can draw every scene that `other` can.
     pub fn covers(&self, other: &Self) -> bool {
         let (regions, others) = (&self.regions, &other.regions);
+        let every_case = self.tapes.every_case;
+        let registers = |of: &RegionVariant| {
+            if every_case { of.registers } else { of.registers.next_power_of_two() }
+        };
         self.tapes.covers(&other.tapes)
             && self.traits.covers(other.traits)
             && regions.steep == others.steep
-            && regions.registers >= others.registers
+            && registers(regions) >= registers(others)
             && regions.operators.is_superset(&others.operators)
             && regions.compounds.covers(others.compounds)
     }

@@ -90,6 +90,40 @@ fn a_scene_that_is_too_much_is_drawn_with_fewer_pixels_and_best_is_not() {
 }
 
 #[test]
+fn an_edit_is_interpreted_with_fewer_samples_until_the_text_rests_and_compiled_with_all() {
+    let ball = |radius: f64| {
+        format!(
+            "object ball {{ shape = sphere(p - vec3(sin(t), 0, 0), {radius}) }}\n\
+             light sun {{ direction = vec3(1, -2, 1) }}\n\
+             camera {{ position = vec3(0, 1, -7)  target = vec3(0) }}"
+        )
+    };
+    let (fewer, all) = ("2 further samples at edges", "4 further samples at edges");
+    for (mode, saves) in [("interpreted", true), ("compiled", false)] {
+        let place = Place::new(&ball(1.0), 60);
+        let mut app = place.open("160x90", &["-v", "--sdf", mode]);
+        let opened = app.told();
+        assert!(!opened.contains(fewer), "opening is no edit: {opened}");
+        std::fs::write(&place.scene, ball(1.5)).unwrap();
+        let shown = format!("is shown, {mode}");
+        wait_until("the edit", || app.told().matches(&shown).count() == 2);
+        if saves {
+            app.wait_until_told(fewer);
+            app.wait_until_told(all);
+            let told = app.told();
+            let (fewer, all) = (told.find(fewer), told.rfind(all));
+            assert!(fewer < all, "{told}");
+        } else {
+            for _ in 0..PICTURES {
+                let picture = app.picture();
+                wait_until("another picture", || app.picture() != picture);
+            }
+            assert!(!app.told().contains(fewer), "{}", app.told());
+        }
+    }
+}
+
+#[test]
 fn fewer_pixels_show_the_same_picture() {
     let place = Place::new(SMOOTH, 60);
     for quality in ["low", "medium"] {

@@ -128,6 +128,12 @@ impl SceneStage {
             let replaced = std::mem::replace(&mut self.on_stage, self.coming.take());
             let name = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.title());
             let is_another = replaced.is_some() && name(&replaced) != name(&self.on_stage);
+            let source = |cast: &Option<Cast>| cast.as_ref().map(|cast| cast.source.clone());
+            if source(&replaced) != source(&self.on_stage) {
+                self.edits.forget();
+            } else if self.on_stage.as_ref().is_some_and(|cast| !cast.settles) {
+                self.edits.note(Instant::now());
+            }
             // There is no point in coming back to a scene that has shown nothing.
             if self.pictured == replaced.as_ref().map(|cast| cast.id) {
                 self.before = replaced;

@@ -62,6 +62,7 @@ use std::collections::BTreeSet;
 use crate::graph::{
     Compounds, FrameInputs, Graph, GraphError, Input, Node, NodeId, Op, Properties, TableData, Uses,
 };
+use crate::tape::interpreter::rounded_registers;
 use crate::world::World;
 use encode::{Encoder, REGISTERS_MAX};
 use program::{Arg, BOUND, ESTIMATE, OBJECT, Program};
@@ -84,7 +85,7 @@ pub struct RegionVariant {
     pub operators: BTreeSet<Op>,
     /// The compounds that may occur.
     pub compounds: Compounds,
-    /// Registers: a power of two, 4 to 256.
+    /// Registers: a multiple of four up to 16, or a power of two up to 256. GPUs round up to powers of two.
     pub registers: usize,
     /// Whether rays need the cells' bounds of the gradient.
     pub steep: bool,
@@ -223,7 +224,7 @@ impl RegionPlan {
         plan.whole_texels = program.steps.len() + WHOLE_BESIDE;
         let registers = if fits { encoder.registers } else { REGISTERS_MAX };
         let operators = program.steps.iter().map(|step| step.op).collect();
-        let registers = registers.next_power_of_two();
+        let registers = rounded_registers(registers);
         plan.variant = RegionVariant { operators, compounds, registers, steep: plan.steep };
         plan
     }

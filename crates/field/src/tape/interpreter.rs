@@ -12,7 +12,8 @@
 //! a scene's tapes have is decided once, by what they save whatever a frame's numbers are.
 //!
 //! **Variants.** The text holds only the operators of a [`Variant`]. `EVERY_CASE` is for renderers that never skip a
-//! branch (llvmpipe): all cases are computed and the result is selected. Without it the case is searched by halves.
+//! branch (llvmpipe): all cases are computed and the result is selected by the bits of its number (`tape/select.rs`). Without
+//! it the case is searched by halves.
 //!
 //! **The universal variant** ([`Variant::universal`]) runs nearly every scene, so that on GPUs an edit never waits for
 //! a compiler. Its registers are many on purpose: AMD's compilers put arrays of more than 64 numbers into
@@ -29,12 +30,19 @@ use std::fmt::Write as _;
 
 use super::compounds::{Clause, RunClauses};
 use super::glsl::{fill, literal};
+use super::select;
+pub(crate) use super::select::rounded_registers;
 use super::{Instruction, Tape, opcode};
 use crate::graph::{Compound, Compounds, Op, Properties, Uses};
 use crate::limits::LIMITS;
 
 /// A number that no rule knows.
 const TYPICAL: f32 = 0.618_034;
+
+/// Numbers that are no operators and give their first operand.
+const KEPT: [u8; 2] = [opcode::END, opcode::LOAD];
+/// On GPUs, registers are variables where there are no more than this.
+const SELECTED_BY_GPUS_MAX: usize = 8;
 
 /// Whether an operator costs several times an addition: those stand second in a texel.
 pub const fn is_rare(op: Op) -> bool {
@@ -110,7 +118,7 @@ pub struct Variant {
     pub operators: BTreeSet<Op>,
     /// Compounds that the text contains.
     pub compounds: Compounds,
-    /// Registers: a power of two, 8 to 256.
+    /// Registers, 8 to 256: a power of two, or where every case is computed a multiple of four up to 16.
     pub registers: usize,
     /// Memory in values: 0 or a power of two.
     pub memory: usize,
@@ -156,7 +164,8 @@ impl Variant {
         };
         for tape in tapes {
             variant.operators.extend(tape.operators());
-            variant.registers = variant.registers.max(tape.registers().next_power_of_two());
+            let rounded = if every_case { rounded_registers } else { usize::next_power_of_two };
+            variant.registers = variant.registers.max(rounded(tape.registers()));
             if tape.memory() > 0 {
                 variant.memory = variant.memory.max(tape.memory().next_power_of_two());
             }
@@ -199,9 +208,12 @@ impl Variant {
     }
 
     fn write(&self, region: (&BTreeSet<Op>, Compounds), region_registers: usize, text: &mut String) {
+        // A number is cut to an array's length by its bits.
+        let rounded = |count: usize| if self.every_case { count } else { count.next_power_of_two() };
+        let (registers, region_registers) = (rounded(self.registers), rounded(region_registers));
         // Writing to a String cannot fail.
         let numbers = [
-            ("REGISTERS", self.registers),
+            ("REGISTERS", registers),
             ("MEMORY", self.memory),
             ("SAMPLES", self.samples),
             ("REGION_REGISTERS", region_registers),
@@ -216,6 +228,11 @@ impl Variant {
         let flags = [("INPUT_CLAUSES", self.inputs), ("EVERY_CASE", self.every_case)];
         for (name, _) in flags.iter().filter(|(_, set)| *set) {
             let _ = writeln!(text, "#define {name}");
+        }
+        let selected_max = if self.every_case { select::SELECTED_MAX } else { SELECTED_BY_GPUS_MAX };
+        for (names, count) in [(("REGION_", "region_file"), region_registers), (("", "tape_file"), registers)]
+        {
+            select::write_registers(text, names, count, count <= selected_max);
         }
         // A texel may hold only one clause.
         let _ = writeln!(text, "const int TEXELS_MAX = {};", LIMITS.tape_clauses_max + 1);
@@ -242,14 +259,21 @@ impl Variant {
     fn write_function(&self, text: &mut String, whose: &str, which: &str, cases: impl Iterator<Item = Case>) {
         let _ = writeln!(
             text,
-            "float {whose}_{which}(int number, float a, float b, float c) {{\n    float r = a;"
+            "float {whose}_{which}(uint word, float a, float b, float c) {{\n    float r = a;"
         );
         let cases: Vec<Case> = cases.collect();
         if self.every_case {
+            // END and LOAD give `a`, too.
+            let mut values: Vec<(u8, String)> = KEPT.map(|number| (number, "a".to_owned())).to_vec();
             for Case { number, before, expression } in &cases {
-                let _ = writeln!(text, "{before}    r = number == {number} ? {expression} : r;");
+                let _ = writeln!(text, "{before}    float v{number} = {expression};");
+                values.push((*number, format!("v{number}")));
             }
+            values.sort_unstable_by_key(|(number, _)| *number);
+            let values = if which == "rare" { values.split_off(KEPT.len()) } else { values };
+            let _ = writeln!(text, "    r = {};", select::operator(&values));
         } else {
+            text.push_str("    int number = operator_number(word);\n");
             write_search(text, &cases);
         }
         text.push_str("    return r;\n}\n");

@@ -43,6 +43,7 @@ mod evaluate;
 pub mod glsl;
 pub mod interpreter;
 mod print;
+mod select;
 mod slopes;
 
 pub use clause::{Clause, Instruction, Operand, opcode};

@@ -437,10 +437,12 @@ fn glsl_is_written_from_the_operators() {
         "    if (number < 64) {{\n    if (number < 25) {{\n{square}{or}{root_of}    }}\n{or}    if (number < 65) {{\n{add}{or}    \
          if (number < 69) {{\n{subtract}{or}{max}    }}\n    }}\n    }}\n"
     );
-    let selection: String = cases
-        .iter()
-        .map(|(number, value)| format!("    r = number == {number} ? ({value}) : r;\n"))
-        .collect();
+    let values: String =
+        cases.iter().map(|(number, value)| format!("    float v{number} = ({value});\n")).collect();
+    // END and LOAD, whose numbers are 0 and 2, give the first operand.
+    let unary = "(HAS(word, 0, 4) ? (HAS(word, 0, 0) ? v25 : v24) : (HAS(word, 0, 1) ? a : a))";
+    let binary = "(HAS(word, 0, 2) ? v69 : (HAS(word, 0, 0) ? v65 : v64))";
+    let selection = format!("{values}    r = ((word & 192u) != 0u ? {binary} : {unary});\n");
     for (every_case, expected) in [(false, search), (true, selection)] {
         let text = interpreter::Variant::of([&tape], every_case).text(&tape.operators(), Compounds::NONE, 8);
         assert_eq!(text.matches(&expected).count(), 2, "for materials and for regions: {text}");
