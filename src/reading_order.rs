@@ -7,14 +7,25 @@ use std::borrow::Cow;
 
 use unicode_bidi::{BidiInfo, Level};
 
+/// Nothing below this is written from right to left.
+const FIRST: char = '\u{590}';
+/// Begins a part that is ordered by itself, and ends it.
+const ISOLATE: [char; 2] = ['\u{2068}', '\u{2069}'];
+
+/// A part of a line, such as a title, that is ordered by itself: what follows it is no part of its words.
+pub fn isolated(part: &str) -> Cow<'_, str> {
+    let [begin, end] = ISOLATE;
+    let plain = part.chars().all(|letter| letter < FIRST);
+    if plain { Cow::Borrowed(part) } else { Cow::Owned(format!("{begin}{part}{end}")) }
+}
+
 /// `text` with its words in the order in which they stand in a line that begins at the left; each word stays as it is.
 pub fn as_seen(text: &str) -> Cow<'_, str> {
-    // Nothing below this is written from right to left.
-    if text.chars().all(|letter| letter < '\u{590}') {
+    if text.chars().all(|letter| letter < FIRST) {
         return Cow::Borrowed(text);
     }
     let info = BidiInfo::new(text, Some(Level::ltr()));
-    if !info.has_rtl() {
+    if !info.has_rtl() && !text.contains(ISOLATE) {
         return Cow::Borrowed(text);
     }
     let mut seen = String::with_capacity(text.len());
@@ -29,6 +40,8 @@ pub fn as_seen(text: &str) -> Cow<'_, str> {
             }
         }
     }
+    // They have no look.
+    seen.retain(|letter| !ISOLATE.contains(&letter));
     Cow::Owned(seen)
 }
 
@@ -52,6 +65,14 @@ mod tests {
         // A number is read from the left, and what is around it is not.
         assert_eq!(as_seen("שיר 12 חדש"), "חדש 12 שיר");
         assert_eq!(as_seen("play أغنية جديدة now"), "play جديدة أغنية now");
+    }
+
+    #[test]
+    fn the_number_after_a_title_became_one_of_its_words() {
+        let line = |title: &str| format!("{} · {} · 1 of 2", isolated(title), isolated("זמר ידוע"));
+        assert_eq!(as_seen(&line("שיר חדש")), "חדש שיר · ידוע זמר · 1 of 2");
+        assert_eq!(as_seen(&line("Grüße 日本")), "Grüße 日本 · ידוע זמר · 1 of 2");
+        assert_eq!(as_seen(&isolated("日本")), "日本");
     }
 
     proptest! {

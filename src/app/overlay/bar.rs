@@ -13,6 +13,7 @@ use super::now_playing::{NowPlaying, clock_time};
 use super::requests::{Panel, Request};
 use super::{assisted, style};
 use crate::app::keys::{Action, SEEK_SECONDS, VOLUME_STEP, binding_of};
+use crate::reading_order::isolated;
 
 /// Widest bar, in points.
 const WIDTH_MAX: f32 = 1100.0;
@@ -100,9 +101,9 @@ fn words(ui: &mut Ui, bar: &Bar<'_>) {
     let left = scene.size().x;
     painter.galley(pos2(line.right() - left, line.center().y - 0.5 * scene.size().y), scene, style::DIM);
     assisted::text(ui.ctx(), "scene", bar.scene, false);
-    let mut text = bar.now.title.clone();
+    let mut text = isolated(&bar.now.title).into_owned();
     if let Some(artist) = &bar.now.artist {
-        text = format!("{text} · {artist}");
+        text = format!("{text} · {}", isolated(artist));
     }
     if bar.now.place.1 > 1 && !bar.now.live {
         text = format!("{text} · {} of {}", bar.now.place.0 + 1, bar.now.place.1);
