@@ -84,7 +84,7 @@ void add_to_key(int object, bool flat_surface, vec3 normal) {
 }
 
 // The most surfaces that a path meets: four mirrors and the surface in the last one.
-#ifdef MIRRORS
+#if defined(MIRRORS) && !defined(COVERAGE)
 const int SURFACES_MAX = 5;
 #else
 const int SURFACES_MAX = 1;
@@ -151,6 +151,9 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             Material m = s.material;
             add_to_key(s.object, hit.plane != NOTHING, s.normal);
             sky_share = throughput * m.haze;
+#ifdef COVERAGE
+            color = vec3(1.0 - m.haze);
+#else
             vec3 kept = throughput * (1.0 - m.haze);
             // Schlick's approximation of Fresnel's reflectance; a rough mirror reflects less of it at grazing angles.
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
@@ -172,7 +175,12 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             mirrored = reflect(direction, mirror);
             // No facet mirrors into the surface.
             mirrored = normalize(mirrored + s.normal * max(0.02 - dot(mirrored, s.normal), 0.0));
+#endif
         }
+#ifdef NO_SKY
+        // Mirrors show it all the same.
+        if (surface == 0) sky_share = vec3(0.0);
+#endif
         if (max(sky_share.r, max(sky_share.g, sky_share.b)) > 0.0) {
             // For a camera inside an object `reached` is 0.
             float scale = 1.0 / max(reached, 1e-6);

@@ -119,6 +119,8 @@ enum Command {
 /// # Errors
 /// What the job could not do; usage errors end the program with code 2 before that.
 pub fn run() -> anyhow::Result<()> {
+    #[cfg(target_os = "linux")]
+    crate::gpu::driver_cache::leave_where_full();
     quiet_contained_panics();
     ending::outlive_file_limits();
     #[cfg(all(target_os = "linux", target_env = "gnu"))]

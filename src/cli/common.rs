@@ -149,6 +149,7 @@ impl CommonArguments {
                 Some(false) => CellUse::Never,
             },
             view: None,
+            alpha: false,
             tone_map: self.tone_map.flatten(),
             verbose: self.verbose > 0,
         })

@@ -28,6 +28,10 @@ pub(super) struct StillArguments {
     output: PathBuf,
     #[command(flatten)]
     scene: OneScene,
+    /// Leave out the sky, so that the picture can be laid over another one: in PNG and WebP, for scenes whose sky has no
+    /// colour of its own
+    #[arg(long, conflicts_with = "view")]
+    alpha: bool,
     #[command(flatten)]
     set: SetArguments,
     #[command(flatten)]
@@ -48,7 +52,11 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
         size: arguments.size,
         gain: common.gain.unwrap_or_default(),
         output,
-        scene: SceneChoice { view: arguments.view.view, ..arguments.scene.choose(scene, &common)? },
+        scene: SceneChoice {
+            view: arguments.view.view,
+            alpha: arguments.alpha,
+            ..arguments.scene.choose(scene, &common)?
+        },
         set: arguments.set.set,
     })?)
 }

@@ -54,6 +54,10 @@ pub(super) struct VideoArguments {
     /// --scene orb --scene city@1:20 [default: speakers]
     #[arg(long, value_name = "SCENE[@TIME]", allow_hyphen_values = true)]
     scene: Vec<OsString>,
+    /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv and PNGs, for scenes whose
+    /// sky has no colour of its own
+    #[arg(long, conflicts_with_all = ["codec", "view"])]
+    alpha: bool,
     #[command(flatten)]
     set: SetArguments,
     /// The video to write (mp4, mkv, mov, webm), a folder ending in '/' for numbered PNGs, or '-' for y4m without sound
@@ -79,7 +83,8 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let preset = preset(arguments.place);
     let mut scenes = Vec::new();
     for (from, scene) in timed(&arguments.scene, scene.as_deref())? {
-        let scene = SceneChoice { view: arguments.view.view, ..common.scene(&scene)? };
+        let scene =
+            SceneChoice { view: arguments.view.view, alpha: arguments.alpha, ..common.scene(&scene)? };
         scenes.push(TimedScene { from, scene });
     }
     let request = VideoRequest {
@@ -91,6 +96,7 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         gain: common.gain.unwrap_or_default(),
         limit_flashes: arguments.flash_limiter,
         output,
+        alpha: arguments.alpha,
         scenes,
         set: arguments.set.set,
         codec: arguments.codec.map(Into::into),

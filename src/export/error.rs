@@ -108,6 +108,22 @@ pub enum ExportError {
     /// A picture that the encoder refuses.
     #[error("the picture could not be encoded: {0}")]
     Encode(#[from] image::ImageError),
+    /// A scene with a sky, which leaves nothing transparent.
+    #[error(
+        "--alpha leaves out the sky, but the scene {scene} has one of its own: give its `sky` no `color`"
+    )]
+    OwnSky {
+        /// The scene.
+        scene: String,
+    },
+    /// Transparency in a format that has none.
+    #[error("{output} cannot hold what --alpha leaves transparent: give -o {instead}")]
+    NoAlpha {
+        /// The output.
+        output: String,
+        /// What to give instead.
+        instead: &'static str,
+    },
     /// A codec that the video's format cannot hold.
     #[error(
         "{} cannot hold {codec}: choose one of {takes} by --codec, or give -o a name that ends in .mp4 or .mkv",

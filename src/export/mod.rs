@@ -1,5 +1,6 @@
 //! Pictures and numbers without a window: stills, videos, analysis, measurements.
 
+mod alpha;
 pub mod analyze;
 pub mod bench;
 pub mod error;

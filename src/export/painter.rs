@@ -1,5 +1,6 @@
 //! A scene with everything that is needed to draw it, without a window.
 
+use super::alpha::{CoveragePass, require_no_sky};
 use super::error::ExportError;
 use crate::config::SdfChoice;
 use crate::frame::Frame;
@@ -10,7 +11,7 @@ use crate::gpu::headless::Headless;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Counting, Renderer};
 use crate::gpu::scene_program::{
-    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_views, link_scene, variant_of,
+    COMPILED_BY_ITSELF_MAX, Interpreter, Mode, as_coverage, as_views, link_scene, variant_of, without_sky,
 };
 use crate::gpu::scene_resources::{CellUse, SceneResources};
 use crate::gpu::shader_source::ShaderLibrary;
@@ -36,6 +37,8 @@ pub struct SceneChoice {
     pub cells: CellUse,
     /// What is shown instead of the picture.
     pub view: Option<ViewChoice>,
+    /// Whether there is nothing where the sky would be.
+    pub alpha: bool,
     /// How light becomes a colour of the screen; none means as the scene says.
     pub tone_map: Option<ToneMap>,
     /// Log the driver's debug output.
@@ -51,6 +54,7 @@ impl From<SceneSource> for SceneChoice {
             shaders: ShaderLibrary::embedded(),
             cells: CellUse::default(),
             view: None,
+            alpha: false,
             tone_map: None,
             verbose: false,
         }
@@ -64,6 +68,7 @@ pub struct Painter {
     resources: SceneResources,
     mode: Mode,
     view: Option<(ViewChoice, LegendPainter)>,
+    coverage: Option<CoveragePass>,
     held: HeldInputs,
     // Last: what it holds is dropped first.
     context: Headless,
@@ -85,6 +90,9 @@ impl Painter {
     /// # Errors
     /// The driver refuses.
     pub fn of_ready(choice: &SceneChoice, ready: ReadyScene) -> Result<Self, ExportError> {
+        if choice.alpha {
+            require_no_sky(&ready, &choice.source.name())?;
+        }
         let ReadyScene { world, buffers, plan, .. } = ready;
         let context = Headless::new(choice.verbose)?;
         let gl = context.gl();
@@ -98,6 +106,12 @@ impl Painter {
         if choice.view.is_some() {
             variant = as_views(variant);
         }
+        let mut coverage = None;
+        if choice.alpha {
+            let program = link_scene(gl, &choice.shaders, &as_coverage(variant.clone()))?;
+            coverage = Some(CoveragePass::new(program));
+            variant = without_sky(variant);
+        }
         let program = link_scene(gl, &choice.shaders, &variant)?;
         let resources = SceneResources::upload(gl, world, buffers, plan)?;
         // Views show them.
@@ -107,7 +121,7 @@ impl Painter {
         };
         resources.set_cells(resources.uses_cells(wish, mode), mode);
         let view = choice.view.map(|view| (view, LegendPainter::default()));
-        Ok(Self { renderer, program, resources, mode, view, held: HeldInputs::default(), context })
+        Ok(Self { renderer, program, resources, mode, view, coverage, held: HeldInputs::default(), context })
     }
 
     /// Holds inputs of the scene from now on; those that it does not have are passed over.
@@ -126,7 +140,10 @@ impl Painter {
     /// # Errors
     /// What the driver refuses.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let frame = Frame::holding(self.resources.world(), time, sound, size, &self.held);
+        let mut frame = Frame::holding(self.resources.world(), time, sound, size, &self.held);
+        if let Some(coverage) = &mut self.coverage {
+            coverage.draw(&mut self.renderer, &mut frame, &self.resources)?;
+        }
         let Some((view, legends)) = &mut self.view else {
             return Ok(self.renderer.draw(&frame, &self.resources, &self.program)?);
         };
@@ -152,9 +169,13 @@ impl Painter {
         Ok(self.renderer.limit_flashes(seconds)?)
     }
 
-    /// The last picture, four bytes per pixel, the top row first.
+    /// The last picture, four bytes per pixel, the top row first; premultiplied where it is transparent.
     pub fn read(&self) -> Vec<u8> {
-        self.renderer.read()
+        let mut rgba = self.renderer.read();
+        if let Some(coverage) = &self.coverage {
+            coverage.put_into(&mut rgba);
+        }
+        rgba
     }
 
     /// How the scene is drawn.

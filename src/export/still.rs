@@ -5,8 +5,9 @@ use std::path::Path;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::webp::WebPEncoder;
-use image::{ColorType, ExtendedColorType, ImageFormat};
+use image::{ColorType, ImageFormat};
 
+use super::alpha::straight;
 use super::error::ExportError;
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
@@ -44,6 +45,10 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     let (format, file) = match &request.output {
         Output::Path(path) => {
             let format = StillFormat::of(path)?;
+            if request.scene.alpha && format == StillFormat::Jpeg {
+                let instead = "a name that ends in .png or .webp";
+                return Err(ExportError::NoAlpha { output: request.output.to_string(), instead });
+            }
             refuse_the_song(&request.song, path)?;
             (format, Some(AtomicFile::create(path)?))
         }
@@ -56,10 +61,11 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     painter.hold(&request.set)?;
     painter.draw(request.at, sound, request.size)?;
     let rgba = painter.read();
+    let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
     let bytes = match format {
-        StillFormat::Png => png(&rgba, request.size)?,
-        StillFormat::Jpeg => jpeg(&rgba, request.size)?,
-        StillFormat::WebP => webp(&rgba, request.size)?,
+        StillFormat::Png => pixels.png(request.size)?,
+        StillFormat::Jpeg => pixels.jpeg(request.size)?,
+        StillFormat::WebP => pixels.webp(request.size)?,
     };
     match file {
         Some(file) => Ok(file.write(&bytes)?),
@@ -105,48 +111,63 @@ pub(super) fn refuse_the_song(song: &Song, output: &Path) -> Result<(), ExportEr
     if same { Err(ExportError::OverTheSong { path: output.to_owned() }) } else { Ok(()) }
 }
 
+/// Pixels as a file holds them.
+pub(super) struct Pixels {
+    bytes: Vec<u8>,
+    has_alpha: bool,
+}
+
+impl Pixels {
+    /// The colours of RGBA bytes, without alpha.
+    pub(super) fn opaque(rgba: &[u8]) -> Self {
+        let bytes = rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        Self { bytes, has_alpha: false }
+    }
+
+    /// Premultiplied RGBA bytes with their alpha.
+    pub(super) fn transparent(rgba: &[u8]) -> Self {
+        Self { bytes: straight(rgba), has_alpha: true }
+    }
+
+    fn color(&self) -> ColorType {
+        if self.has_alpha { ColorType::Rgba8 } else { ColorType::Rgb8 }
+    }
+
+    fn png(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
+        let mut file = Cursor::new(Vec::new());
+        let color = self.color();
+        image::write_buffer_with_format(&mut file, &self.bytes, width, height, color, ImageFormat::Png)?;
+        Ok(file.into_inner())
+    }
+
+    fn jpeg(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
+        let mut file = Vec::new();
+        let mut encoder = JpegEncoder::new_with_quality(&mut file, JPEG_QUALITY);
+        encoder.encode(&self.bytes, width, height, self.color().into())?;
+        Ok(file)
+    }
+
+    /// Without loss.
+    fn webp(&self, (width, height): (u32, u32)) -> Result<Vec<u8>, ExportError> {
+        let mut file = Vec::new();
+        let encoder = WebPEncoder::new_lossless(&mut file);
+        encoder.encode(&self.bytes, width, height, self.color().into())?;
+        Ok(file)
+    }
+
+    /// Writes a finished picture as a PNG.
+    ///
+    /// # Errors
+    /// The encoder or the output is refused.
+    pub(super) fn write_png(&self, path: &Path, size: (u32, u32)) -> Result<(), ExportError> {
+        Ok(AtomicFile::create(path)?.write(&self.png(size)?)?)
+    }
+}
+
 /// Encodes an opaque RGBA picture, the top row first, as a PNG without alpha.
 ///
 /// # Errors
 /// [`ExportError::Encode`] if the number of bytes does not fit the size.
 pub fn png(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-    let mut bytes = Cursor::new(Vec::new());
-    image::write_buffer_with_format(
-        &mut bytes,
-        &opaque(rgba),
-        size.0,
-        size.1,
-        ColorType::Rgb8,
-        ImageFormat::Png,
-    )?;
-    Ok(bytes.into_inner())
-}
-
-/// The same as a JPEG.
-fn jpeg(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-    let mut bytes = Vec::new();
-    let mut encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
-    encoder.encode(&opaque(rgba), size.0, size.1, ExtendedColorType::Rgb8)?;
-    Ok(bytes)
-}
-
-/// The same as a WebP without loss.
-fn webp(rgba: &[u8], size: (u32, u32)) -> Result<Vec<u8>, ExportError> {
-    let mut bytes = Vec::new();
-    let encoder = WebPEncoder::new_lossless(&mut bytes);
-    encoder.encode(&opaque(rgba), size.0, size.1, ExtendedColorType::Rgb8)?;
-    Ok(bytes)
-}
-
-/// The colours without alpha.
-fn opaque(rgba: &[u8]) -> Vec<u8> {
-    rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()
-}
-
-/// Writes a finished picture as a PNG.
-///
-/// # Errors
-/// The encoder or the output is refused.
-pub fn write_png(path: &Path, rgba: &[u8], size: (u32, u32)) -> Result<(), ExportError> {
-    Ok(AtomicFile::create(path)?.write(&png(rgba, size)?)?)
+    Pixels::opaque(rgba).png(size)
 }

@@ -44,6 +44,8 @@ pub struct VideoRequest {
     /// The video; or, if it ends in a slash or is a folder, where numbered stills go. Standard output gets the pictures
     /// alone, as YUV4MPEG2.
     pub output: Output,
+    /// Whether the video is transparent where nothing is; the scenes then are, too.
+    pub alpha: bool,
     /// The scenes, and from when on each is shown.
     pub scenes: Vec<TimedScene>,
     /// Inputs of the scenes that are held.
@@ -72,6 +74,9 @@ pub fn write_video(
     request: &VideoRequest,
     progress: &mut dyn FnMut(u64, Option<u64>),
 ) -> Result<u64, ExportError> {
+    if request.alpha {
+        encoding::require_alpha(&request.output)?;
+    }
     if let Output::Path(path) = &request.output {
         refuse_the_song(&request.song, path)?;
         encoding::require_fit(request.codec, path)?;

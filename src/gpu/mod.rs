@@ -4,6 +4,8 @@
 pub mod address_space;
 pub mod background;
 mod bloom;
+#[cfg(target_os = "linux")]
+pub mod driver_cache;
 mod edge_list;
 pub mod edge_samples;
 pub mod error;

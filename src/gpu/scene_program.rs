@@ -219,6 +219,20 @@ pub fn as_views(mut counting: Variant) -> Variant {
     counting
 }
 
+/// The variant that leaves out the sky where the eye sees it, for pictures that are laid over others.
+pub fn without_sky(mut variant: Variant) -> Variant {
+    variant.defines.push("NO_SKY 1".to_owned());
+    variant
+}
+
+/// The variant whose light is the share of a ray from the eye that meets no sky: 1 where there is a surface without
+/// haze.
+pub fn as_coverage(variant: Variant) -> Variant {
+    let mut variant = without_sky(variant);
+    variant.defines.push("COVERAGE 1".to_owned());
+    variant
+}
+
 /// Links the program of a variant.
 ///
 /// # Errors

@@ -43,7 +43,7 @@ impl Caption {
         Self { size: (width, height), lines, shadow: (letters_size / 18.0).ceil() as usize }
     }
 
-    /// Draws it over a picture of RGBA bytes, the top row first; `strength` is 0 for nothing to 1.
+    /// Draws it over a picture of RGBA bytes, premultiplied, the top row first; `strength` is 0 for nothing to 1.
     pub fn draw_over(&self, rgba: &mut [u8], strength: f32) {
         self.blend(rgba, self.shadow, 0.0, strength * (1.0 - SHADOW));
         self.blend(rgba, 0, 255.0, strength);
@@ -59,8 +59,9 @@ impl Caption {
                 }
                 let at = 4 * (y * self.size.0 + x);
                 let share = strength * f32::from(*cover) / 255.0;
-                for byte in rgba.get_mut(at..at + 3).into_iter().flatten() {
-                    *byte = (f32::from(*byte) * (1.0 - share) + grey * share).round() as u8;
+                let pixel = rgba.get_mut(at..at + 4).into_iter().flatten();
+                for (byte, wanted) in pixel.zip([grey, grey, grey, 255.0]) {
+                    *byte = (f32::from(*byte) * (1.0 - share) + wanted * share).round() as u8;
                 }
             }
         }

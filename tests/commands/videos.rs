@@ -6,7 +6,7 @@
 use std::process::Command;
 
 use crate::support::program::Workplace;
-use image::RgbImage;
+use image::{RgbImage, RgbaImage};
 use mariana_testing::process::output_of;
 use serde_json::Value;
 
@@ -118,7 +118,14 @@ fn a_video_had_neither_the_song_s_tags_nor_its_cover() {
             assert_eq!(streams(&report, "audio").len(), 1);
         }
     }
-    // A cover that is none costs nobody the video.
+    // A cover that is none costs nobody the video, nor does one of many megapixels.
+    place.ffmpeg(&["-f", "lavfi", "-i", "color=red:s=4100x16", "-frames:v", "1"], "wide.jpg");
+    let wide: Vec<&str> =
+        cover.iter().map(|word| if *word == "cover.jpg" { "wide.jpg" } else { word }).collect();
+    place.ffmpeg(&[&["-i", "one.wav"], &wide[..]].concat(), "wide.flac");
+    let part = ["--duration", "0.5", "-o", "wide.mp4"];
+    place.run(&[&["video", "wide.flac", "red.scene"], &part[..], &LOOK].concat()).done();
+    assert_eq!(streams(&probe(&place, "wide.mp4"), "video").len(), 1);
     let mut song = place.read("song.flac");
     let cover = place.read("cover.jpg");
     let at = song.windows(cover.len()).position(|bytes| bytes == cover).unwrap();
@@ -257,4 +264,94 @@ fn progress_is_told_to_nobody_who_asked_for_quiet() {
     terminal.env("TERM", "xterm");
     let shown = String::from_utf8(output_of(&mut terminal, "bsdutils").unwrap()).unwrap();
     assert!(shown.contains("100 %  frame 10 of 10") && shown.contains("0:00 left"), "{shown}");
+}
+
+/// A ball that shines, with a glow around it, before `sky`.
+fn write_ball(place: &Workplace, name: &str, bloom: f64, sky: &str) {
+    let text = format!(
+        "material paint {{ color = 0  roughness = 1  emission = vec3(3, 0.6, 0.1) }}\n\
+         object ball {{ shape = sphere(p, 1)  material = paint }}\n\
+         light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+         camera {{ position = vec3(0, 0, -4)  target = vec3(0) }}\n\
+         picture {{ bloom = {bloom}  grain = 0 }}\n{sky}\n"
+    );
+    place.write(&format!("{name}.scene"), text);
+}
+
+/// Of which pixels alpha is 0, between and 255, in this order. Laid over black, the picture must be `opaque`.
+fn shares_of(picture: &RgbaImage, opaque: &RgbImage) -> [usize; 3] {
+    let mut shares = [0; 3];
+    for (pixel, wanted) in picture.pixels().zip(opaque.pixels()) {
+        let alpha = pixel[3];
+        shares[usize::from(alpha > 0) + usize::from(alpha == 255)] += 1;
+        for channel in 0..3 {
+            let over_black = f64::from(pixel[channel]) * f64::from(alpha) / 255.0;
+            let off = (over_black - f64::from(wanted[channel])).abs();
+            assert!(off <= 1.5, "{pixel:?} should be {wanted:?} over black");
+        }
+    }
+    shares
+}
+
+#[test]
+fn what_has_no_sky_is_transparent_there() {
+    let place = Workplace::new();
+    let look = ["--size", "64x36"];
+    let draw = |bloom: f64| {
+        write_ball(&place, "ball", bloom, "sky { ambient = 0 }");
+        write_ball(&place, "black", bloom, "sky { color = 0  ambient = 0 }");
+        place.run(&[&["still", "black.scene", "-o", "black.png"], &look[..]].concat()).done();
+        for file in ["ball.png", "ball.webp"] {
+            place.run(&[&["still", "ball.scene", "--alpha", "-o", file], &look[..]].concat()).done();
+        }
+        let [png, webp] =
+            ["ball.png", "ball.webp"].map(|file| image::load_from_memory(&place.read(file)).unwrap());
+        assert_eq!(png, webp);
+        assert_eq!(png.as_rgba8().unwrap().get_pixel(32, 18)[3], 255);
+        shares_of(png.as_rgba8().unwrap(), &still(&place, "black.png"))
+    };
+    let [outside, edge, inside] = draw(0.0);
+    assert!(outside > 1200 && (20..120).contains(&edge) && inside > 300, "{outside} {edge} {inside}");
+    let [left, glow, same] = draw(0.3);
+    assert!(glow > edge + 100 && left < outside && same > 300, "{left} {glow} {same}");
+}
+
+#[test]
+fn videos_had_no_transparency() {
+    let place = Workplace::new();
+    place.write_tone("one.wav", 440.0, 1.0, [0.5, 0.5]);
+    write_ball(&place, "ball", 0.0, "");
+    write_ball(&place, "black", 0.0, "sky { color = 0 }");
+    let run = |scene: &str, output: &str| {
+        let part = ["--fps", "10", "--size", "64x36", "--duration", "0.2", "--title-card"];
+        place.run(&[&["video", "one.wav", scene, "--alpha", "-o", output], &part[..]].concat())
+    };
+    for (video, format, decoder) in [
+        ("v.webm", "yuv420p", &["-c:v", "libvpx-vp9"][..]),
+        ("v.mov", "yuva444p1", &[]),
+        ("v.mkv", "yuva444p10le", &[]),
+    ] {
+        run("ball.scene", video).done();
+        let report = probe(&place, video);
+        let picture = streams(&report, "video")[0];
+        // VP9's alpha is a stream beside the picture, which a tag tells of.
+        assert!(picture["pix_fmt"].as_str().unwrap().starts_with(format), "{report}");
+        let tagged = picture["tags"].as_object().unwrap().iter();
+        let tagged = tagged.filter(|(name, _)| name.eq_ignore_ascii_case("alpha_mode")).count();
+        assert_eq!(tagged, usize::from(video == "v.webm"), "{report}");
+        assert_eq!(streams(&report, "audio").len(), 1, "{video}");
+        let first = ["-frames:v", "1", "-update", "1", "-pix_fmt", "rgba"];
+        place.ffmpeg(&[decoder, &["-i", video], &first].concat(), "first.png");
+        let first = image::load_from_memory(&place.read("first.png")).unwrap();
+        let alpha = |x, y| first.as_rgba8().unwrap().get_pixel(x, y)[3];
+        assert!(alpha(2, 2) < 4 && alpha(32, 18) > 251, "{video}: {} {}", alpha(2, 2), alpha(32, 18));
+    }
+    run("ball.scene", "out/").done();
+    let frame = image::load_from_memory(&place.read("out/frame-00001.png")).unwrap();
+    assert_eq!(frame.as_rgba8().unwrap().get_pixel(2, 2)[3], 0);
+
+    run("black.scene", "v.mov").refused(&["black", "`color`", "`sky`"]);
+    run("ball.scene", "v.mp4").refused(&["v.mp4", ".webm"]);
+    run("ball.scene", "-").refused(&["standard output", ".webm"]);
+    place.run(&["still", "ball.scene", "--alpha", "-o", "a.jpg"]).refused(&["a.jpg", ".webp"]);
 }

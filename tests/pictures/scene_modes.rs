@@ -259,6 +259,7 @@ fn a_painter_draws_as_it_was_asked() {
             shaders: ShaderLibrary::embedded(),
             cells: CellUse::Always,
             view: None,
+            alpha: false,
             tone_map: None,
             verbose: false,
         };

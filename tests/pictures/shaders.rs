@@ -15,7 +15,7 @@ use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
 use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
 use mariana::gpu::samplers::SAMPLERS_SHADER;
-use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_views, variant_of};
+use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_coverage, as_views, variant_of, without_sky};
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
 use mariana::scenes::{ReadyScene, SceneSource};
 
@@ -32,8 +32,18 @@ const EVERYTHING: &str = "material m { color = 0.5  reflect = 0.5  blur = 0.3  e
                           camera { aperture = 0.05 }";
 
 /// What a variant of the scene's shader may have, and some case has.
-const DEFINES: [&str; 8] =
-    ["STEEP", "BLUR", "LENS", "GLOW", "PANELS", "MIRRORS", "VIEWS", "COUNT_EVALUATIONS"];
+const DEFINES: [&str; 10] = [
+    "STEEP",
+    "BLUR",
+    "LENS",
+    "GLOW",
+    "PANELS",
+    "MIRRORS",
+    "VIEWS",
+    "COUNT_EVALUATIONS",
+    "NO_SKY",
+    "COVERAGE",
+];
 
 /// A shader as some driver gets to see it.
 struct Case {
@@ -55,10 +65,10 @@ impl Case {
     }
 }
 
-/// The same, showing views.
-fn views_case(mut case: Case) -> Case {
-    case.name.push_str(", views");
-    case.variant = as_views(case.variant);
+/// The same, as `change` makes it.
+fn changed_case(mut case: Case, change: fn(Variant) -> Variant) -> Case {
+    case.variant = change(case.variant);
+    case.name.push_str(&format!(", {:?}", case.variant.defines.last()));
     case
 }
 
@@ -91,12 +101,15 @@ fn cases() -> Vec<Case> {
         }
     }
     for mode in [Mode::Compiled, Mode::Interpreted] {
-        cases.push(views_case(scene_case(&speakers(), mode, true, Counting::On)));
+        cases.push(changed_case(scene_case(&speakers(), mode, true, Counting::On), as_views));
         for text in [STEEP, EVERYTHING] {
             let scene = SceneSource::Formula(text.into());
             cases.push(scene_case(&scene, mode, false, Counting::Off));
             cases.push(scene_case(&scene, mode, true, Counting::On));
-            cases.push(views_case(scene_case(&scene, mode, true, Counting::On)));
+            cases.push(changed_case(scene_case(&scene, mode, true, Counting::On), as_views));
+            for change in [without_sky, as_coverage] {
+                cases.push(changed_case(scene_case(&scene, mode, true, Counting::Off), change));
+            }
         }
     }
     cases

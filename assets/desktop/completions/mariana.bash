@@ -475,7 +475,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --output --scene --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --output --scene --alpha --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -551,7 +551,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__video)
-            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --title-card --flash-limiter --scene --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --title-card --flash-limiter --scene --alpha --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -100,6 +100,7 @@ none\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l gain -d 'Whether quiet and loud sound are levelled for the picture; values in decibels are as measured either way [default: auto, or in a window what was chosen there]' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l alpha -d 'Leave out the sky, so that the picture can be laid over another one: in PNG and WebP, for scenes whose sky has no colour of its own'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand still" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l for -d 'Make it as a place wants it: its size, rate and length; other flags still count' -r -f -a "youtube\t'1920x1080 at 60 frames a second'
@@ -139,6 +140,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l gain -d 'Wheth
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l shaders -d 'Read the shaders from this folder, to work on them' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand video" -l title-card -d 'Show the song\'s title and artist over the first five seconds'
+complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv and PNGs, for scenes whose sky has no colour of its own'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Tell nothing but mistakes'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'

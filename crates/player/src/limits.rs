@@ -25,6 +25,8 @@ pub struct Limits {
     /// Longest stream duration, in seconds, that is believed when a container claims it (a year); beyond, it is
     /// unknown.
     pub claimed_duration_max: f64,
+    /// Most letters of a title, an artist or another name that is shown; what follows is left out.
+    pub name_letters_max: usize,
     /// Most bytes of a cover; a larger one counts as none.
     pub cover_bytes_max: usize,
     /// Longest time, in seconds, for which ffmpeg may give nothing of a file.
@@ -46,6 +48,7 @@ pub const LIMITS: Limits = Limits {
     playlist_depth_max: 16,
     playlist_looks_max: 200_000,
     claimed_duration_max: 31_536_000.0,
+    name_letters_max: 300,
     cover_bytes_max: 1 << 24,
     ffmpeg_wait_seconds: 10.0,
     shape_seconds_max: 3.0 * 3_600.0,

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::decode::{DecodeError, Decoder};
+use super::limits::LIMITS;
 
 /// A song that can be opened any number of times.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,15 +48,31 @@ pub(super) fn track_name(artist: Option<&str>, title: Option<&str>, file: &str) 
     }
 }
 
-/// The text without the control characters that files may hold: a title with a NUL stops window systems.
-pub(super) fn one_line(text: &str) -> String {
-    let plain: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    plain.split_whitespace().collect::<Vec<_>>().join(" ")
+/// The text without the control characters that files may hold: a title with a NUL stops window systems. A title of a
+/// megabyte, which takes seconds to lay out, ends after as many letters as the limits allow.
+pub fn one_line(text: &str) -> String {
+    let max = LIMITS.name_letters_max;
+    // Twice as many, because some are spaces that are left out.
+    let plain: String = text.chars().take(2 * max).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let line = plain.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(max) {
+        Some((end, _)) => format!("{}…", &line[..end].trim_end()),
+        None => line,
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::LIMITS;
     use super::one_line;
+
+    #[test]
+    fn a_title_could_be_a_megabyte_long() {
+        let max = LIMITS.name_letters_max;
+        assert_eq!(one_line(&"ü".repeat(max)), "ü".repeat(max));
+        let long = one_line(&"ü".repeat(1 << 20));
+        assert_eq!(long, format!("{}…", "ü".repeat(max)));
+    }
 
     #[test]
     fn a_nul_or_an_escape_in_a_tag_reaches_no_title() {

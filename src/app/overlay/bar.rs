@@ -4,7 +4,7 @@
 
 use std::hash::{Hash, Hasher};
 
-use egui::{Align, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2};
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
@@ -23,6 +23,8 @@ const RAIL_HEIGHT: f32 = 26.0;
 const LINE_HEIGHT: f32 = 4.0;
 /// Width and height of a button.
 const BUTTON: f32 = 30.0;
+/// Width and height of the level under the sign of what is listened to.
+const LEVEL: Vec2 = vec2(18.0, 2.0);
 /// Height of the line of words.
 const WORDS: f32 = 19.0;
 /// Between the lines.
@@ -184,7 +186,9 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
     let now = bar.now;
     let right = RIGHT_BUTTONS * (BUTTON + BUTTON_GAP);
     ui.horizontal(|ui| {
-        let mut act = |ui: &mut Ui, icon, action, lit| key_button(ui, icon, action, lit, requests);
+        let mut act = |ui: &mut Ui, icon, action, lit| {
+            key_button(ui, icon, action, lit, requests);
+        };
         if !now.live {
             act(ui, Icon::Previous, Action::SkipTrack { forward: false }, false);
         }
@@ -215,7 +219,8 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             panel_button(ui, Icon::Settings, Panel::Settings, bar, requests);
             key_button(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders, requests);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
-            panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
+            let source = panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
+            draw_level(ui.painter(), source.rect, bar.level.clamp(0.0, 1.0));
             if !now.live {
                 panel_button(ui, Icon::Tracks, Panel::Tracks, bar, requests);
             }
@@ -225,10 +230,12 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
 }
 
 /// A button that does what a key does, and says which.
-fn key_button(ui: &mut Ui, icon: Icon, action: Action, lit: bool, requests: &mut Vec<Request>) {
-    if button(ui, icon, &words_of(action), lit).clicked() {
+fn key_button(ui: &mut Ui, icon: Icon, action: Action, lit: bool, requests: &mut Vec<Request>) -> Response {
+    let response = button(ui, icon, &words_of(action), lit);
+    if response.clicked() {
         requests.push(Request::Act(action));
     }
+    response
 }
 
 /// What a button does, and the key for it.
@@ -243,8 +250,23 @@ pub(super) fn words_of(action: Action) -> String {
     }
 }
 
-fn panel_button(ui: &mut Ui, icon: Icon, panel: Panel, bar: &Bar<'_>, requests: &mut Vec<Request>) {
-    key_button(ui, icon, Action::TogglePanel(panel), bar.open == Some(panel), requests);
+fn panel_button(
+    ui: &mut Ui,
+    icon: Icon,
+    panel: Panel,
+    bar: &Bar<'_>,
+    requests: &mut Vec<Request>,
+) -> Response {
+    key_button(ui, icon, Action::TogglePanel(panel), bar.open == Some(panel), requests)
+}
+
+/// Draws how loud it is under the sign of a button.
+fn draw_level(painter: &Painter, button: Rect, level: f32) {
+    let bottom = button.center_bottom() - vec2(0.0, LEVEL.y);
+    let mut rail = Rect::from_center_size(bottom, LEVEL);
+    painter.rect_filled(rail, 0.0, style::RAIL);
+    rail.set_width(level * LEVEL.x);
+    painter.rect_filled(rail, 0.0, style::ACCENT);
 }
 
 /// A button with a sign, whose words are its tooltip and its name.

@@ -468,3 +468,23 @@ fn a_bar_for_screen_readers_alone_is_neither_seen_nor_in_the_way() {
     assert_eq!(places[0].0, 1);
     assert_eq!(places[1], (0, 0));
 }
+
+#[test]
+fn songs_had_no_level_beside_the_sign_of_what_is_heard() {
+    let now = playing();
+    let lit = |level: f32| {
+        let mut stage = Stage::new(SCREEN);
+        let content = || OverlayContent { bar: Some(Bar { level, ..bar(&now) }), ..Default::default() };
+        stage.frame(vec![], content());
+        let shapes = stage.frame(vec![], content()).output.shapes;
+        let widths = shapes.into_iter().filter_map(|clipped| match clipped.shape {
+            Shape::Rect(rect) if rect.fill == style::ACCENT && rect.rect.height() < 3.0 => {
+                Some(rect.rect.width())
+            }
+            _ => None,
+        });
+        widths.sum::<f32>()
+    };
+    assert_eq!(lit(0.0), 0.0);
+    assert!(lit(0.5) > 5.0 && (lit(1.0) - 2.0 * lit(0.5)).abs() < 1e-3, "{} {}", lit(0.5), lit(1.0));
+}

@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use image::{ImageFormat, ImageReader};
+use image::{ImageFormat, ImageReader, Limits};
 
 use super::VideoRequest;
 use super::encoding::{arguments_of, is_mp4};
@@ -26,6 +26,9 @@ const COMPLAINT_BYTES: u64 = 4096;
 
 /// Extensions for which ffmpeg writes a list and further files beside it, named after the list's temporary name.
 const SEVERAL_FILES: &[&str] = &["m3u8", "mpd"];
+
+/// Widest and highest cover, in pixels: one of 100 megapixels, which a megabyte can hold, takes many seconds to read.
+const COVER_SIDE_MAX: u32 = 4096;
 
 /// How often to check whether ffmpeg has ended.
 const LOOK_PERIOD: Duration = Duration::from_millis(5);
@@ -195,7 +198,11 @@ fn cover_file(
         CoverKind::Png => (".png", ImageFormat::Png),
     };
     // Nor does ffmpeg go on with one that it cannot read.
-    ImageReader::with_format(Cursor::new(&bytes), format).decode().ok()?;
+    let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(COVER_SIDE_MAX), Some(COVER_SIDE_MAX));
+    reader.limits(limits);
+    reader.decode().ok()?;
     // A video without its cover is better than none.
     Some((keep(&bytes, ending, inputs).ok()?, kind))
 }

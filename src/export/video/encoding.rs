@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::VideoRequest;
+use super::sink::is_folder;
 use crate::export::error::ExportError;
+use crate::export::output::Output;
 
 /// The codecs of a video's pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +36,8 @@ pub enum EncodingQuality {
 
 /// What happens to the pictures: most players take 4:2:0 only, which needs even sides; and the colours become those of
 /// [`COLORS`].
+const TRANSPARENT_PICTURES: &str =
+    "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=black@0,scale=out_color_matrix=bt709:out_range=tv";
 const PICTURES: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
 /// The colours that a video's header tells. Players take BT.709 for large pictures and BT.601 for small ones unless they
 /// are told, and ffmpeg makes BT.601 of RGB unless it is told.
@@ -68,34 +72,68 @@ pub(super) fn require_fit(codec: Option<Codec>, path: &Path) -> Result<(), Expor
     }
 }
 
+/// Refuses an output that has no room for alpha.
+pub(super) fn require_alpha(output: &Output) -> Result<(), ExportError> {
+    match output {
+        Output::Path(path) if is_folder(path) || ends_in(path, &["webm", "mov", "mkv"]) => Ok(()),
+        output => Err(ExportError::NoAlpha {
+            output: output.to_string(),
+            instead: "a name that ends in .webm, .mov or .mkv, or a folder that ends in '/'",
+        }),
+    }
+}
+
+/// How pictures with alpha are encoded: as browsers show them, as programs for cutting take them, and without loss.
+fn encode_alpha(path: &Path, quality: EncodingQuality) -> Vec<&'static str> {
+    // What is filled up is as transparent as what is around it.
+    let filter = ["-filter:v:0", TRANSPARENT_PICTURES];
+    let codec: &[&str] = if ends_in(path, &["webm"]) {
+        let rate = rate_factor(Some(Codec::Vp9), quality);
+        // The encoder refuses alpha together with frames that are hidden.
+        &["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1", "-auto-alt-ref", "0", "-crf:v:0", rate]
+    } else if ends_in(path, &["mov"]) {
+        &["-c:v:0", "prores_ks", "-profile:v:0", "4444", "-alpha_bits", "16"]
+    } else {
+        &["-c:v:0", "ffv1", "-level", "3"]
+    };
+    let format = if ends_in(path, &["webm"]) { "yuva420p" } else { "yuva444p10le" };
+    [codec, &filter, &["-pix_fmt:v:0", format]].concat()
+}
+
 /// What is said about the pictures and the sound of the video at `path`.
 pub(super) fn arguments_of(request: &VideoRequest, path: &Path) -> Vec<String> {
     let mut arguments: Vec<String> = Vec::new();
     let mut say = |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
     let webm = ends_in(path, &["webm"]);
     let codec = request.codec.or(webm.then_some(Codec::Vp9));
-    match codec {
-        Some(Codec::H264) => say(&["-c:v:0", "libx264", "-profile:v:0", "high"]),
-        // Apple's players know it by this tag.
-        Some(Codec::H265) => {
-            say(&["-c:v:0", "libx265", "-x265-params", "log-level=error"]);
-            if ends_in(path, &["mp4", "m4v", "mov"]) {
-                say(&["-tag:v:0", "hvc1"]);
+    if request.alpha {
+        say(&encode_alpha(path, request.quality));
+    } else {
+        match codec {
+            Some(Codec::H264) => say(&["-c:v:0", "libx264", "-profile:v:0", "high"]),
+            // Apple's players know it by this tag.
+            Some(Codec::H265) => {
+                say(&["-c:v:0", "libx265", "-x265-params", "log-level=error"]);
+                if ends_in(path, &["mp4", "m4v", "mov"]) {
+                    say(&["-tag:v:0", "hvc1"]);
+                }
             }
+            Some(Codec::Vp9) => say(&["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1"]),
+            Some(Codec::Av1) => {
+                say(&["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"])
+            }
+            // As the ending of the file's name says.
+            None => {}
         }
-        Some(Codec::Vp9) => say(&["-c:v:0", "libvpx-vp9", "-b:v:0", "0", "-row-mt", "1"]),
-        Some(Codec::Av1) => say(&["-c:v:0", "libaom-av1", "-b:v:0", "0", "-row-mt", "1", "-cpu-used", "6"]),
-        // As the ending of the file's name says.
-        None => {}
+        say(&[
+            "-crf:v:0",
+            rate_factor(codec, request.quality),
+            "-filter:v:0",
+            PICTURES,
+            "-pix_fmt:v:0",
+            "yuv420p",
+        ]);
     }
-    say(&[
-        "-crf:v:0",
-        rate_factor(codec, request.quality),
-        "-filter:v:0",
-        PICTURES,
-        "-pix_fmt:v:0",
-        "yuv420p",
-    ]);
     say(COLORS.as_flattened());
     if ends_in(path, &["mp4", "m4v", "mov"]) {
         // It can be shown while it is being fetched.

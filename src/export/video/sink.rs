@@ -1,24 +1,30 @@
 //! Where the frames go, on a thread of its own: while a frame is encoded or written, the next one is drawn.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use super::VideoRequest;
 use super::encoder::Encoder;
 use super::y4m;
+use crate::export::alpha::straight;
 use crate::export::error::ExportError;
 use crate::export::output::{Output, write_standard};
-use crate::export::still::write_png;
+use crate::export::still::Pixels;
 
 /// Where the frames go.
 pub(super) enum Sink {
     /// Numbered PNGs.
-    Stills { folder: PathBuf, size: (u32, u32), written: u64 },
+    Stills { folder: PathBuf, size: (u32, u32), has_alpha: bool, written: u64 },
     /// Whoever reads standard output.
     Standard,
     /// ffmpeg.
-    Encoder(Box<Encoder>),
+    Encoder { ffmpeg: Box<Encoder>, has_alpha: bool },
+}
+
+/// Whether an output is a folder, which is made if it is not there.
+pub(super) fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.to_string_lossy().ends_with(['/', '\\'])
 }
 
 impl Sink {
@@ -31,31 +37,39 @@ impl Sink {
             }
             Output::Path(path) => path,
         };
-        if path.is_dir() || path.to_string_lossy().ends_with(['/', '\\']) {
+        if is_folder(path) {
             std::fs::create_dir_all(path)
                 .map_err(|error| ExportError::Unwritable { path: path.clone(), reason: error.to_string() })?;
-            return Ok(Self::Stills { folder: path.clone(), size: request.size, written: 0 });
+            return Ok(Self::Stills {
+                folder: path.clone(),
+                size: request.size,
+                has_alpha: request.alpha,
+                written: 0,
+            });
         }
-        Ok(Self::Encoder(Box::new(Encoder::start(request, path)?)))
+        let ffmpeg = Box::new(Encoder::start(request, path)?);
+        Ok(Self::Encoder { ffmpeg, has_alpha: request.alpha })
     }
 
     /// Takes a frame of RGBA bytes; false if no more are wanted.
     fn take(&mut self, rgba: &[u8]) -> Result<bool, ExportError> {
         match self {
-            Self::Stills { folder, size, written } => {
-                write_png(&folder.join(format!("frame-{written:05}.png")), rgba, *size)?;
+            Self::Stills { folder, size, has_alpha, written } => {
+                let pixels = if *has_alpha { Pixels::transparent(rgba) } else { Pixels::opaque(rgba) };
+                pixels.write_png(&folder.join(format!("frame-{written:05}.png")), *size)?;
                 *written += 1;
                 Ok(true)
             }
             Self::Standard => write_standard(&y4m::frame(rgba)),
-            Self::Encoder(encoder) => encoder.take(rgba).map(|()| true),
+            Self::Encoder { ffmpeg, has_alpha: true } => ffmpeg.take(&straight(rgba)).map(|()| true),
+            Self::Encoder { ffmpeg, .. } => ffmpeg.take(rgba).map(|()| true),
         }
     }
 
     fn finish(self) -> Result<(), ExportError> {
         match self {
             Self::Stills { .. } | Self::Standard => Ok(()),
-            Self::Encoder(encoder) => encoder.finish(),
+            Self::Encoder { ffmpeg, .. } => ffmpeg.finish(),
         }
     }
 }

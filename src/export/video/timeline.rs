@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::VideoRequest;
+use crate::export::alpha::require_no_sky;
 use crate::export::error::ExportError;
 use crate::export::painter::{Painter, SceneChoice, require_inputs};
 use crate::scenes::ReadyScene;
@@ -35,7 +36,11 @@ impl<'a> Timeline<'a> {
         }
         let mut coming = VecDeque::new();
         for scene in scenes {
-            coming.push_back((scene, scene.scene.source.ready()?));
+            let ready = scene.scene.source.ready()?;
+            if scene.scene.alpha {
+                require_no_sky(&ready, &scene.scene.source.name())?;
+            }
+            coming.push_back((scene, ready));
         }
         let known: Vec<_> = coming.iter().map(|(_, ready)| &ready.world.scene).collect();
         require_inputs(&known, &request.set)?;

@@ -2,7 +2,7 @@
 
 use crate::export::error::ExportError;
 use crate::view::caption::Caption;
-use mariana_player::song::{Song, display_name};
+use mariana_player::song::{Song, display_name, one_line};
 
 /// How long it is seen, in seconds, and how long of that it comes and goes.
 const SEEN: f64 = 5.0;
@@ -29,9 +29,4 @@ impl TitleCard {
             self.0.draw_over(rgba, strength as f32);
         }
     }
-}
-
-/// Tags may hold anything.
-fn one_line(text: &str) -> String {
-    text.split(|c: char| c.is_control() || c.is_whitespace()).collect::<Vec<_>>().join(" ").trim().to_owned()
 }

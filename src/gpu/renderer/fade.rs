@@ -23,14 +23,26 @@ impl Renderer {
     /// # Errors
     /// No room for it.
     pub fn keep_light(&mut self) -> Result<bool, GpuError> {
-        self.fade = None;
-        let (Some(picture), Some(targets)) = (&self.finished_light, &self.targets) else { return Ok(false) };
+        self.fade = self.exposed()?.map(|light| Fade { light, share: 1.0 });
+        Ok(self.fade.is_some())
+    }
+
+    /// The light of the picture that was finished last, exposed and linear: four numbers per pixel, the top row first.
+    /// Empty for a view.
+    ///
+    /// # Errors
+    /// No room for it.
+    pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
+        Ok(self.exposed()?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
+    }
+
+    fn exposed(&self) -> Result<Option<Target>, GpuError> {
+        let (Some(picture), Some(targets)) = (&self.finished_light, &self.targets) else { return Ok(None) };
         let light = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba16F], None)?.smooth();
         self.prepare_passes();
         self.post.bind_picture(picture, self.edge_samples);
         self.post.expose(&targets.post, picture, &targets.first, &light)?;
-        self.fade = Some(Fade { light, share: 1.0 });
-        self.gl.check("keeping a picture's light").map(|()| true)
+        self.gl.check("keeping a picture's light").map(|()| Some(light))
     }
 
     /// From now on this share of finished pictures, 0..1, is the light that was kept. Without a share it is

@@ -29,6 +29,8 @@ pub struct Scene {
     pub camera: Camera,
     /// The background, where rays hit nothing.
     pub sky: Sky,
+    /// Whether the text says what colour the sky has.
+    pub has_own_sky: bool,
     /// How the scene's light becomes the picture.
     pub picture: Picture,
     /// Sliders; `Input::Param(i)` is the i-th.

@@ -13,6 +13,7 @@ use symphonia::core::packet::Packet;
 use symphonia::core::units::{Duration, Timestamp};
 
 use crate::limits::LIMITS;
+use crate::song::one_line;
 use mariana_music::StereoFrame;
 
 use super::clock::Clock;
@@ -293,8 +294,8 @@ impl PacketReader {
         let mut read = |container: &MetadataContainer| {
             for tag in &container.tags {
                 match &tag.std {
-                    Some(StandardTag::TrackTitle(title)) => tags.title = Some(title.to_string()),
-                    Some(StandardTag::Artist(artist)) => tags.artist = Some(artist.to_string()),
+                    Some(StandardTag::TrackTitle(title)) => tags.title = Some(one_line(title)),
+                    Some(StandardTag::Artist(artist)) => tags.artist = Some(one_line(artist)),
                     Some(StandardTag::ReplayGainTrackGain(text)) => tags.loudness.replay_gain(false, text),
                     Some(StandardTag::ReplayGainAlbumGain(text)) => tags.loudness.replay_gain(true, text),
                     _ if tag.raw.key.eq_ignore_ascii_case("R128_TRACK_GAIN") => {

@@ -93,6 +93,7 @@ fn draw(name: &str, sounds: &[Sound], folder: &Path) -> anyhow::Result<()> {
         cells: CellUse::default(),
         tone_map: None,
         view: None,
+        alpha: false,
         verbose: false,
     })?;
     let mut picture = |moment: usize, size: (u32, u32)| -> anyhow::Result<RgbaImage> {

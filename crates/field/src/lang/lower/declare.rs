@@ -21,6 +21,7 @@ pub(super) struct Parts {
     pub lights: Vec<Light>,
     pub camera: Option<Camera>,
     pub sky: Option<Sky>,
+    pub has_own_sky: bool,
     pub picture: Option<Picture>,
     /// Index of the material of objects that name none.
     pub default_material: Option<usize>,
@@ -112,6 +113,7 @@ impl<'a> Lowering<'a> {
             lights: parts.lights,
             camera,
             sky,
+            has_own_sky: parts.has_own_sky,
             picture,
             params: self.params,
             textures: self.textures,

@@ -132,6 +132,7 @@ impl Lowering<'_> {
             }
             Section::Sky => {
                 let sky = Sky::of(self.numbers(Sky::FIELDS, values));
+                parts.has_own_sky |= values.given("color").is_some();
                 self.only(&mut parts.sky, sky, section, span);
             }
             Section::Picture => {

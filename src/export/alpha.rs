@@ -1,0 +1,96 @@
+//! Transparent pictures: what is seen of a scene without its sky, to be laid over other pictures.
+//!
+//! **Over black it is the picture.** Bytes are premultiplied until they are written, so that laid over black they are the
+//! picture that a black sky would give. Alpha is the share of the pixel that objects cover. A glow reaches beyond them:
+//! there alpha is the brightest of the colours, the least with which the glow can be shown.
+
+use super::error::ExportError;
+use crate::frame::Frame;
+use crate::frame::picture::Picture;
+use crate::gpu::program::Program;
+use crate::gpu::renderer::Renderer;
+use crate::gpu::scene_resources::SceneResources;
+use crate::scenes::ReadyScene;
+
+/// Samples of bright light count less than those of dim light (`sample_light.glsl`), with this exposure hardly.
+const EXPOSURE: f32 = 0.01;
+
+/// Refuses a scene that says what is seen where there is nothing.
+///
+/// # Errors
+/// [`ExportError::OwnSky`].
+pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), ExportError> {
+    match ready.world.scene.has_own_sky {
+        true => Err(ExportError::OwnSky { scene: scene.to_owned() }),
+        false => Ok(()),
+    }
+}
+
+/// What draws how much of each pixel is covered.
+pub(super) struct CoveragePass {
+    program: Program,
+    /// Of the frame that was drawn last, 0..1.
+    shares: Vec<f32>,
+}
+
+impl CoveragePass {
+    /// One with a program of [`crate::gpu::scene_program::as_coverage`].
+    pub(super) fn new(program: Program) -> Self {
+        Self { program, shares: Vec::new() }
+    }
+
+    /// Finds out what covers the pixels of `frame`, and makes the frame one that is to be laid over something: grain
+    /// belongs to the whole.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn draw(
+        &mut self,
+        renderer: &mut Renderer,
+        frame: &mut Frame,
+        resources: &SceneResources,
+    ) -> Result<(), ExportError> {
+        frame.picture.grain = 0.0;
+        let mut covering = frame.clone();
+        covering.picture = Picture { exposure: EXPOSURE, bloom: 0.0, vignette: 0.0, ..frame.picture };
+        renderer.draw(&covering, resources, &self.program)?;
+        let light = renderer.read_light()?;
+        self.shares = light.as_chunks::<4>().0.iter().map(|[share, ..]| share / EXPOSURE).collect();
+        Ok(())
+    }
+
+    /// Gives the picture of that frame its alpha.
+    pub(super) fn put_into(&self, rgba: &mut [u8]) {
+        for ([r, g, b, alpha], share) in rgba.as_chunks_mut::<4>().0.iter_mut().zip(&self.shares) {
+            let covered = (255.0 * share.clamp(0.0, 1.0)).round() as u8;
+            *alpha = covered.max(*r).max(*g).max(*b);
+        }
+    }
+}
+
+/// Colours as files hold them: those of the objects, whatever their share of the pixel is.
+pub(super) fn straight(premultiplied: &[u8]) -> Vec<u8> {
+    let of = |[r, g, b, alpha]: [u8; 4]| {
+        let (half, whole) = (u32::from(alpha) / 2, u32::from(alpha).max(1));
+        let color = |byte: u8| ((u32::from(byte) * 255 + half) / whole).min(255) as u8;
+        [color(r), color(g), color(b), alpha]
+    };
+    premultiplied.as_chunks::<4>().0.iter().flat_map(|pixel| of(*pixel)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::straight;
+
+    #[test]
+    fn straight_colours_over_black_are_what_they_were() {
+        for alpha in 0..=255_u8 {
+            for color in 0..=alpha {
+                let [straight, _, _, kept] = straight(&[color, 0, 0, alpha])[..] else { unreachable!() };
+                let over_black = f64::from(straight) * f64::from(kept) / 255.0;
+                assert!((over_black - f64::from(color)).abs() <= 0.5, "{color} of {alpha}: {over_black}");
+            }
+        }
+        assert_eq!(straight(&[7, 8, 9, 255]), [7, 8, 9, 255]);
+    }
+}
