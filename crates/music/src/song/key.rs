@@ -1,0 +1,163 @@
+//! Key, mode and chords, from the shares of the pitch classes.
+
+use serde::Serialize;
+
+use super::units::Unit;
+
+/// Names of the pitch classes, C first.
+pub const PITCH_CLASSES: [&str; 12] = ["C", "C#", "D", "Eb", "E", "F", "F#", "G", "G#", "A", "Bb", "B"];
+
+/// Major or minor, of keys and of triads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// With a major third.
+    Major,
+    /// With a minor third.
+    Minor,
+}
+
+impl Mode {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Major => "major",
+            Self::Minor => "minor",
+        }
+    }
+}
+
+/// A key, or a triad: its root and its mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Tonality {
+    /// Pitch class, 0 for C up to 11 for B.
+    pub root: u8,
+    /// Major or minor.
+    pub mode: Mode,
+}
+
+impl Tonality {
+    /// The name of the root.
+    pub fn root_name(self) -> &'static str {
+        PITCH_CLASSES.get(usize::from(self.root)).copied().unwrap_or("C")
+    }
+
+    /// All twelve of each mode.
+    fn all() -> impl Iterator<Item = Self> {
+        [Mode::Major, Mode::Minor].into_iter().flat_map(|mode| (0..12).map(move |root| Self { root, mode }))
+    }
+}
+
+/// How well each pitch class above the tonic fits major and minor (Temperley 2001, table 7.1, after Krumhansl and
+/// Kessler 1982).
+const MAJOR: [f32; 12] = [5.0, 2.0, 3.5, 2.0, 4.5, 4.0, 2.0, 4.5, 2.0, 3.5, 1.5, 4.0];
+/// See [`MAJOR`].
+const MINOR: [f32; 12] = [5.0, 2.0, 3.5, 4.5, 2.0, 4.0, 2.0, 4.5, 3.5, 2.0, 1.5, 4.0];
+
+/// A key that is less correlated with what sounds is none.
+const KEY_MIN: f32 = 0.55;
+/// Of a song with a key, in this share of beats pitches sound.
+const PITCHED_MIN: f32 = 0.2;
+
+/// A beat that is less correlated with every triad has no chord.
+const CHORD_MIN: f32 = 0.35;
+/// What a change of chord costs, in correlation.
+const CHANGE_COST: f32 = 0.45;
+
+/// The key of a song (Krumhansl 1990: the largest correlation); none if no key fits.
+pub(super) fn key(units: &[Unit]) -> Option<Tonality> {
+    let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0)).count();
+    if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
+        return None;
+    }
+    let mut sum = [0.0_f32; 12];
+    for unit in units {
+        // A loud beat counts more, but no more than four times a quiet one.
+        let weight = (unit.level / 60.0).max(0.25);
+        sum.iter_mut().zip(unit.chroma).for_each(|(sum, share)| *sum += weight * share);
+    }
+    // What a single held note has in common with a profile is no key: others must sound, too.
+    let total: f32 = sum.iter().sum();
+    if sum.iter().filter(|share| **share > 0.04 * total).count() < 4 {
+        return None;
+    }
+    let fits = |key: &Tonality| {
+        let profile = match key.mode {
+            Mode::Major => MAJOR,
+            Mode::Minor => MINOR,
+        };
+        correlation(&turned(&sum, key.root), &profile)
+    };
+    let best = Tonality::all().max_by(|a, b| fits(a).total_cmp(&fits(b)))?;
+    (fits(&best) >= KEY_MIN).then_some(best)
+}
+
+/// The chord of each unit: the likeliest sequence of triads (Sheh and Ellis 2003: a hidden Markov model over chords; here
+/// with the correlation with the triad's tones in place of probabilities); none where no triad fits.
+pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
+    let chords: Vec<Option<Tonality>> = Tonality::all().map(Some).chain([None]).collect();
+    let fits = |unit: &Unit, chord: &Option<Tonality>| match chord {
+        None => CHORD_MIN,
+        Some(chord) => {
+            let third = if chord.mode == Mode::Major { 4 } else { 3 };
+            let tones: [f32; 12] =
+                std::array::from_fn(|class| if [0, third, 7].contains(&class) { 1.0 } else { 0.0 });
+            correlation(&turned(&unit.chroma, chord.root), &tones)
+        }
+    };
+    let mut best = vec![0.0_f32; chords.len()];
+    let mut came_from = Vec::with_capacity(units.len());
+    for unit in units {
+        let likeliest = largest(&best);
+        let floor = best[likeliest] - CHANGE_COST;
+        let from: Vec<usize> =
+            (0..chords.len()).map(|chord| if best[chord] >= floor { chord } else { likeliest }).collect();
+        best = chords.iter().zip(&best).map(|(chord, before)| before.max(floor) + fits(unit, chord)).collect();
+        came_from.push(from);
+    }
+    let mut chord = largest(&best);
+    let mut path = Vec::with_capacity(units.len());
+    for from in came_from.iter().rev() {
+        path.push(chords[chord]);
+        chord = from[chord];
+    }
+    path.reverse();
+    path
+}
+
+fn largest(values: &[f32]) -> usize {
+    (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or_default()
+}
+
+/// The shares with `root` first.
+fn turned(shares: &[f32; 12], root: u8) -> [f32; 12] {
+    std::array::from_fn(|class| shares[(class + usize::from(root)) % 12])
+}
+
+/// Pearson's correlation; 0 if one of them does not vary.
+fn correlation(a: &[f32; 12], b: &[f32; 12]) -> f32 {
+    let less_mean = |values: &[f32; 12]| {
+        let mean = values.iter().sum::<f32>() / 12.0;
+        values.map(|value| value - mean)
+    };
+    let (a, b) = (less_mean(a), less_mean(b));
+    let product = |a: &[f32; 12], b: &[f32; 12]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+    let scale = (product(&a, &a) * product(&b, &b)).sqrt();
+    if scale > 1e-9 { product(&a, &b) / scale } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_has_its_own_key() {
+        for key in Tonality::all() {
+            let profile = if key.mode == Mode::Major { MAJOR } else { MINOR };
+            let sum: f32 = profile.iter().sum();
+            let chroma = std::array::from_fn(|class| profile[(class + 12 - usize::from(key.root)) % 12] / sum);
+            let unit = Unit { chroma, level: 60.0, low: 0.0, onsets: 0.0, timbre: [0.0; 20] };
+            assert_eq!(super::key(&[unit; 4]), Some(key));
+        }
+    }
+}
