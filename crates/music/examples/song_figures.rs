@@ -6,7 +6,9 @@
 mod songs;
 
 use mariana_music::{Mode, SongStructure, Tonality};
-use songs::{Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure};
+use songs::{
+    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+};
 
 const RATE: u32 = 48_000;
 
@@ -60,8 +62,8 @@ fn main() {
         let mut rows = Vec::new();
         for (number, style) in Style::ALL.into_iter().enumerate() {
             for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
-                // Nobody counts dotted quarters that fast.
-                if style == Style::SixEight && tempo > 130.0 {
+                // Nobody counts dotted quarters that fast, and half time is counted in halves then.
+                if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
                     continue;
                 }
                 let mut song = Song::new(style, tempo, major(number as u8), pop(Mode::Major));
@@ -70,7 +72,8 @@ fn main() {
             }
         }
         for style in [Style::Rock, Style::FourOnTheFloor, Style::Jazz] {
-            for (swing, tempo) in [(0.667, (90.0, 90.0)), (0.6, (140.0, 140.0)), (0.5, (90.0, 130.0)), (0.5, (150.0, 110.0))]
+            for (swing, tempo) in
+                [(0.667, (90.0, 90.0)), (0.6, (140.0, 140.0)), (0.5, (90.0, 130.0)), (0.5, (150.0, 110.0))]
             {
                 let song = Song { swing, tempo, ..Song::new(style, 100.0, major(5), pop(Mode::Major)) };
                 rhythm_row(&format!("{style:?} {tempo:?} swing {swing}"), &song, &mut rows);
@@ -89,7 +92,8 @@ fn main() {
                         chords: chords(mode, if alone == "harmony" { number } else { 0 }),
                         drums: true,
                         bass: true,
-                        voice: [Voice::Organ, Voice::Bright, Voice::Soft][if alone == "timbre" { number } else { 0 }],
+                        voice: [Voice::Organ, Voice::Bright, Voice::Soft]
+                            [if alone == "timbre" { number } else { 0 }],
                         arpeggio: true,
                         loud: 0.8,
                         kind: Kind::Plain,
@@ -115,10 +119,14 @@ fn main() {
             let key = Tonality { root: number as u8 * 2, mode: Mode::Minor };
             let song = Song::new(Style::FourOnTheFloor, tempo, key, club(Mode::Minor));
             let (found, truth) = heard(&song);
-            let hit = truth.drops.iter().filter(|drop| found.drops.iter().any(|f| (f - *drop).abs() < 0.5)).count();
+            let hit =
+                truth.drops.iter().filter(|drop| found.drops.iter().any(|f| (f - *drop).abs() < 0.5)).count();
             (hits, all) = (hits + hit, all + truth.drops.len());
             false_ones += found.drops.len() - hit;
-            println!("club {tempo}: drops {:?} for {:?}; builds {:?}", found.drops, truth.drops, found.builds);
+            println!(
+                "club {tempo}: drops {:?} for {:?}; builds {:?}",
+                found.drops, truth.drops, found.builds
+            );
             rhythm_row(&format!("club {tempo}"), &song, &mut Vec::new());
         }
         let mut in_ballads = 0;

@@ -55,7 +55,8 @@ pub use features::{BAND_COUNT, Features, LEVEL_FLOOR_DB, TimedFeatures};
 pub use gain::Gain;
 pub use lines::{SPECTRUM_POINTS, spectrum_hz, spectrum_place};
 pub use song::{
-    Chord, Meter, Mode, PITCH_CLASSES, PitchShares, Section, SongBeat, SongListener, SongStructure, Stretch, Tonality,
+    Chord, Meter, Mode, PITCH_CLASSES, PitchShares, Section, SongBeat, SongListener, SongStructure, Stretch,
+    Tonality,
 };
 pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVE_PER_HOP, WAVEFORM_POINTS};
 pub use tap::TapTempo;

@@ -52,7 +52,7 @@ const THREE_OVER_FOUR: f32 = 0.06;
 const AROUND: usize = 3;
 /// Strokes at both thirds of a beat are this share of those on beats, and this many times those at its half, where
 /// beats have three parts.
-const TERNARY: (f32, f32) = (0.3, 1.5);
+const TERNARY: (f32, f32) = (0.12, 1.5);
 
 /// What is known of a beat.
 struct Evidence {
@@ -107,11 +107,13 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
         let wide = distance(&mean(index.saturating_sub(2), index), &mean(index, index + 2));
         near + wide
     });
-    let sound = indices.clone().map(|index| match (index.checked_sub(1).and_then(|b| units.get(b)), units.get(index)) {
-        (Some(before), Some(after)) => {
-            before.timbre.iter().zip(&after.timbre).map(|(b, a)| (a - b).max(0.0)).sum::<f32>()
+    let sound = indices.clone().map(|index| {
+        match (index.checked_sub(1).and_then(|b| units.get(b)), units.get(index)) {
+            (Some(before), Some(after)) => {
+                before.timbre.iter().zip(&after.timbre).map(|(b, a)| (a - b).max(0.0)).sum::<f32>()
+            }
+            _ => 0.0,
         }
-        _ => 0.0,
     });
     let harmony: Vec<f32> = harmony.collect();
     let sound: Vec<f32> = sound.collect();
@@ -130,19 +132,29 @@ fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> 
 }
 
 fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -> Meter {
-    let rows =
-        [&evidence.low, &evidence.high, &evidence.struck, &evidence.half, &evidence.low_half, &evidence.harmony];
+    let rows = [
+        &evidence.low,
+        &evidence.high,
+        &evidence.struck,
+        &evidence.half,
+        &evidence.low_half,
+        &evidence.harmony,
+    ];
     // The mean product of standardised values is their correlation.
     let alike = |lag: usize| {
         let count = beats.len().saturating_sub(lag);
         let of_row = |row: &&Vec<f32>| {
-            row.iter().zip(&row[lag.min(row.len())..]).map(|(a, b)| a.clamp(-2.0, 2.0) * b.clamp(-2.0, 2.0)).sum::<f32>()
+            row.iter()
+                .zip(&row[lag.min(row.len())..])
+                .map(|(a, b)| a.clamp(-2.0, 2.0) * b.clamp(-2.0, 2.0))
+                .sum::<f32>()
         };
         rows.iter().map(of_row).sum::<f32>() / (count.max(1) * rows.len()) as f32
     };
     let four = (alike(4) + alike(8)) / 2.0;
     let three = (alike(3) + alike(6) + alike(9)) / 3.0;
-    if has_thirds(heard, strengths, beats) {
+    let highs: Vec<f32> = heard.moments.iter().map(|moment| moment.high_rise).collect();
+    if has_thirds(heard, strengths, beats) || has_thirds(heard, &highs, beats) {
         Meter::SixEight
     } else if three > four + THREE_OVER_FOUR {
         Meter::ThreeFour

@@ -18,7 +18,7 @@ const LIKELY: (f64, f64) = (115.0, 1.0);
 const UNLIKELY: f32 = 0.35;
 
 /// Cost of a change of period per relative change, and of one to the neighbouring period: most tempos lie between two.
-const TEMPO_STIFFNESS: f32 = 60.0;
+const TEMPO_STIFFNESS: f32 = 250.0;
 /// See [`TEMPO_STIFFNESS`].
 const NEIGHBOUR: f32 = 0.25;
 /// Largest change of period from one beat to the next, in moments.
@@ -86,7 +86,8 @@ pub(super) fn beats(heard: &Heard) -> Vec<f64> {
         let from = if start == 0 { 0 } else { start + OVERLAP / 2 };
         let to = if end == strengths.len() { end } else { end - OVERLAP / 2 };
         let path = path_through(&strengths[start..end], heard.hop_seconds);
-        let inside = path.into_iter().map(|moment| moment + start).filter(|moment| (from..to).contains(moment));
+        let inside =
+            path.into_iter().map(|moment| moment + start).filter(|moment| (from..to).contains(moment));
         let apart = 60.0 / TEMPO.0 / heard.hop_seconds * 0.8;
         for moment in inside {
             if found.last().is_none_or(|last| (moment - last) as f64 > apart) {
@@ -111,7 +112,7 @@ fn rewards(strengths: &[f32]) -> Vec<f32> {
     let at = |index: usize| strengths.get(index).copied().unwrap_or_default();
     let worth = |index: usize| {
         let held = at(index).max(0.9 * at(index + 1)).max(0.9 * at(index.wrapping_sub(1))).min(1.0);
-        1.5 * ((held + 0.03) / (1.03 - held)).ln() + 0.3
+        1.5 * ((held + 0.03) / (1.03 - held)).ln() + 0.8
     };
     (0..strengths.len()).map(worth).collect()
 }
@@ -133,9 +134,8 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
         -TEMPO_STIFFNESS * (moments - 1.0).max(0.0) / (shortest + from) as f32 - NEIGHBOUR * moments.min(1.0)
     };
     // From `to - REACH + k` to `to`.
-    let costs: Vec<[f32; 2 * REACH + 1]> = (0..count)
-        .map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to)))
-        .collect();
+    let costs: Vec<[f32; 2 * REACH + 1]> =
+        (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
     // The best paths with a beat at each of the last `longest` moments, before the next beat's period is known.
     let rows = longest + 1;
     let mut best = vec![0.0_f32; rows * count];
@@ -188,7 +188,8 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
 fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     let loudest = moments.iter().fold(0.0_f32, |loudest, moment| loudest.max(moment.power));
     let sounds = |moment: &Moment| moment.power > (loudest * 1e-5).max(1e-9);
-    let (Some(first), Some(last)) = (moments.iter().position(sounds), moments.iter().rposition(sounds)) else {
+    let (Some(first), Some(last)) = (moments.iter().position(sounds), moments.iter().rposition(sounds))
+    else {
         return &[];
     };
     let from = beats.partition_point(|beat| beat + 4 < first);
@@ -203,7 +204,9 @@ fn is_steady(beats: &[usize], strengths: &[f32]) -> bool {
         return false;
     }
     let at = |beat: usize| {
-        strengths[beat.saturating_sub(1)..(beat + 2).min(strengths.len())].iter().fold(0.0_f32, |a, b| a.max(*b))
+        strengths[beat.saturating_sub(1)..(beat + 2).min(strengths.len())]
+            .iter()
+            .fold(0.0_f32, |a, b| a.max(*b))
     };
     let struck = beats.iter().filter(|beat| at(**beat) > 0.3).count() as f32 / beats.len() as f32;
     let between = &strengths[*first..=*last];

@@ -1,5 +1,7 @@
 //! Takes a song's frames and keeps little numbers of them, from which the structure is found at the end.
 
+use std::ops::Range;
+
 use super::chroma::{FINE_BINS, FineChroma, Tuning};
 use super::structure::SongStructure;
 use crate::StereoFrame;
@@ -77,6 +79,17 @@ pub(super) struct Heard {
     pub(super) chroma_late: usize,
     /// How the instruments are tuned.
     pub(super) tuning: Tuning,
+}
+
+impl Heard {
+    /// From the first to the last moment within 40 dB of the loudest, in seconds.
+    pub(super) fn sounding(&self) -> Range<f64> {
+        let loudest = self.moments.iter().fold(0.0_f32, |loudest, moment| loudest.max(moment.power));
+        let sounds = |moment: &Moment| moment.power >= loudest * 1e-4;
+        let first = self.moments.iter().position(sounds).unwrap_or_default();
+        let last = self.moments.iter().rposition(sounds).unwrap_or_default();
+        first as f64 * self.hop_seconds..(last + 1) as f64 * self.hop_seconds
+    }
 }
 
 /// Listens to a whole song, to tell its structure at its end.

@@ -10,9 +10,9 @@ use super::listener::TIMBRE_BANDS;
 use super::units::Unit;
 
 /// What a section costs, in mean squared deviations of the whole song's bars.
-const SECTION_COST: f32 = 3.5;
+const SECTION_COST: f32 = 2.0;
 /// What each bar of a harmony that goes round costs.
-const LOOP_COST: f32 = 0.22;
+const LOOP_COST: f32 = 0.12;
 /// Lengths of a harmony that goes round, in bars.
 const LOOPS: [usize; 4] = [1, 2, 4, 8];
 /// Longest section, in bars.
@@ -29,7 +29,7 @@ const TIMBRE_LEAST: f32 = 8.0;
 const CHROMA_LEAST: f32 = 0.09;
 
 /// Sections closer than this have the same letter, in the units of the costs.
-const SAME: f32 = 0.55;
+const SAME: f32 = 0.2;
 
 /// Numbers of a bar: sound and harmony, each with a mean squared deviation of at most 1.
 struct Scaled {
@@ -65,17 +65,33 @@ pub(super) fn sections(bars: &[Unit]) -> Vec<Stretch> {
 fn scaled(bars: &[Unit]) -> Scaled {
     let timbre: Vec<_> = bars.iter().map(|bar| bar.timbre).collect();
     let chroma: Vec<_> = bars.iter().map(|bar| bar.chroma).collect();
-    Scaled { timbre: with_unit_deviation(&timbre, TIMBRE_LEAST), chroma: with_unit_deviation(&chroma, CHROMA_LEAST) }
+    Scaled {
+        timbre: with_unit_deviation(&timbre, TIMBRE_LEAST),
+        chroma: with_unit_deviation(&chroma, CHROMA_LEAST),
+    }
 }
 
-/// The rows less their mean, divided by the root of their mean squared length, or by `least`.
+/// A bar counts as no farther from the mean than this, in deviations: a pause is no section.
+const FARTHEST: f32 = 2.5;
+
+/// The rows less their mean, divided by their deviation, or by `least`. What is far away does not widen the scale.
 fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f32; N]> {
     let count = rows.len().max(1) as f32;
-    let mean: [f32; N] = std::array::from_fn(|column| rows.iter().map(|row| row[column]).sum::<f32>() / count);
+    let mean: [f32; N] =
+        std::array::from_fn(|column| rows.iter().map(|row| row[column]).sum::<f32>() / count);
     let away = |row: &[f32; N]| -> [f32; N] { std::array::from_fn(|column| row[column] - mean[column]) };
-    let square: f32 = rows.iter().map(|row| away(row).iter().map(|x| x * x).sum::<f32>()).sum::<f32>() / count;
-    let scale = 1.0 / square.sqrt().max(least);
-    rows.iter().map(|row| away(row).map(|x| x * scale)).collect()
+    let length = |row: &[f32; N]| away(row).iter().map(|x| x * x).sum::<f32>().sqrt();
+    let mut lengths: Vec<f32> = rows.iter().map(length).collect();
+    lengths.sort_by(f32::total_cmp);
+    let farthest = FARTHEST * lengths.get(lengths.len() / 2).copied().unwrap_or_default();
+    let square: f32 = lengths.iter().map(|length| length.min(farthest).powi(2)).sum::<f32>() / count;
+    let deviation = square.sqrt().max(least);
+    rows.iter()
+        .map(|row| {
+            let scale = 1.0 / deviation.max(length(row) / FARTHEST);
+            away(row).map(|x| x * scale)
+        })
+        .collect()
 }
 
 /// Sums of rows and of their squared lengths, to tell the deviation within any stretch at once: of every row, or of
@@ -157,10 +173,8 @@ fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
 fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> {
     let count = stretches.len();
     let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();
-    let between: Vec<Vec<f32>> = stretches
-        .iter()
-        .map(|a| stretches.iter().map(|b| dissimilarity(a, b, scaled)).collect())
-        .collect();
+    let between: Vec<Vec<f32>> =
+        stretches.iter().map(|a| stretches.iter().map(|b| dissimilarity(a, b, scaled)).collect()).collect();
     let mean = |a: &[usize], b: &[usize]| {
         let sum: f32 = a.iter().flat_map(|x| b.iter().map(|y| between[*x][*y])).sum();
         sum / (a.len() * b.len()) as f32
@@ -190,8 +204,7 @@ fn dissimilarity(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>, scaled:
     let (first, second) = (&scaled.chroma[a.clone()], &scaled.chroma[b.clone()]);
     let common = first.len().min(second.len()).max(1);
     let bar_by_bar = first.iter().zip(second).map(|(a, b)| square(a, b)).sum::<f32>() / common as f32;
-    let of_means = 2.0 * square(&mean(first), &mean(second));
-    timbre + 0.5 * bar_by_bar.min(of_means)
+    timbre + 0.5 * bar_by_bar
 }
 
 fn mean<const N: usize>(rows: &[[f32; N]]) -> [f32; N] {

@@ -133,13 +133,19 @@ impl SongStructure {
         } else {
             structure.set_beats(heard, &beats)
         };
-        let bars = units(heard, &bar_times);
-        let beat_times = if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
+        // Silence before and after the song is no part of a bar's sound.
+        let sounding = heard.sounding();
+        let of_sound: Vec<f64> =
+            bar_times.iter().map(|time| time.clamp(sounding.start, sounding.end)).collect();
+        let bars = units(heard, &of_sound);
+        let beat_times =
+            if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
         let of_beats = units(heard, &beat_times);
-        structure.key = key(&of_beats);
         let starts = beat_times.iter().copied();
-        structure.chroma = starts.zip(&of_beats).map(|(start, unit)| PitchShares { start, shares: unit.chroma }).collect();
-        for (times, triad) in beat_times.windows(2).zip(chords(&of_beats)) {
+        structure.chroma =
+            starts.zip(&of_beats).map(|(start, unit)| PitchShares { start, shares: unit.chroma }).collect();
+        let triads = chords(&of_beats);
+        for (times, triad) in beat_times.windows(2).zip(triads.iter().copied()) {
             match structure.chords.last_mut() {
                 Some(last) if last.triad == triad => last.end = times[1],
                 _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
@@ -150,6 +156,11 @@ impl SongStructure {
             let energy = structure.mean_energy(start, end);
             structure.sections.push(Section { start, end, letter: letter(section.letter), energy });
         }
+        let firsts = structure.sections.iter().map(|section| {
+            let beat = beat_times.partition_point(|time| *time < section.start + 1e-3);
+            triads.get(beat).copied().flatten()
+        });
+        structure.key = key(&of_beats, &triads, &firsts.collect::<Vec<_>>());
         if !beats.is_empty() {
             let (builds, drops) = builds_and_drops(&bars);
             structure.builds = builds

@@ -68,7 +68,9 @@ impl Style {
                 .chain((0..4).map(|beat| (f64::from(beat), Kick, 0.35)))
                 .collect(),
             Self::Ballad => eighths(Hat, 0.12).chain([(0.0, Kick, 0.5)]).chain(snares(0.3)).collect(),
-            Self::Waltz => vec![(0.0, Kick, 0.9), (1.0, Hat, 0.5), (2.0, Hat, 0.5), (1.0, Snare, 0.3), (2.0, Snare, 0.3)],
+            Self::Waltz => {
+                vec![(0.0, Kick, 0.9), (1.0, Hat, 0.5), (2.0, Hat, 0.5), (1.0, Snare, 0.3), (2.0, Snare, 0.3)]
+            }
             Self::SixEight => (0..6)
                 .map(|eighth| (f64::from(eighth) / 3.0, Hat, 0.35))
                 .chain([(0.0, Kick, 0.9), (1.0, Snare, 0.7), (5.0 / 3.0, Kick, 0.4)])
@@ -326,9 +328,13 @@ fn drum_sound(drum: Drum, rate: f64, noise: &mut u32) -> Vec<f32> {
                 (TAU * turns).sin() * (-t / 0.08).exp() + 0.2 * white * (-t / 0.004).exp()
             }
             Drum::Tom => (TAU * 120.0 * t).sin() * (-t / 0.1).exp() + 0.2 * white * (-t / 0.01).exp(),
-            Drum::Snare => 0.5 * (TAU * 190.0 * t).sin() * (-t / 0.06).exp() + 0.6 * white * (-t / 0.07).exp(),
+            Drum::Snare => {
+                0.5 * (TAU * 190.0 * t).sin() * (-t / 0.06).exp() + 0.6 * white * (-t / 0.07).exp()
+            }
             Drum::Hat => 0.5 * bright * (-t / 0.02).exp(),
-            Drum::Ride => 0.25 * bright * (-t / 0.12).exp() + 0.2 * (TAU * 5_200.0 * t).sin() * (-t / 0.1).exp(),
+            Drum::Ride => {
+                0.25 * bright * (-t / 0.12).exp() + 0.2 * (TAU * 5_200.0 * t).sin() * (-t / 0.1).exp()
+            }
             Drum::Crash => 0.5 * bright * (-t / 0.4).exp(),
         };
         (value * (t / 0.0005).min(1.0)) as f32
@@ -362,7 +368,8 @@ impl Song {
         let mut bar = 0;
         let mut before = Kind::Plain;
         for (number, part) in self.form.iter().enumerate() {
-            let (start, end) = (self.time((bar * per_bar) as f64), self.time(((bar + part.bars) * per_bar) as f64));
+            let (start, end) =
+                (self.time((bar * per_bar) as f64), self.time(((bar + part.bars) * per_bar) as f64));
             if number > 0 {
                 truth.borders.push(start);
             }
@@ -429,12 +436,20 @@ impl Song {
             let pitch = 36.0 + f64::from((self.key.root + root) % 12);
             for beat in 0..per_bar {
                 let place = beat as f64;
-                studio.note(at(place), at(place + 0.9), hz(pitch), Voice::Organ, 0.2 * part.loud, (0.008, 0.6));
+                studio.note(
+                    at(place),
+                    at(place + 0.9),
+                    hz(pitch),
+                    Voice::Organ,
+                    0.2 * part.loud,
+                    (0.008, 0.6),
+                );
             }
         }
         if part.arpeggio {
-            for eighth in 0..per_bar * 2 {
-                let place = eighth as f64 / 2.0;
+            let per_beat = if self.style == Style::SixEight { 3 } else { 2 };
+            for eighth in 0..per_bar * per_beat {
+                let place = eighth as f64 / per_beat as f64;
                 let pitch = chord[[0, 1, 2, 1][eighth % 4]] + 12.0;
                 studio.note(at(place), at(place + 0.45), hz(pitch), part.voice, loud, (0.005, 0.25));
             }
