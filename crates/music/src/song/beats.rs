@@ -36,9 +36,9 @@ const STRETCH: usize = 56_250;
 /// See [`STRETCH`].
 const OVERLAP: usize = 1_875;
 
-/// Beats need this much more onset strength than moments between them, and this share of them must be struck; speech and
-/// noise do not have it.
-const CONTRAST_MIN: f32 = 0.25;
+/// Beats have at least this many times the onset strength of all moments, and this share of them must be struck; a
+/// swell of chords has neither. (Steady white noise may still pass for a beat.)
+const CONTRAST_MIN: f32 = 2.2;
 /// See [`CONTRAST_MIN`].
 const STRUCK_MIN: f32 = 0.5;
 /// Fewer beats are none.
@@ -212,7 +212,7 @@ fn is_steady(beats: &[usize], strengths: &[f32]) -> bool {
     let between = &strengths[*first..=*last];
     let mean_between = between.iter().sum::<f32>() / between.len() as f32;
     let mean_at = beats.iter().map(|beat| at(*beat)).sum::<f32>() / beats.len() as f32;
-    mean_at - mean_between >= CONTRAST_MIN && struck >= STRUCK_MIN
+    mean_at >= CONTRAST_MIN * mean_between && struck >= STRUCK_MIN
 }
 
 /// The beat's place between moments, where the onset next to it is.

@@ -29,8 +29,6 @@ const LOUD: (f32, f32) = (0.7, 2.0);
 const DROP_BARS: usize = 2;
 /// Of drops closer than this, in bars, only the strongest counts.
 const APART: usize = 8;
-/// By how much tension falls after a build that leads to no drop, in decibels.
-const ENDS: f32 = 3.0;
 
 /// Mean power of each [`ENERGY_STEP`] as a height 0..1 in decibels, relative to the loudest, smoothed over a second.
 pub(super) fn energy(heard: &Heard) -> Vec<f32> {
@@ -65,8 +63,12 @@ fn steps(heard: &Heard, of: impl Fn(&[Moment]) -> f32) -> Vec<f32> {
     (0..count).map(|step| of(&heard.moments[place(step)..place(step + 1)])).collect()
 }
 
-/// Bars of builds, and bars with which drops begin.
-pub(super) fn builds_and_drops(bars: &[Unit]) -> (Vec<std::ops::Range<usize>>, Vec<usize>) {
+/// Bars of builds, and bars with which drops begin. A build leads to a drop, or into another section: `borders` are the
+/// bars with which sections begin.
+pub(super) fn builds_and_drops(
+    bars: &[Unit],
+    borders: &[usize],
+) -> (Vec<std::ops::Range<usize>>, Vec<usize>) {
     let mut levels: Vec<f32> = bars.iter().map(|bar| bar.level).collect();
     levels.sort_by(f32::total_cmp);
     let loud =
@@ -97,14 +99,19 @@ pub(super) fn builds_and_drops(bars: &[Unit]) -> (Vec<std::ops::Range<usize>>, V
     // With how much of the low band returns.
     let mut drops: Vec<(usize, f32)> = Vec::new();
     for bar in *BUILD_BARS.start()..bars.len() {
+        let is_border = borders.contains(&bar);
         let drops_here = returns(bar) >= LOW_RETURNS && mean(&|bar| bar.level, bar..bar + DROP_BARS) >= loud;
-        let falls = tension[bar] < tension[bar - 1] - ENDS;
-        if !drops_here && !falls {
+        if !drops_here && !is_border {
             continue;
         }
         let Some(build) = ended(bar) else { continue };
         match builds.last_mut() {
-            Some(last) if last.end > build.start => *last = last.start..bar,
+            // The same one, which led on to its drop.
+            Some(last) if last.end > build.start => {
+                if drops_here {
+                    last.end = bar;
+                }
+            }
             _ => builds.push(build.start..bar),
         }
         if !drops_here {

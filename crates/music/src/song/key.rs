@@ -64,19 +64,17 @@ const KEY_MIN: f32 = 0.55;
 /// Of a song with a key, in this share of beats pitches sound.
 const PITCHED_MIN: f32 = 0.2;
 
+/// The most frequent pitch class exceeds the rarest by at least this many times the mean.
+const CONTRAST_MIN: f32 = 0.5;
+
 /// A beat that is less correlated with every triad has no chord.
 const CHORD_MIN: f32 = 0.35;
 /// What a change of chord costs, in correlation.
 const CHANGE_COST: f32 = 0.45;
 
-/// The key of a song; none if no key fits. It is the one with the largest correlation (Krumhansl 1990). A key and its
-/// relative have the same tones, so it also counts how much of the song, and how many of the chords that begin a phrase,
-/// are the tonic's triad.
-pub(super) fn key(
-    units: &[Unit],
-    chords: &[Option<Tonality>],
-    firsts: &[Option<Tonality>],
-) -> Option<Tonality> {
+/// Shares of the pitch classes in the whole song; none if it has no pitches: noise has all alike, and one held note is no
+/// harmony.
+fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0)).count();
     if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
         return None;
@@ -87,11 +85,22 @@ pub(super) fn key(
         let weight = (unit.level / 60.0).max(0.25);
         sum.iter_mut().zip(unit.chroma).for_each(|(sum, share)| *sum += weight * share);
     }
-    // What a single held note has in common with a profile is no key: others must sound, too.
     let total: f32 = sum.iter().sum();
-    if sum.iter().filter(|share| **share > 0.04 * total).count() < 4 {
-        return None;
-    }
+    let largest = sum.iter().copied().fold(0.0, f32::max);
+    let smallest = sum.iter().copied().fold(f32::INFINITY, f32::min);
+    let heard = sum.iter().filter(|share| **share > 0.04 * total).count();
+    (heard >= 4 && largest - smallest >= CONTRAST_MIN * total / 12.0).then_some(sum)
+}
+
+/// The key of a song; none if no key fits. It is the one with the largest correlation (Krumhansl 1990). A key and its
+/// relative have the same tones, so it also counts how much of the song, and how many of the chords that begin a phrase,
+/// are the tonic's triad.
+pub(super) fn key(
+    units: &[Unit],
+    chords: &[Option<Tonality>],
+    firsts: &[Option<Tonality>],
+) -> Option<Tonality> {
+    let sum = pitches_of(units)?;
     let fits = |key: &Tonality| {
         let profile = match key.mode {
             Mode::Major => MAJOR,
@@ -109,8 +118,12 @@ pub(super) fn key(
 }
 
 /// The chord of each unit: the likeliest sequence of triads (Sheh and Ellis 2003: a hidden Markov model over chords; here
-/// with the correlation with the triad's tones in place of probabilities); none where no triad fits.
+/// with the correlation with the triad's tones in place of probabilities); none where no triad fits or there are no
+/// pitches.
 pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
+    if pitches_of(units).is_none() {
+        return vec![None; units.len()];
+    }
     let chords: Vec<Option<Tonality>> = Tonality::all().map(Some).chain([None]).collect();
     let fits = |unit: &Unit, chord: &Option<Tonality>| match chord {
         None => CHORD_MIN,

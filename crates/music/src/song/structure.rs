@@ -151,7 +151,9 @@ impl SongStructure {
                 _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
             }
         }
-        for section in sections(&bars) {
+        let sections = sections(&bars);
+        let borders: Vec<usize> = sections.iter().skip(1).map(|section| section.bars.start).collect();
+        for section in sections {
             let (start, end) = (bar_times[section.bars.start], bar_times[section.bars.end]);
             let energy = structure.mean_energy(start, end);
             structure.sections.push(Section { start, end, letter: letter(section.letter), energy });
@@ -162,7 +164,7 @@ impl SongStructure {
         });
         structure.key = key(&of_beats, &triads, &firsts.collect::<Vec<_>>());
         if !beats.is_empty() {
-            let (builds, drops) = builds_and_drops(&bars);
+            let (builds, drops) = builds_and_drops(&bars, &borders);
             structure.builds = builds
                 .into_iter()
                 .map(|bars| Stretch { start: bar_times[bars.start], end: bar_times[bars.end] })
