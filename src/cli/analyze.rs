@@ -6,17 +6,25 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::choices::choice;
+use super::common::end_by_signals;
 use super::files::song_or_demo;
 use super::parse::{parse_duration, parse_fps, parse_seconds};
 use crate::config::Choice;
 use crate::export::analyze::{AnalyzeRequest, print_features};
+use crate::export::structure::{StructureRequest, tell_structure};
 use mariana_music::Gain;
 
 #[derive(Args)]
 pub(super) struct AnalyzeArguments {
     /// The song, or '-' for standard input; if none is given, the built-in demo track
     file: Option<PathBuf>,
-    /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...
+    /// What the whole song is made of instead of its moments: tempo, bars, key, sections, builds, drops
+    #[arg(long, conflicts_with_all = ["gain", "fps", "start", "duration"])]
+    structure: bool,
+    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma
+    #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["gain", "fps", "start", "duration"])]
+    plot: Option<PathBuf>,
+    /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...; with --structure one object
     #[arg(long)]
     json: bool,
     /// Whether quiet and loud sound are levelled in the values from 0 to 1
@@ -34,6 +42,16 @@ pub(super) struct AnalyzeArguments {
 }
 
 pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
+    if arguments.structure || arguments.plot.is_some() {
+        end_by_signals();
+        let request = StructureRequest {
+            song: song_or_demo(arguments.file)?,
+            told: arguments.structure,
+            json: arguments.json,
+            plot: arguments.plot,
+        };
+        return Ok(tell_structure(&request, &mut std::io::stdout().lock())?);
+    }
     let request = AnalyzeRequest {
         song: song_or_demo(arguments.file)?,
         fps: arguments.fps,

@@ -8,7 +8,9 @@ pub mod output;
 pub mod painter;
 pub mod print;
 pub mod song_features;
+pub mod song_page;
 pub mod still;
+pub mod structure;
 pub mod video;
 
 pub use error::ExportError;

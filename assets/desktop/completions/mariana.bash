@@ -169,12 +169,16 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__analyze)
-            opts="-h --json --gain --fps --start --duration --help"
+            opts="-h --structure --plot --json --gain --fps --start --duration --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                --plot)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --gain)
                     COMPREPLY=($(compgen -W "auto off" -- "${cur}"))
                     return 0

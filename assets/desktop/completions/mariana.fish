@@ -144,12 +144,14 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leav
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Tell nothing but mistakes'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l gain -d 'Whether quiet and loud sound are levelled in the values from 0 to 1' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l fps -d 'Lines per second' -r
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l start -d 'Where to start, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l duration -d 'Length, as 80 or 1:20.5 [default: to the end]' -r
-complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l json -d 'One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...'
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l structure -d 'What the whole song is made of instead of its moments: tempo, bars, key, sections, builds, drops'
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l json -d 'One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...; with --structure one object'
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l at -d 'The moment that is drawn, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l size -d 'Size in pixels' -r

@@ -41,6 +41,7 @@ mod onset;
 mod pitch;
 mod resolution;
 mod smoothing;
+mod song;
 mod spectrum;
 mod tables;
 mod tap;
@@ -53,6 +54,10 @@ pub use bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, band_edge};
 pub use features::{BAND_COUNT, Features, LEVEL_FLOOR_DB, TimedFeatures};
 pub use gain::Gain;
 pub use lines::{SPECTRUM_POINTS, spectrum_hz, spectrum_place};
+pub use song::{
+    Chord, Meter, Mode, PITCH_CLASSES, PitchShares, Section, SongBeat, SongListener, SongStructure, Stretch,
+    Tonality,
+};
 pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVE_PER_HOP, WAVEFORM_POINTS};
 pub use tap::TapTempo;
 pub use track::FeatureTrack;

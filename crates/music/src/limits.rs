@@ -12,8 +12,14 @@ pub struct Limits {
     pub sample_rate_max: u32,
     /// Longest time over which a feature track remembers, in seconds (0.5 MB for each).
     pub feature_track_seconds_max: f64,
+    /// How much of a song is listened to for its structure, in seconds (7 kB for each).
+    pub song_seconds_max: f64,
 }
 
 /// The limits in force.
-pub const LIMITS: Limits =
-    Limits { sample_rate_min: 4_000, sample_rate_max: 768_000, feature_track_seconds_max: 60.0 };
+pub const LIMITS: Limits = Limits {
+    sample_rate_min: 4_000,
+    sample_rate_max: 768_000,
+    feature_track_seconds_max: 60.0,
+    song_seconds_max: 4.0 * 3600.0,
+};

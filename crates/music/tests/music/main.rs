@@ -5,3 +5,6 @@ mod beats;
 mod levels_and_curves;
 mod rhythm;
 mod signals;
+mod song_structure;
+#[allow(dead_code)] // The example plays more of them.
+mod songs;

@@ -1,0 +1,158 @@
+//! How well the structure of generated songs is found: `cargo run --release -p mariana-music --example song_figures`
+//! prints a table of all styles, tempos, forms and keys. (Tests look at a few of them.)
+
+#[allow(dead_code)]
+#[path = "../tests/music/songs.rs"]
+mod songs;
+
+use mariana_music::{Mode, SongStructure, Tonality};
+use songs::{
+    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+};
+
+const RATE: u32 = 48_000;
+
+fn heard(song: &Song) -> (SongStructure, Truth) {
+    let (frames, truth) = song.play(RATE);
+    (structure(RATE, &frames), truth)
+}
+
+fn major(root: u8) -> Tonality {
+    Tonality { root, mode: Mode::Major }
+}
+
+fn rhythm_row(name: &str, song: &Song, sums: &mut Vec<[f64; 4]>) {
+    let (found, truth) = heard(song);
+    let beats: Vec<f64> = found.beats.iter().map(|beat| beat.time).collect();
+    let downbeats: Vec<f64> = found.downbeats().collect();
+    let row = [
+        f_measure(&beats, &truth.beats, 0.07),
+        f_measure(&downbeats, &truth.downbeats, 0.07),
+        f_measure(&borders(&found), &truth.borders, 0.5),
+        labels(&found, &truth),
+    ];
+    let [b, d, s, l] = row;
+    let letters: Vec<&str> = found.sections.iter().map(|section| section.letter.as_str()).collect();
+    println!(
+        "{name:32} beats {b:.2} downbeats {d:.2} borders {s:.2} labels {l:.2}  {:6.1} bpm {:?} {} drops {:?}",
+        found.tempo.unwrap_or(0.0),
+        found.meter,
+        letters.join(" "),
+        found.drops,
+    );
+    sums.push(row);
+}
+
+fn means(name: &str, rows: &[[f64; 4]]) {
+    let mean = |column: usize| rows.iter().map(|row| row[column]).sum::<f64>() / rows.len().max(1) as f64;
+    println!(
+        "== {name}: mean F of {} songs: beats {:.3}, downbeats {:.3}, borders {:.3}, labels {:.3}",
+        rows.len(),
+        mean(0),
+        mean(1),
+        mean(2),
+        mean(3)
+    );
+}
+
+fn main() {
+    let which = std::env::args().nth(1).unwrap_or_default();
+    let wanted = |name: &str| which.is_empty() || which == name;
+    if wanted("rhythm") {
+        let mut rows = Vec::new();
+        for (number, style) in Style::ALL.into_iter().enumerate() {
+            for tempo in [60.0, 83.0, 104.0, 128.0, 160.0, 200.0] {
+                // Nobody counts dotted quarters that fast, and half time is counted in halves then.
+                if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
+                    continue;
+                }
+                let mut song = Song::new(style, tempo, major(number as u8), pop(Mode::Major));
+                song.seed = tempo as u32;
+                rhythm_row(&format!("{style:?} {tempo}"), &song, &mut rows);
+            }
+        }
+        for style in [Style::Rock, Style::FourOnTheFloor, Style::Jazz] {
+            for (swing, tempo) in
+                [(0.667, (90.0, 90.0)), (0.6, (140.0, 140.0)), (0.5, (90.0, 130.0)), (0.5, (150.0, 110.0))]
+            {
+                let song = Song { swing, tempo, ..Song::new(style, 100.0, major(5), pop(Mode::Major)) };
+                rhythm_row(&format!("{style:?} {tempo:?} swing {swing}"), &song, &mut rows);
+            }
+        }
+        means("rhythm", &rows);
+    }
+    if wanted("alone") {
+        for alone in ["timbre", "harmony"] {
+            let mut rows = Vec::new();
+            for tempo in [90.0, 120.0, 140.0] {
+                for mode in [Mode::Major, Mode::Minor] {
+                    let part = |letter: char, bars, number| Part {
+                        letter,
+                        bars,
+                        chords: chords(mode, if alone == "harmony" { number } else { 0 }),
+                        drums: true,
+                        bass: true,
+                        voice: [Voice::Organ, Voice::Bright, Voice::Soft]
+                            [if alone == "timbre" { number } else { 0 }],
+                        arpeggio: true,
+                        loud: 0.8,
+                        kind: Kind::Plain,
+                    };
+                    let form = vec![
+                        part('A', 8, 0),
+                        part('B', 8, 1),
+                        part('A', 8, 0),
+                        part('B', 8, 1),
+                        part('C', 8, 2),
+                        part('B', 16, 1),
+                    ];
+                    let song = Song::new(Style::Rock, tempo, Tonality { root: 2, mode }, form);
+                    rhythm_row(&format!("{alone} alone {tempo} {mode:?}"), &song, &mut rows);
+                }
+            }
+            means(alone, &rows);
+        }
+    }
+    if wanted("drops") {
+        let (mut hits, mut all, mut false_ones) = (0, 0, 0);
+        for (number, tempo) in [110.0, 124.0, 128.0, 140.0, 174.0].into_iter().enumerate() {
+            let key = Tonality { root: number as u8 * 2, mode: Mode::Minor };
+            let song = Song::new(Style::FourOnTheFloor, tempo, key, club(Mode::Minor));
+            let (found, truth) = heard(&song);
+            let hit =
+                truth.drops.iter().filter(|drop| found.drops.iter().any(|f| (f - *drop).abs() < 0.5)).count();
+            (hits, all) = (hits + hit, all + truth.drops.len());
+            false_ones += found.drops.len() - hit;
+            println!(
+                "club {tempo}: drops {:?} for {:?}; builds {:?}",
+                found.drops, truth.drops, found.builds
+            );
+            rhythm_row(&format!("club {tempo}"), &song, &mut Vec::new());
+        }
+        let mut in_ballads = 0;
+        for tempo in [60.0, 70.0, 80.0, 92.0] {
+            for style in [Style::Ballad, Style::SixEight] {
+                let song = Song::new(style, tempo, major(7), ballad(Mode::Major));
+                in_ballads += heard(&song).0.drops.len();
+            }
+        }
+        println!("== drops: {hits} of {all}, {false_ones} false; {in_ballads} in 8 ballads");
+    }
+    if wanted("keys") {
+        let mut right = 0;
+        for mode in [Mode::Major, Mode::Minor] {
+            for root in 0..12 {
+                let key = Tonality { root, mode };
+                let mut song = Song::new(Style::Rock, 112.0, key, pop(mode));
+                song.cents = f64::from(root) * 6.0 - 30.0;
+                let (found, _) = heard(&song);
+                let hit = found.key == Some(key);
+                right += u32::from(hit);
+                if !hit {
+                    println!("{key:?} was heard as {:?}, tuned to {:.1}", found.key, found.tuning_hz);
+                }
+            }
+        }
+        println!("== keys: {right} of 24");
+    }
+}

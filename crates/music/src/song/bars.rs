@@ -1,0 +1,219 @@
+//! Bars: how many beats they have, and which beats begin one.
+//!
+//! How many: what is struck repeats from bar to bar, so beats are alike at the bar's distance (the beat spectrum of
+//! Foote and Uchihashi 2001; Gouyon and Herrera 2003 for metres). Where: low drums, changes of harmony and of sound are
+//! likelier at a bar's start, snares in between (Goto 2001). The likeliest path through positions in the bar is decoded
+//! over the whole song, so that a beat too many costs one bar and not the rest of the song.
+
+use serde::Serialize;
+
+use super::listener::Heard;
+use super::units::{Unit, distance, standardised};
+
+/// How beats make bars.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Meter {
+    /// Four beats.
+    #[serde(rename = "4/4")]
+    FourFour,
+    /// Three beats.
+    #[serde(rename = "3/4")]
+    ThreeFour,
+    /// Two beats of three parts each.
+    #[serde(rename = "6/8")]
+    SixEight,
+}
+
+impl Meter {
+    /// Beats in a bar.
+    pub fn beats(self) -> usize {
+        match self {
+            Self::FourFour => 4,
+            Self::ThreeFour => 3,
+            Self::SixEight => 2,
+        }
+    }
+
+    /// As musicians write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::FourFour => "4/4",
+            Self::ThreeFour => "3/4",
+            Self::SixEight => "6/8",
+        }
+    }
+}
+
+/// What it costs to leave a bar before its end, in standard deviations of the evidence.
+const BREAK_COST: f32 = 12.0;
+/// By how much beats must be more alike at distances of three than of four.
+const THREE_OVER_FOUR: f32 = 0.06;
+/// Moments around a beat in which it is struck.
+const AROUND: usize = 3;
+/// Strokes at both thirds of a beat are this share of those on beats, and this many times those at its half, where
+/// beats have three parts.
+const TERNARY: (f32, f32) = (0.12, 1.5);
+
+/// What is known of a beat.
+struct Evidence {
+    low: Vec<f32>,
+    high: Vec<f32>,
+    struck: Vec<f32>,
+    harmony: Vec<f32>,
+    sound: Vec<f32>,
+    /// Strokes half a beat later.
+    half: Vec<f32>,
+    low_half: Vec<f32>,
+}
+
+/// The meter, and for each beat its position in its bar, from 0.
+pub(super) fn bars(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> (Meter, Vec<usize>) {
+    let evidence = evidence(heard, strengths, beats, units);
+    let meter = meter(heard, strengths, beats, &evidence);
+    let positions = path(meter, &evidence);
+    (meter, positions)
+}
+
+fn evidence(heard: &Heard, strengths: &[f32], beats: &[f64], units: &[Unit]) -> Evidence {
+    let place = |time: f64| (time / heard.hop_seconds).round().max(0.0) as usize;
+    let range = |time: f64| {
+        let middle = place(time);
+        let end = (middle + AROUND + 1).min(strengths.len());
+        middle.saturating_sub(AROUND).min(end)..end
+    };
+    let strength = |time: f64| strengths[range(time)].iter().fold(0.0_f32, |a, b| a.max(*b));
+    let low = |time: f64| heard.moments[range(time)].iter().fold(0.0_f32, |a, b| a.max(b.low_rise));
+    let high = |time: f64| heard.moments[range(time)].iter().fold(0.0_f32, |a, b| a.max(b.high_rise));
+    let half = |index: usize| {
+        let here = beats[index];
+        let next = beats.get(index + 1).copied().unwrap_or(here);
+        (here + next) / 2.0
+    };
+    // Two beats before and two after, so that a passing note counts less than a chord.
+    let mean = |from: usize, to: usize| {
+        let mut sum = [0.0_f32; 12];
+        for unit in units.get(from..to.min(units.len())).unwrap_or_default() {
+            sum.iter_mut().zip(unit.chroma).for_each(|(sum, share)| *sum += share / (to - from) as f32);
+        }
+        sum
+    };
+    let count = beats.len();
+    let indices = 0..count;
+    let harmony = indices.clone().map(|index| {
+        if index == 0 || index + 1 >= units.len() {
+            return 0.0;
+        }
+        let near = distance(&mean(index - 1, index), &mean(index, index + 1));
+        let wide = distance(&mean(index.saturating_sub(2), index), &mean(index, index + 2));
+        near + wide
+    });
+    let sound = indices.clone().map(|index| {
+        match (index.checked_sub(1).and_then(|b| units.get(b)), units.get(index)) {
+            (Some(before), Some(after)) => {
+                before.timbre.iter().zip(&after.timbre).map(|(b, a)| (a - b).max(0.0)).sum::<f32>()
+            }
+            _ => 0.0,
+        }
+    });
+    let harmony: Vec<f32> = harmony.collect();
+    let sound: Vec<f32> = sound.collect();
+    let of = |value: &dyn Fn(usize) -> f32, least: f32| {
+        standardised(&indices.clone().map(value).collect::<Vec<f32>>(), least)
+    };
+    Evidence {
+        low: of(&|index| low(beats[index]), 0.1),
+        high: of(&|index| high(beats[index]), 0.1),
+        struck: of(&|index| strength(beats[index]), 0.1),
+        half: of(&|index| strength(half(index)), 0.1),
+        low_half: of(&|index| low(half(index)), 0.1),
+        harmony: standardised(&harmony, 0.02),
+        sound: standardised(&sound, 5.0),
+    }
+}
+
+fn meter(heard: &Heard, strengths: &[f32], beats: &[f64], evidence: &Evidence) -> Meter {
+    let rows = [
+        &evidence.low,
+        &evidence.high,
+        &evidence.struck,
+        &evidence.half,
+        &evidence.low_half,
+        &evidence.harmony,
+    ];
+    // The mean product of standardised values is their correlation.
+    let alike = |lag: usize| {
+        let count = beats.len().saturating_sub(lag);
+        let of_row = |row: &&Vec<f32>| {
+            row.iter()
+                .zip(&row[lag.min(row.len())..])
+                .map(|(a, b)| a.clamp(-2.0, 2.0) * b.clamp(-2.0, 2.0))
+                .sum::<f32>()
+        };
+        rows.iter().map(of_row).sum::<f32>() / (count.max(1) * rows.len()) as f32
+    };
+    let four = (alike(4) + alike(8)) / 2.0;
+    let three = (alike(3) + alike(6) + alike(9)) / 3.0;
+    let highs: Vec<f32> = heard.moments.iter().map(|moment| moment.high_rise).collect();
+    if has_thirds(heard, strengths, beats) || has_thirds(heard, &highs, beats) {
+        Meter::SixEight
+    } else if three > four + THREE_OVER_FOUR {
+        Meter::ThreeFour
+    } else {
+        Meter::FourFour
+    }
+}
+
+/// Whether beats have three parts, of which both the second and the third are struck. (Swing has no second.)
+fn has_thirds(heard: &Heard, strengths: &[f32], beats: &[f64]) -> bool {
+    let mean_at = |share: f64| {
+        let at = |pair: &[f64]| {
+            let place = ((pair[0] + share * (pair[1] - pair[0])) / heard.hop_seconds).round() as usize;
+            let end = (place + 3).min(strengths.len());
+            strengths[place.saturating_sub(2).min(end)..end].iter().fold(0.0_f32, |a, b| a.max(*b))
+        };
+        beats.windows(2).map(at).sum::<f32>() / beats.len().max(1) as f32
+    };
+    let thirds = mean_at(1.0 / 3.0).min(mean_at(2.0 / 3.0));
+    thirds > TERNARY.0 * mean_at(0.0) && thirds > TERNARY.1 * mean_at(0.5)
+}
+
+/// The likeliest positions (Viterbi 1967).
+fn path(meter: Meter, evidence: &Evidence) -> Vec<usize> {
+    let beats = meter.beats();
+    let reward = |index: usize, position: usize| {
+        let at = |row: &[f32]| row.get(index).copied().unwrap_or_default().clamp(-2.0, 3.0);
+        let start = 0.7 * at(&evidence.low) + at(&evidence.harmony) + 0.7 * at(&evidence.sound);
+        let snare = 0.5 * (at(&evidence.high) + at(&evidence.struck)) - at(&evidence.low);
+        match (meter, position) {
+            (_, 0) => start,
+            (Meter::FourFour, 2) => 0.3 * at(&evidence.low),
+            (Meter::FourFour, _) => 0.5 * snare,
+            (Meter::ThreeFour | Meter::SixEight, _) => 0.3 * snare,
+        }
+    };
+    let count = evidence.low.len();
+    let mut best: Vec<f32> = (0..beats).map(|position| reward(0, position)).collect();
+    let mut came_from = vec![vec![0; beats]];
+    for index in 1..count {
+        let likeliest = (0..beats).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or_default();
+        let mut next = vec![0.0; beats];
+        let mut from = vec![0; beats];
+        for position in 0..beats {
+            let regular = (position + beats - 1) % beats;
+            // Only a bar's start may come too early or late.
+            let broken = position == 0 && best[likeliest] - BREAK_COST > best[regular];
+            from[position] = if broken { likeliest } else { regular };
+            let before = if broken { best[likeliest] - BREAK_COST } else { best[regular] };
+            next[position] = before + reward(index, position);
+        }
+        best = next;
+        came_from.push(from);
+    }
+    let mut position = (0..beats).max_by(|a, b| best[*a].total_cmp(&best[*b])).unwrap_or_default();
+    let mut positions = vec![0; count];
+    for index in (0..count).rev() {
+        positions[index] = position;
+        position = came_from[index][position];
+    }
+    positions
+}

@@ -1,0 +1,247 @@
+//! The beats of a whole song, with all of it in view.
+//!
+//! The model is the one that listens forward ([`crate::beat`]): states are a period and a phase within it, and the
+//! period may change at the end of a beat. Here the likeliest path through the whole song is decoded by dynamic
+//! programming (Viterbi 1967). As within a beat nothing is decided, it is enough to know, for every moment and period,
+//! the best path that has a beat there and the next one a period later; what is between beats is the same for all
+//! paths (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
+
+use std::collections::VecDeque;
+
+use super::listener::{Heard, Moment};
+
+/// Range of periods, in beats per minute.
+const TEMPO: (f64, f64) = (215.0, 52.0);
+/// The likeliest tempo in beats per minute, and the distance from it in octaves at which a beat loses [`UNLIKELY`].
+const LIKELY: (f64, f64) = (115.0, 1.0);
+/// See [`LIKELY`].
+const UNLIKELY: f32 = 0.35;
+
+/// Cost of a change of period per relative change, and of one to the neighbouring period: most tempos lie between two.
+const TEMPO_STIFFNESS: f32 = 250.0;
+/// See [`TEMPO_STIFFNESS`].
+const NEIGHBOUR: f32 = 0.25;
+/// Largest change of period from one beat to the next, in moments.
+const REACH: usize = 6;
+
+/// The onset strength is relative to its largest value within this time before and after, in seconds...
+const LARGEST_SECONDS: f64 = 1.5;
+/// ... which counts as at least this: noise reaches as much, drums have 5 to 20.
+const FLUX_MIN: f32 = 2.5;
+/// Times of windows after which onsets show in the flux, in moments.
+const FLUX_LATE: f64 = 0.6;
+
+/// Moments decoded at once, and by how many of them stretches overlap: 10 minutes and 20 seconds.
+const STRETCH: usize = 56_250;
+/// See [`STRETCH`].
+const OVERLAP: usize = 1_875;
+
+/// Beats have at least this many times the onset strength of all moments, and this share of them must be struck; a
+/// swell of chords has neither. (Steady white noise may still pass for a beat.)
+const CONTRAST_MIN: f32 = 2.2;
+/// See [`CONTRAST_MIN`].
+const STRUCK_MIN: f32 = 0.5;
+/// Fewer beats are none.
+const BEATS_MIN: usize = 8;
+
+/// Onset strengths 0..1, relative to the largest around.
+pub(super) fn onset_strengths(heard: &Heard) -> Vec<f32> {
+    let reach = (LARGEST_SECONDS / heard.hop_seconds) as usize;
+    let flux: Vec<f32> = heard.moments.iter().map(|moment| moment.flux).collect();
+    let largest = largest_around(&flux, reach);
+    flux.iter().zip(largest).map(|(flux, largest)| flux / largest.max(FLUX_MIN)).collect()
+}
+
+/// For each value the largest within `reach` before and after it. The queue holds what may still be the largest, in
+/// falling order (Lemire 2006).
+fn largest_around(values: &[f32], reach: usize) -> Vec<f32> {
+    let mut queue = VecDeque::new();
+    let mut ahead = values.iter().copied().enumerate();
+    let enter = |queue: &mut VecDeque<(usize, f32)>, (index, value): (usize, f32)| {
+        while queue.back().is_some_and(|(_, smaller)| *smaller <= value) {
+            queue.pop_back();
+        }
+        queue.push_back((index, value));
+    };
+    ahead.by_ref().take(reach).for_each(|entry| enter(&mut queue, entry));
+    let largest = |middle: usize| {
+        if let Some(entry) = ahead.next() {
+            enter(&mut queue, entry);
+        }
+        while queue.front().is_some_and(|(index, _)| index + reach < middle) {
+            queue.pop_front();
+        }
+        queue.front().map_or(0.0, |(_, value)| *value)
+    };
+    (0..values.len()).map(largest).collect()
+}
+
+/// The times of the beats, in seconds; none if there is no steady beat.
+pub(super) fn beats(heard: &Heard) -> Vec<f64> {
+    let strengths = onset_strengths(heard);
+    let mut found: Vec<usize> = Vec::new();
+    let mut start = 0;
+    while start < strengths.len() {
+        let end = (start + STRETCH).min(strengths.len());
+        let from = if start == 0 { 0 } else { start + OVERLAP / 2 };
+        let to = if end == strengths.len() { end } else { end - OVERLAP / 2 };
+        let path = path_through(&strengths[start..end], heard.hop_seconds);
+        let inside =
+            path.into_iter().map(|moment| moment + start).filter(|moment| (from..to).contains(moment));
+        let apart = 60.0 / TEMPO.0 / heard.hop_seconds * 0.8;
+        for moment in inside {
+            if found.last().is_none_or(|last| (moment - last) as f64 > apart) {
+                found.push(moment);
+            }
+        }
+        if end == strengths.len() {
+            break;
+        }
+        start = end - OVERLAP;
+    }
+    let found = sounding(&found, &heard.moments);
+    if is_steady(found, &strengths) {
+        found.iter().map(|moment| refined(*moment, &strengths) * heard.hop_seconds).collect()
+    } else {
+        Vec::new()
+    }
+}
+
+/// What a beat at each moment is worth: the logarithm of how much likelier it makes the strengths there.
+fn rewards(strengths: &[f32]) -> Vec<f32> {
+    let at = |index: usize| strengths.get(index).copied().unwrap_or_default();
+    let worth = |index: usize| {
+        let held = at(index).max(0.9 * at(index + 1)).max(0.9 * at(index.wrapping_sub(1))).min(1.0);
+        1.5 * ((held + 0.03) / (1.03 - held)).ln() + 0.8
+    };
+    (0..strengths.len()).map(worth).collect()
+}
+
+/// The moments of the likeliest path's beats.
+fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
+    let period = |tempo: f64| (60.0 / tempo / hop_seconds).round().max(2.0) as usize;
+    let (shortest, longest) = (period(TEMPO.0), period(TEMPO.1));
+    let count = longest - shortest + 1;
+    let rewards = rewards(strengths);
+    let likely: Vec<f32> = (shortest..=longest)
+        .map(|period| {
+            let octaves = (60.0 / (period as f64 * hop_seconds) / LIKELY.0).log2() / LIKELY.1;
+            -UNLIKELY * (octaves * octaves) as f32
+        })
+        .collect();
+    let changing = |from: usize, to: usize| {
+        let moments = from.abs_diff(to) as f32;
+        -TEMPO_STIFFNESS * (moments - 1.0).max(0.0) / (shortest + from) as f32 - NEIGHBOUR * moments.min(1.0)
+    };
+    // From `to - REACH + k` to `to`.
+    let costs: Vec<[f32; 2 * REACH + 1]> =
+        (0..count).map(|to| std::array::from_fn(|k| changing((to + k).saturating_sub(REACH), to))).collect();
+    // The best paths with a beat at each of the last `longest` moments, before the next beat's period is known.
+    let rows = longest + 1;
+    let mut best = vec![0.0_f32; rows * count];
+    let mut came_from = vec![0_u8; strengths.len() * count];
+    // What arrives at a moment, by the period that it ends; padded.
+    let mut arriving = vec![f32::NEG_INFINITY; count + 2 * REACH];
+    for (moment, reward) in rewards.iter().enumerate() {
+        for (index, arrives) in arriving[REACH..REACH + count].iter_mut().enumerate() {
+            let from = moment as isize - (shortest + index) as isize;
+            // Before the first beat nothing was lost.
+            *arrives = if from < 0 { 0.0 } else { best[from as usize % rows * count + index] };
+        }
+        let row = moment % rows * count;
+        for to in 0..count {
+            let near = &arriving[to..to + 2 * REACH + 1];
+            let mut largest = (REACH, f32::NEG_INFINITY);
+            for (k, (arrives, cost)) in near.iter().zip(&costs[to]).enumerate() {
+                let value = arrives + cost;
+                if value > largest.1 {
+                    largest = (k, value);
+                }
+            }
+            best[row + to] = largest.1 + reward + likely[to];
+            came_from[moment * count + to] = largest.0 as u8;
+        }
+    }
+    let mut beats = Vec::new();
+    // The path ends with a beat in the last period.
+    let last = (strengths.len().saturating_sub(longest)..strengths.len())
+        .flat_map(|moment| (0..count).map(move |index| (moment, index)))
+        .filter(|(moment, index)| moment + shortest + index >= strengths.len())
+        .max_by(|a, b| {
+            let value = |(moment, index): (usize, usize)| best[moment % rows * count + index];
+            value(*a).total_cmp(&value(*b))
+        });
+    let Some((mut moment, mut index)) = last else { return beats };
+    loop {
+        beats.push(moment);
+        index = (index + came_from[moment * count + index] as usize).saturating_sub(REACH).min(count - 1);
+        match moment.checked_sub(shortest + index) {
+            Some(earlier) => moment = earlier,
+            None => break,
+        }
+    }
+    beats.reverse();
+    beats
+}
+
+/// Without the beats before the first sound and after the last.
+fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
+    let loudest = moments.iter().fold(0.0_f32, |loudest, moment| loudest.max(moment.power));
+    let sounds = |moment: &Moment| moment.power > (loudest * 1e-5).max(1e-9);
+    let (Some(first), Some(last)) = (moments.iter().position(sounds), moments.iter().rposition(sounds))
+    else {
+        return &[];
+    };
+    let from = beats.partition_point(|beat| beat + 4 < first);
+    let to = beats.partition_point(|beat| *beat <= last);
+    beats.get(from..to).unwrap_or_default()
+}
+
+/// Whether the beats stand out from what is between them.
+fn is_steady(beats: &[usize], strengths: &[f32]) -> bool {
+    let (Some(first), Some(last)) = (beats.first(), beats.last()) else { return false };
+    if beats.len() < BEATS_MIN {
+        return false;
+    }
+    let at = |beat: usize| {
+        strengths[beat.saturating_sub(1)..(beat + 2).min(strengths.len())]
+            .iter()
+            .fold(0.0_f32, |a, b| a.max(*b))
+    };
+    let struck = beats.iter().filter(|beat| at(**beat) > 0.3).count() as f32 / beats.len() as f32;
+    let between = &strengths[*first..=*last];
+    let mean_between = between.iter().sum::<f32>() / between.len() as f32;
+    let mean_at = beats.iter().map(|beat| at(*beat)).sum::<f32>() / beats.len() as f32;
+    mean_at >= CONTRAST_MIN * mean_between && struck >= STRUCK_MIN
+}
+
+/// The beat's place between moments, where the onset next to it is.
+fn refined(beat: usize, strengths: &[f32]) -> f64 {
+    let around = beat.saturating_sub(2)..(beat + 3).min(strengths.len());
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for moment in around {
+        let strength = f64::from(strengths[moment]);
+        sum += strength * moment as f64;
+        weight += strength;
+    }
+    let place = if weight > 0.3 { sum / weight } else { beat as f64 };
+    (place - FLUX_LATE).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_around_is_what_a_plain_search_finds() {
+        let values: Vec<f32> = (0..40_u32).map(|n| ((n * 7919) % 101) as f32).collect();
+        for reach in [1, 3, 8, 25] {
+            let plain = (0..values.len()).map(|index: usize| {
+                values[index.saturating_sub(reach)..(index + reach + 1).min(values.len())]
+                    .iter()
+                    .fold(0.0_f32, |a, b| a.max(*b))
+            });
+            assert_eq!(largest_around(&values, reach), plain.collect::<Vec<f32>>(), "reach {reach}");
+        }
+    }
+}

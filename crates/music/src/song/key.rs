@@ -1,0 +1,194 @@
+//! Key, mode and chords, from the shares of the pitch classes.
+
+use serde::Serialize;
+
+use super::units::Unit;
+
+/// Names of the pitch classes, C first.
+pub const PITCH_CLASSES: [&str; 12] = ["C", "C#", "D", "Eb", "E", "F", "F#", "G", "G#", "A", "Bb", "B"];
+
+/// Major or minor, of keys and of triads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Mode {
+    /// With a major third.
+    Major,
+    /// With a minor third.
+    Minor,
+}
+
+impl Mode {
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Major => "major",
+            Self::Minor => "minor",
+        }
+    }
+}
+
+/// A key, or a triad: its root and its mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Tonality {
+    /// Pitch class, 0 for C up to 11 for B.
+    pub root: u8,
+    /// Major or minor.
+    pub mode: Mode,
+}
+
+impl Tonality {
+    /// The name of the root.
+    pub fn root_name(self) -> &'static str {
+        PITCH_CLASSES.get(usize::from(self.root)).copied().unwrap_or("C")
+    }
+
+    /// All twelve of each mode.
+    fn all() -> impl Iterator<Item = Self> {
+        [Mode::Major, Mode::Minor].into_iter().flat_map(|mode| (0..12).map(move |root| Self { root, mode }))
+    }
+}
+
+/// How well each pitch class above the tonic fits major and minor (the probe-tone ratings of Krumhansl and Kessler
+/// 1982).
+const MAJOR: [f32; 12] = [6.35, 2.23, 3.48, 2.33, 4.38, 4.09, 2.52, 5.19, 2.39, 3.66, 2.29, 2.88];
+/// See [`MAJOR`].
+const MINOR: [f32; 12] = [6.33, 2.68, 3.52, 5.38, 2.60, 3.53, 2.54, 4.75, 3.98, 2.69, 3.34, 3.17];
+
+/// What a song counts that is the tonic's triad all the time, or in which every phrase begins with it, in correlation.
+const TONIC_SHARE: f32 = 0.4;
+/// See [`TONIC_SHARE`].
+const FIRST_SHARE: f32 = 0.3;
+
+/// A key that is less correlated with what sounds is none.
+const KEY_MIN: f32 = 0.55;
+/// Of a song with a key, in this share of beats pitches sound.
+const PITCHED_MIN: f32 = 0.2;
+
+/// The most frequent pitch class exceeds the rarest by at least this many times the mean.
+const CONTRAST_MIN: f32 = 0.5;
+
+/// A beat that is less correlated with every triad has no chord.
+const CHORD_MIN: f32 = 0.35;
+/// What a change of chord costs, in correlation.
+const CHANGE_COST: f32 = 0.45;
+
+/// Shares of the pitch classes in the whole song; none if it has no pitches: noise has all alike, and one held note is no
+/// harmony.
+fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
+    let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0)).count();
+    if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
+        return None;
+    }
+    let mut sum = [0.0_f32; 12];
+    for unit in units {
+        // A loud beat counts more, but no more than four times a quiet one.
+        let weight = (unit.level / 60.0).max(0.25);
+        sum.iter_mut().zip(unit.chroma).for_each(|(sum, share)| *sum += weight * share);
+    }
+    let total: f32 = sum.iter().sum();
+    let largest = sum.iter().copied().fold(0.0, f32::max);
+    let smallest = sum.iter().copied().fold(f32::INFINITY, f32::min);
+    let heard = sum.iter().filter(|share| **share > 0.04 * total).count();
+    (heard >= 4 && largest - smallest >= CONTRAST_MIN * total / 12.0).then_some(sum)
+}
+
+/// The key of a song; none if no key fits. It is the one with the largest correlation (Krumhansl 1990). A key and its
+/// relative have the same tones, so it also counts how much of the song, and how many of the chords that begin a phrase,
+/// are the tonic's triad.
+pub(super) fn key(
+    units: &[Unit],
+    chords: &[Option<Tonality>],
+    firsts: &[Option<Tonality>],
+) -> Option<Tonality> {
+    let sum = pitches_of(units)?;
+    let fits = |key: &Tonality| {
+        let profile = match key.mode {
+            Mode::Major => MAJOR,
+            Mode::Minor => MINOR,
+        };
+        correlation(&turned(&sum, key.root), &profile)
+    };
+    let share = |of: &[Option<Tonality>], key: &Tonality| {
+        of.iter().filter(|chord| chord.as_ref() == Some(key)).count() as f32 / of.len().max(1) as f32
+    };
+    let likely =
+        |key: &Tonality| fits(key) + TONIC_SHARE * share(chords, key) + FIRST_SHARE * share(firsts, key);
+    let best = Tonality::all().max_by(|a, b| likely(a).total_cmp(&likely(b)))?;
+    (fits(&best) >= KEY_MIN).then_some(best)
+}
+
+/// The chord of each unit: the likeliest sequence of triads (Sheh and Ellis 2003: a hidden Markov model over chords; here
+/// with the correlation with the triad's tones in place of probabilities); none where no triad fits or there are no
+/// pitches.
+pub(super) fn chords(units: &[Unit]) -> Vec<Option<Tonality>> {
+    if pitches_of(units).is_none() {
+        return vec![None; units.len()];
+    }
+    let chords: Vec<Option<Tonality>> = Tonality::all().map(Some).chain([None]).collect();
+    let fits = |unit: &Unit, chord: &Option<Tonality>| match chord {
+        None => CHORD_MIN,
+        Some(chord) => {
+            let third = if chord.mode == Mode::Major { 4 } else { 3 };
+            let tones: [f32; 12] =
+                std::array::from_fn(|class| if [0, third, 7].contains(&class) { 1.0 } else { 0.0 });
+            correlation(&turned(&unit.chroma, chord.root), &tones)
+        }
+    };
+    let mut best = vec![0.0_f32; chords.len()];
+    let mut came_from = Vec::with_capacity(units.len());
+    for unit in units {
+        let likeliest = largest(&best);
+        let floor = best[likeliest] - CHANGE_COST;
+        let from: Vec<usize> =
+            (0..chords.len()).map(|chord| if best[chord] >= floor { chord } else { likeliest }).collect();
+        best =
+            chords.iter().zip(&best).map(|(chord, before)| before.max(floor) + fits(unit, chord)).collect();
+        came_from.push(from);
+    }
+    let mut chord = largest(&best);
+    let mut path = Vec::with_capacity(units.len());
+    for from in came_from.iter().rev() {
+        path.push(chords[chord]);
+        chord = from[chord];
+    }
+    path.reverse();
+    path
+}
+
+fn largest(values: &[f32]) -> usize {
+    (0..values.len()).max_by(|a, b| values[*a].total_cmp(&values[*b])).unwrap_or_default()
+}
+
+/// The shares with `root` first.
+fn turned(shares: &[f32; 12], root: u8) -> [f32; 12] {
+    std::array::from_fn(|class| shares[(class + usize::from(root)) % 12])
+}
+
+/// Pearson's correlation; 0 if one of them does not vary.
+fn correlation(a: &[f32; 12], b: &[f32; 12]) -> f32 {
+    let less_mean = |values: &[f32; 12]| {
+        let mean = values.iter().sum::<f32>() / 12.0;
+        values.map(|value| value - mean)
+    };
+    let (a, b) = (less_mean(a), less_mean(b));
+    let product = |a: &[f32; 12], b: &[f32; 12]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f32>();
+    let scale = (product(&a, &a) * product(&b, &b)).sqrt();
+    if scale > 1e-9 { product(&a, &b) / scale } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_has_its_own_key() {
+        for key in Tonality::all() {
+            let profile = if key.mode == Mode::Major { MAJOR } else { MINOR };
+            let sum: f32 = profile.iter().sum();
+            let chroma =
+                std::array::from_fn(|class| profile[(class + 12 - usize::from(key.root)) % 12] / sum);
+            let unit = Unit { chroma, level: 60.0, low: 0.0, onsets: 0.0, timbre: [0.0; 20] };
+            assert_eq!(super::key(&[unit; 4], &[], &[]), Some(key));
+        }
+    }
+}

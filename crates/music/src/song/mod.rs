@@ -1,0 +1,24 @@
+//! The structure of a whole song: beats, bars, sections, energy, builds, drops, key and chords.
+//!
+//! ```text
+//! frames ─► SongListener ─┬─ flux, powers of each hop ─┬─► beats ─► bars ─┬─► units ─┬─► sections
+//!                         └─ timbre, chroma ───────────┘                  │          ├─► builds, drops
+//!                                                                         └──────────┴─► key, chords
+//! ```
+//!
+//! Everything that needs the whole song runs at its end, over the little that was kept of it.
+
+mod bars;
+mod beats;
+mod chroma;
+mod energy;
+mod key;
+mod listener;
+mod sections;
+mod structure;
+mod units;
+
+pub use bars::Meter;
+pub use key::{Mode, PITCH_CLASSES, Tonality};
+pub use listener::SongListener;
+pub use structure::{Chord, PitchShares, Section, SongBeat, SongStructure, Stretch};

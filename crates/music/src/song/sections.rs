@@ -1,0 +1,212 @@
+//! Sections: where a song becomes another, and what returns.
+//!
+//! Borders are those of the cheapest way to cut the song into stretches that are each alike in themselves (Jensen 2007,
+//! the shortest path through a song; Foote 2000 has the same borders as peaks of novelty). A stretch is alike if its
+//! sound stays as it is, and if its harmony stays or goes round in one, two, four or eight bars: what is repeated is not
+//! new (Serrà et al. 2014). Lengths of whole phrases are cheaper than others (Sargent, Bimbot and Vincent 2011). Stretches
+//! that are alike in sound and harmony have the same letter (McFee and Ellis 2014 cluster likewise).
+
+use super::listener::TIMBRE_BANDS;
+use super::units::Unit;
+
+/// What a section costs, in mean squared deviations of the whole song's bars.
+const SECTION_COST: f32 = 2.0;
+/// What each bar of a harmony that goes round costs.
+const LOOP_COST: f32 = 0.12;
+/// Lengths of a harmony that goes round, in bars.
+const LOOPS: [usize; 4] = [1, 2, 4, 8];
+/// Longest section, in bars.
+const LONGEST: usize = 96;
+/// What a length costs that is no multiple of two or four bars.
+const ODD_COST: [f32; 4] = [0.0, 1.2, 0.5, 1.2];
+/// What a section of less than four bars costs, per bar that it lacks.
+const SHORT_COST: f32 = 1.0;
+
+/// Deviations of sound and harmony from bar to bar that are none: the root of the squares' sum over all bands, in
+/// decibels, and over all pitch classes, in shares.
+const TIMBRE_LEAST: f32 = 8.0;
+/// See [`TIMBRE_LEAST`].
+const CHROMA_LEAST: f32 = 0.09;
+
+/// Sections closer than this have the same letter, in the units of the costs.
+const SAME: f32 = 0.2;
+
+/// Numbers of a bar: sound and harmony, each with a mean squared deviation of at most 1.
+struct Scaled {
+    timbre: Vec<[f32; TIMBRE_BANDS]>,
+    chroma: Vec<[f32; 12]>,
+}
+
+/// A section: its bars, and which letter it has, from 0.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Stretch {
+    pub(super) bars: std::ops::Range<usize>,
+    pub(super) letter: usize,
+}
+
+/// The sections of a song of these bars.
+pub(super) fn sections(bars: &[Unit]) -> Vec<Stretch> {
+    if bars.is_empty() {
+        return Vec::new();
+    }
+    let scaled = scaled(bars);
+    let stretches = cut(&scaled);
+    let letters = letters(&stretches, &scaled);
+    let mut sections: Vec<Stretch> = Vec::new();
+    for (bars, letter) in stretches.into_iter().zip(letters) {
+        match sections.last_mut() {
+            Some(last) if last.letter == letter => last.bars.end = bars.end,
+            _ => sections.push(Stretch { bars, letter }),
+        }
+    }
+    sections
+}
+
+fn scaled(bars: &[Unit]) -> Scaled {
+    let timbre: Vec<_> = bars.iter().map(|bar| bar.timbre).collect();
+    let chroma: Vec<_> = bars.iter().map(|bar| bar.chroma).collect();
+    Scaled {
+        timbre: with_unit_deviation(&timbre, TIMBRE_LEAST),
+        chroma: with_unit_deviation(&chroma, CHROMA_LEAST),
+    }
+}
+
+/// A bar counts as no farther from the mean than this, in deviations: a pause is no section.
+const FARTHEST: f32 = 2.5;
+
+/// The rows less their mean, divided by their deviation, or by `least`. What is far away does not widen the scale.
+fn with_unit_deviation<const N: usize>(rows: &[[f32; N]], least: f32) -> Vec<[f32; N]> {
+    let count = rows.len().max(1) as f32;
+    let mean: [f32; N] =
+        std::array::from_fn(|column| rows.iter().map(|row| row[column]).sum::<f32>() / count);
+    let away = |row: &[f32; N]| -> [f32; N] { std::array::from_fn(|column| row[column] - mean[column]) };
+    let length = |row: &[f32; N]| away(row).iter().map(|x| x * x).sum::<f32>().sqrt();
+    let mut lengths: Vec<f32> = rows.iter().map(length).collect();
+    lengths.sort_by(f32::total_cmp);
+    let farthest = FARTHEST * lengths.get(lengths.len() / 2).copied().unwrap_or_default();
+    let square: f32 = lengths.iter().map(|length| length.min(farthest).powi(2)).sum::<f32>() / count;
+    let deviation = square.sqrt().max(least);
+    rows.iter()
+        .map(|row| {
+            let scale = 1.0 / deviation.max(length(row) / FARTHEST);
+            away(row).map(|x| x * scale)
+        })
+        .collect()
+}
+
+/// Sums of rows and of their squared lengths, to tell the deviation within any stretch at once: of every row, or of
+/// every `step`-th.
+struct Sums<const N: usize> {
+    step: usize,
+    /// `sums[n]` is the sum of rows n - step, n - 2·step, ...
+    sums: Vec<[f32; N]>,
+    squares: Vec<f32>,
+}
+
+impl<const N: usize> Sums<N> {
+    fn new(rows: &[[f32; N]], step: usize) -> Self {
+        let mut sums = vec![[0.0; N]; step];
+        let mut squares = vec![0.0; step];
+        for (index, row) in rows.iter().enumerate() {
+            let before = sums[index];
+            sums.push(std::array::from_fn(|column| before[column] + row[column]));
+            squares.push(squares[index] + row.iter().map(|x| x * x).sum::<f32>());
+        }
+        Self { step, sums, squares }
+    }
+
+    /// The sum of squared distances of the rows `start..end` from the mean of those a multiple of `step` away.
+    fn deviation(&self, start: usize, end: usize) -> f32 {
+        let of_phase = |phase: usize| {
+            let first = start + phase;
+            let count = (end - first).div_ceil(self.step);
+            let last = first + count * self.step;
+            let (from, to) = (&self.sums[first], &self.sums[last]);
+            let square: f32 = from.iter().zip(to).map(|(a, b)| (b - a) * (b - a)).sum();
+            (self.squares[last] - self.squares[first] - square / count as f32).max(0.0)
+        };
+        (0..self.step.min(end - start)).map(of_phase).sum()
+    }
+}
+
+/// The cheapest cut (dynamic programming; Jackson et al. 2005).
+fn cut(scaled: &Scaled) -> Vec<std::ops::Range<usize>> {
+    let timbre = Sums::new(&scaled.timbre, 1);
+    let harmonies = LOOPS.map(|step| Sums::new(&scaled.chroma, step));
+    let cost = |start: usize, end: usize| {
+        let length = end - start;
+        let harmony = harmonies
+            .iter()
+            .filter(|sums| sums.step <= length)
+            .map(|sums| sums.deviation(start, end) + LOOP_COST * sums.step as f32)
+            .fold(f32::INFINITY, f32::min);
+        SECTION_COST
+            + timbre.deviation(start, end)
+            + harmony
+            + ODD_COST[length % 4]
+            + SHORT_COST * 4_usize.saturating_sub(length) as f32
+    };
+    let count = scaled.timbre.len();
+    let mut best = vec![0.0_f32];
+    let mut starts = vec![0];
+    for end in 1..=count {
+        let of_start = |start: usize| (start, best[start] + cost(start, end));
+        let (start, cost) = (end.saturating_sub(LONGEST)..end)
+            .map(of_start)
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0, f32::INFINITY));
+        best.push(cost);
+        starts.push(start);
+    }
+    let mut stretches = Vec::new();
+    let mut end = count;
+    while end > 0 {
+        stretches.push(starts[end]..end);
+        end = starts[end];
+    }
+    stretches.reverse();
+    stretches
+}
+
+/// The letter of each stretch: clusters by mean distance (average linkage; Sokal and Michener 1958), in the order in which
+/// they begin.
+fn letters(stretches: &[std::ops::Range<usize>], scaled: &Scaled) -> Vec<usize> {
+    let count = stretches.len();
+    let mut clusters: Vec<Vec<usize>> = (0..count).map(|index| vec![index]).collect();
+    let between: Vec<Vec<f32>> =
+        stretches.iter().map(|a| stretches.iter().map(|b| dissimilarity(a, b, scaled)).collect()).collect();
+    let mean = |a: &[usize], b: &[usize]| {
+        let sum: f32 = a.iter().flat_map(|x| b.iter().map(|y| between[*x][*y])).sum();
+        sum / (a.len() * b.len()) as f32
+    };
+    loop {
+        let pairs = (0..clusters.len()).flat_map(|a| (a + 1..clusters.len()).map(move |b| (a, b)));
+        let nearest = pairs
+            .map(|(a, b)| (a, b, mean(&clusters[a], &clusters[b])))
+            .min_by(|a, b| a.2.total_cmp(&b.2))
+            .filter(|(.., distance)| *distance < SAME);
+        let Some((a, b, _)) = nearest else { break };
+        let joined = clusters.swap_remove(b);
+        clusters[a].extend(joined);
+    }
+    clusters.sort_by_key(|cluster| cluster.iter().min().copied());
+    let mut letters = vec![0; count];
+    for (letter, cluster) in clusters.iter().enumerate() {
+        cluster.iter().for_each(|stretch| letters[*stretch] = letter);
+    }
+    letters
+}
+
+/// Squared distance of two stretches' mean sounds, plus that of their harmonies as far as both go.
+fn dissimilarity(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>, scaled: &Scaled) -> f32 {
+    let square = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
+    let timbre = square(&mean(&scaled.timbre[a.clone()]), &mean(&scaled.timbre[b.clone()]));
+    let (first, second) = (&scaled.chroma[a.clone()], &scaled.chroma[b.clone()]);
+    let common = first.len().min(second.len()).max(1);
+    let bar_by_bar = first.iter().zip(second).map(|(a, b)| square(a, b)).sum::<f32>() / common as f32;
+    timbre + 0.5 * bar_by_bar
+}
+
+fn mean<const N: usize>(rows: &[[f32; N]]) -> [f32; N] {
+    std::array::from_fn(|column| rows.iter().map(|row| row[column]).sum::<f32>() / rows.len().max(1) as f32)
+}

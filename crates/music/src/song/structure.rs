@@ -1,0 +1,263 @@
+//! What is known of a song when all of it was heard.
+
+use serde::Serialize;
+
+use super::bars::{Meter, bars};
+use super::beats::{beats, onset_strengths};
+use super::energy::{ENERGY_STEP, builds_and_drops, energy, peaks};
+use super::key::{Tonality, chords, key};
+use super::listener::Heard;
+use super::sections::sections;
+use super::units::units;
+
+/// Without beats sections begin at multiples of this, in seconds.
+const STEP_WITHOUT_BEATS: f64 = 2.0;
+/// A song whose loudest moment has less power than this (-80 dB) is silent.
+const SILENT: f32 = 1e-8;
+
+/// A beat.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SongBeat {
+    /// When, in seconds.
+    pub time: f64,
+    /// Which beat of its bar: 1 is the downbeat.
+    pub of_bar: u8,
+    /// Beats per minute around it.
+    pub tempo: f32,
+}
+
+/// A stretch of time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Stretch {
+    /// Its start, in seconds.
+    pub start: f64,
+    /// Its end, in seconds.
+    pub end: f64,
+}
+
+/// A section: a stretch that is alike in itself.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Section {
+    /// Its start, in seconds.
+    pub start: f64,
+    /// Its end, in seconds.
+    pub end: f64,
+    /// A, B, C, ... by first appearance; sections that are alike have the same. After Z come AA, AB, ...
+    pub letter: String,
+    /// Mean energy, 0..1.
+    pub energy: f32,
+}
+
+/// A stretch with one chord.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Chord {
+    /// Its start, in seconds.
+    pub start: f64,
+    /// Its end, in seconds.
+    pub end: f64,
+    /// The triad; none where none fits.
+    pub triad: Option<Tonality>,
+}
+
+/// What sounds from one beat to the next.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PitchShares {
+    /// Its start, in seconds.
+    pub start: f64,
+    /// Share of each pitch class, C first; they sum to 1, or to 0 where no pitch sounds.
+    pub shares: [f32; 12],
+}
+
+/// The structure of a song. Times are seconds from its start; all numbers are finite.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SongStructure {
+    /// How much was listened to.
+    pub seconds: f64,
+    /// Whether the song went on after that: it is longer than the limits' `song_seconds_max`.
+    pub cut_short: bool,
+    /// Whether nothing could be heard.
+    pub silent: bool,
+    /// The median tempo in beats per minute; none if there is no steady beat.
+    pub tempo: Option<f32>,
+    /// How beats make bars; none if there are no beats.
+    pub meter: Option<Meter>,
+    /// The beats; none if there is no steady beat.
+    pub beats: Vec<SongBeat>,
+    /// The sections. They cover the song, if it is not silent, and begin with bars if there are any.
+    pub sections: Vec<Section>,
+    /// Seconds from one value of `energy` and `peaks` to the next.
+    pub energy_step: f64,
+    /// Energy of each step: 0 is 36 dB below the loudest second of the song or less, 1 the loudest.
+    pub energy: Vec<f32>,
+    /// Largest magnitude of each step's samples.
+    pub peaks: Vec<f32>,
+    /// Where tension rises.
+    pub builds: Vec<Stretch>,
+    /// Where it is released: the moments at which drops begin.
+    pub drops: Vec<f64>,
+    /// The key; none if no key fits.
+    pub key: Option<Tonality>,
+    /// Frequency of the a' to which the instruments are tuned, in hertz.
+    pub tuning_hz: f64,
+    /// The chords, changing on beats; together they cover the song.
+    pub chords: Vec<Chord>,
+    /// Shares of the pitch classes, from beat to beat.
+    pub chroma: Vec<PitchShares>,
+}
+
+impl SongStructure {
+    /// The moments at which bars begin.
+    pub fn downbeats(&self) -> impl Iterator<Item = f64> {
+        self.beats.iter().filter(|beat| beat.of_bar == 1).map(|beat| beat.time)
+    }
+
+    pub(super) fn of(heard: &Heard) -> Self {
+        let seconds = heard.seconds;
+        let mut structure = Self {
+            seconds,
+            cut_short: heard.cut_short,
+            energy_step: ENERGY_STEP,
+            energy: energy(heard),
+            peaks: peaks(heard),
+            tuning_hz: 440.0 * (heard.tuning.semitones / 12.0).exp2(),
+            ..Self::default()
+        };
+        structure.silent = heard.moments.iter().all(|moment| moment.power < SILENT);
+        if structure.silent {
+            return structure;
+        }
+        let mut beats = beats(heard);
+        beats.retain(|beat| *beat < seconds);
+        let bar_times = if beats.is_empty() {
+            grid(&[], STEP_WITHOUT_BEATS, seconds)
+        } else {
+            structure.set_beats(heard, &beats)
+        };
+        // Silence before and after the song is no part of a bar's sound.
+        let sounding = heard.sounding();
+        let of_sound: Vec<f64> =
+            bar_times.iter().map(|time| time.clamp(sounding.start, sounding.end)).collect();
+        let bars = units(heard, &of_sound);
+        let beat_times =
+            if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
+        let of_beats = units(heard, &beat_times);
+        let starts = beat_times.iter().copied();
+        structure.chroma =
+            starts.zip(&of_beats).map(|(start, unit)| PitchShares { start, shares: unit.chroma }).collect();
+        let triads = chords(&of_beats);
+        for (times, triad) in beat_times.windows(2).zip(triads.iter().copied()) {
+            match structure.chords.last_mut() {
+                Some(last) if last.triad == triad => last.end = times[1],
+                _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
+            }
+        }
+        let sections = sections(&bars);
+        let borders: Vec<usize> = sections.iter().skip(1).map(|section| section.bars.start).collect();
+        for section in sections {
+            let (start, end) = (bar_times[section.bars.start], bar_times[section.bars.end]);
+            let energy = structure.mean_energy(start, end);
+            structure.sections.push(Section { start, end, letter: letter(section.letter), energy });
+        }
+        let firsts = structure.sections.iter().map(|section| {
+            let beat = beat_times.partition_point(|time| *time < section.start + 1e-3);
+            triads.get(beat).copied().flatten()
+        });
+        structure.key = key(&of_beats, &triads, &firsts.collect::<Vec<_>>());
+        if !beats.is_empty() {
+            let (builds, drops) = builds_and_drops(&bars, &borders);
+            structure.builds = builds
+                .into_iter()
+                .map(|bars| Stretch { start: bar_times[bars.start], end: bar_times[bars.end] })
+                .collect();
+            structure.drops = drops.into_iter().map(|bar| bar_times[bar]).collect();
+        }
+        structure
+    }
+
+    /// Sets beats, meter and tempo, and tells where bars begin, over the whole song.
+    fn set_beats(&mut self, heard: &Heard, beats: &[f64]) -> Vec<f64> {
+        let of_beats = units(heard, beats);
+        let (meter, positions) = bars(heard, &onset_strengths(heard), beats, &of_beats);
+        self.meter = Some(meter);
+        let tempo_at = |index: usize| {
+            // Over four beats, so that the grid of moments does not show.
+            let (from, to) = (index.saturating_sub(2), (index + 2).min(beats.len() - 1));
+            (60.0 * (to - from) as f64 / (beats[to] - beats[from]).max(1e-3)) as f32
+        };
+        self.beats = beats
+            .iter()
+            .zip(&positions)
+            .enumerate()
+            .map(|(index, (time, position))| SongBeat {
+                time: *time,
+                of_bar: *position as u8 + 1,
+                tempo: tempo_at(index),
+            })
+            .collect();
+        self.tempo = Some((60.0 / period(beats)) as f32);
+        let downbeats: Vec<f64> = self.downbeats().collect();
+        grid(&downbeats, period(beats) * meter.beats() as f64, self.seconds)
+    }
+
+    fn mean_energy(&self, start: f64, end: f64) -> f32 {
+        let place = |time: f64| ((time / ENERGY_STEP).round() as usize).min(self.energy.len());
+        let values = self.energy.get(place(start)..place(end)).unwrap_or_default();
+        values.iter().sum::<f32>() / values.len().max(1) as f32
+    }
+}
+
+/// The median time from one to the next.
+fn period(times: &[f64]) -> f64 {
+    let mut periods: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    periods.sort_by(f64::total_cmp);
+    // The mean of the middle half, because the times lie on a grid.
+    let middle = &periods[periods.len() / 4..(periods.len() * 3).div_ceil(4)];
+    if middle.is_empty() { 1.0 } else { middle.iter().sum::<f64>() / middle.len() as f64 }
+}
+
+/// The times, continued by `period` to both ends of the song, with the ends. No stretch is shorter than half a period,
+/// but if the song is.
+fn grid(times: &[f64], period: f64, seconds: f64) -> Vec<f64> {
+    let mut before = Vec::new();
+    let mut first = times.first().copied().unwrap_or(0.0);
+    while first - period > 0.5 * period {
+        first -= period;
+        before.push(first);
+    }
+    let mut grid = vec![0.0];
+    grid.extend(before.into_iter().rev());
+    grid.extend(times.iter().copied().filter(|time| *time > 0.5 * period));
+    let last = |grid: &[f64]| grid.last().copied().unwrap_or_default();
+    while last(&grid) + 1.5 * period < seconds {
+        let next = last(&grid) + period;
+        grid.push(next);
+    }
+    if grid.len() > 1 && seconds - last(&grid) < 0.5 * period {
+        grid.pop();
+    }
+    grid.push(seconds);
+    grid
+}
+
+/// A to Z, then AA to AZ, ...
+fn letter(index: usize) -> String {
+    let last = char::from(b'A' + (index % 26) as u8);
+    if index < 26 { last.to_string() } else { letter(index / 26 - 1) + &last.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_go_on_after_z() {
+        assert_eq!([0, 25, 26, 51, 52].map(letter), ["A", "Z", "AA", "AZ", "BA"]);
+    }
+
+    #[test]
+    fn the_grid_covers_the_song() {
+        assert_eq!(grid(&[3.0, 5.0], 2.0, 10.2), [0.0, 3.0, 5.0, 7.0, 9.0, 10.2]);
+        assert_eq!(grid(&[0.3, 2.3], 2.0, 4.2), [0.0, 2.3, 4.2]);
+        assert_eq!(grid(&[], 2.0, 1.0), [0.0, 1.0]);
+    }
+}

@@ -1,0 +1,88 @@
+//! What sounds from beat to beat, or from bar to bar: means of what was heard between given times.
+
+use super::listener::{Heard, SLOW_HOPS, TIMBRE_BANDS};
+
+/// The range of levels that count, in decibels below the loudest moment.
+const RANGE_DB: f32 = 60.0;
+
+/// Means of a stretch of time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unit {
+    /// Level of each band in decibels above the quietest that counts, 0..60.
+    pub(super) timbre: [f32; TIMBRE_BANDS],
+    /// Share of each pitch class, C first; sums to 1, or 0 where no pitch sounds.
+    pub(super) chroma: [f32; 12],
+    /// Level of everything, in decibels above the quietest that counts.
+    pub(super) level: f32,
+    /// Level of what is low, on the same scale.
+    pub(super) low: f32,
+    /// Sum of the onset strengths above the mean per second, in arbitrary units.
+    pub(super) onsets: f32,
+}
+
+impl Unit {
+    const SILENCE: Self =
+        Self { timbre: [0.0; TIMBRE_BANDS], chroma: [0.0; 12], level: 0.0, low: 0.0, onsets: 0.0 };
+
+    /// The power-weighted mean place among the bands (spectral centroid), 0..1.
+    pub(super) fn brightness(&self) -> f32 {
+        let sum: f32 = self.timbre.iter().sum();
+        let weighed: f32 = self.timbre.iter().enumerate().map(|(band, level)| band as f32 * level).sum();
+        if sum > 0.0 { weighed / sum / (TIMBRE_BANDS - 1) as f32 } else { 0.0 }
+    }
+}
+
+/// The units between neighbouring `times` in seconds, one less than there are times.
+pub(super) fn units(heard: &Heard, times: &[f64]) -> Vec<Unit> {
+    let loudest = heard.slow.iter().map(|slow| slow.timbre.iter().sum::<f32>()).fold(1e-7_f32, f32::max);
+    times.windows(2).map(|pair| unit(heard, pair[0], pair[1], loudest)).collect()
+}
+
+fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
+    let level = |power: f32| (10.0 * (power / loudest).max(1e-12).log10() + RANGE_DB).clamp(0.0, RANGE_DB);
+    let range = |count: usize, seconds: f64, late: f64| {
+        let place = |time: f64| ((time / seconds + late).round().max(0.0) as usize).min(count);
+        let start = place(from).min(count.saturating_sub(1));
+        start..place(to).max(start + 1).min(count)
+    };
+    let mut unit = Unit::SILENCE;
+    let slow_seconds = heard.hop_seconds * SLOW_HOPS as f64;
+    let slow = heard.slow.get(range(heard.slow.len(), slow_seconds, 0.0)).unwrap_or_default();
+    for moment in slow {
+        for (sum, power) in unit.timbre.iter_mut().zip(&moment.timbre) {
+            *sum += power / slow.len() as f32;
+        }
+    }
+    unit.timbre = unit.timbre.map(level);
+    let late = heard.chroma_late as f64 - 0.5;
+    let slow = heard.slow.get(range(heard.slow.len(), slow_seconds, late)).unwrap_or_default();
+    for moment in slow {
+        let classes = heard.tuning.pitch_classes(&moment.chroma);
+        for (sum, amplitude) in unit.chroma.iter_mut().zip(classes) {
+            *sum += amplitude;
+        }
+    }
+    let sum: f32 = unit.chroma.iter().sum();
+    if sum > 0.0 {
+        unit.chroma = unit.chroma.map(|amplitude| amplitude / sum);
+    }
+    let moments = heard.moments.get(range(heard.moments.len(), heard.hop_seconds, 0.0)).unwrap_or_default();
+    let count = moments.len().max(1) as f32;
+    unit.level = level(moments.iter().map(|moment| moment.power).sum::<f32>() / count);
+    unit.low = level(moments.iter().map(|moment| moment.low_power).sum::<f32>() / count);
+    unit.onsets = moments.iter().map(|moment| (moment.flux - 1.0).max(0.0)).sum::<f32>() / count;
+    unit
+}
+
+/// How far two lists of numbers are apart.
+pub(super) fn distance(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
+}
+
+/// Values less their mean, in standard deviations; all 0 where they hardly differ.
+pub(super) fn standardised(values: &[f32], least: f32) -> Vec<f32> {
+    let count = values.len().max(1) as f32;
+    let mean = values.iter().sum::<f32>() / count;
+    let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f32>() / count).sqrt();
+    values.iter().map(|value| (value - mean) / deviation.max(least)).collect()
+}

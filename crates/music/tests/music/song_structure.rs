@@ -1,0 +1,172 @@
+//! The structure of generated songs, and of what is no song. (The example `song_figures` prints all styles, tempos, forms
+//! and keys; here are a few of each.)
+
+use crate::signals::noise;
+use crate::songs::{
+    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+};
+use mariana_music::limits::LIMITS;
+use mariana_music::{Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
+
+/// Half of what songs usually have, for speed.
+const RATE: u32 = 24_000;
+
+fn heard(song: &Song) -> (SongStructure, Truth) {
+    let (frames, truth) = song.play(RATE);
+    (structure(RATE, &frames), truth)
+}
+
+/// What holds for the structure of anything.
+fn require_sense(structure: &SongStructure) {
+    assert!(structure.beats.windows(2).all(|pair| pair[0].time < pair[1].time));
+    let beats_per_bar = structure.meter.map_or(0, Meter::beats);
+    assert!(structure.beats.iter().all(|beat| {
+        (1..=beats_per_bar).contains(&usize::from(beat.of_bar))
+            && (0.0..=structure.seconds).contains(&beat.time)
+            && beat.tempo.is_finite()
+    }));
+    assert_eq!(structure.beats.is_empty(), structure.tempo.is_none() && structure.meter.is_none());
+    let ends = |starts: Vec<(f64, f64)>| {
+        assert!(starts.windows(2).all(|pair| pair[0].1 == pair[1].0), "{starts:?} have gaps");
+        assert!(starts.first().is_none_or(|(start, _)| *start == 0.0));
+        assert!(starts.last().is_none_or(|(_, end)| *end == structure.seconds));
+    };
+    ends(structure.sections.iter().map(|section| (section.start, section.end)).collect());
+    ends(structure.chords.iter().map(|chord| (chord.start, chord.end)).collect());
+    assert!(structure.energy.iter().all(|energy| (0.0..=1.0).contains(energy)));
+    assert!(structure.sections.iter().all(|section| (0.0..=1.0).contains(&section.energy)));
+}
+
+#[test]
+fn a_song_is_known_by_beats_bars_sections_and_key() {
+    let of = |style, tempo, root, mode| Song::new(style, tempo, Tonality { root, mode }, pop(mode));
+    let swung = Song { swing: 0.667, ..of(Style::Jazz, 132.0, 7, Mode::Major) };
+    let faster = Song { tempo: (92.0, 128.0), cents: 30.0, ..of(Style::Rock, 92.0, 4, Mode::Minor) };
+    let songs = [
+        of(Style::Syncopated, 104.0, 0, Mode::Minor),
+        of(Style::Waltz, 128.0, 10, Mode::Major),
+        swung,
+        faster,
+    ];
+    for song in songs {
+        let (found, truth) = heard(&song);
+        require_sense(&found);
+        let beats: Vec<f64> = found.beats.iter().map(|beat| beat.time).collect();
+        let downbeats: Vec<f64> = found.downbeats().collect();
+        let figures = [
+            f_measure(&beats, &truth.beats, 0.07),
+            f_measure(&downbeats, &truth.downbeats, 0.07),
+            f_measure(&borders(&found), &truth.borders, 0.5),
+            labels(&found, &truth),
+        ];
+        let what =
+            format!("{:?} at {:?}: {figures:?}, sections {:?}", song.style, song.tempo, found.sections);
+        assert!(figures.iter().zip([0.95, 0.9, 0.9, 0.9]).all(|(figure, least)| *figure >= least), "{what}");
+        assert_eq!((found.meter, found.key), (Some(song.style.meter()), Some(song.key)), "{what}");
+        assert!(found.drops.is_empty(), "{what}");
+    }
+}
+
+#[test]
+fn two_dotted_beats_are_six_eighths() {
+    let key = Tonality { root: 2, mode: Mode::Major };
+    let (found, truth) = heard(&Song::new(Style::SixEight, 96.0, key, pop(Mode::Major)));
+    assert_eq!(found.meter, Some(Meter::SixEight));
+    let downbeats: Vec<f64> = found.downbeats().collect();
+    assert!(f_measure(&downbeats, &truth.downbeats, 0.07) > 0.9);
+}
+
+#[test]
+fn harmony_alone_and_sound_alone_make_sections() {
+    for by_harmony in [true, false] {
+        let part = |letter, bars, number| Part {
+            letter,
+            bars,
+            chords: chords(Mode::Minor, if by_harmony { number } else { 0 }),
+            drums: true,
+            bass: true,
+            voice: if by_harmony { Voice::Organ } else { [Voice::Organ, Voice::Bright][number] },
+            arpeggio: true,
+            loud: 0.8,
+            kind: Kind::Plain,
+        };
+        let form = vec![part('A', 8, 0), part('B', 8, 1), part('A', 8, 0), part('B', 16, 1)];
+        let (found, truth) =
+            heard(&Song::new(Style::Rock, 120.0, Tonality { root: 9, mode: Mode::Minor }, form));
+        let f = f_measure(&borders(&found), &truth.borders, 0.5);
+        assert!(f >= 0.8, "by harmony: {by_harmony}, F = {f:.2}, {:?}", found.sections);
+    }
+}
+
+#[test]
+fn builds_lead_to_drops_and_a_ballad_has_none() {
+    let key = Tonality { root: 4, mode: Mode::Minor };
+    let (found, truth) = heard(&Song::new(Style::FourOnTheFloor, 128.0, key, club(Mode::Minor)));
+    assert_eq!(found.drops.len(), truth.drops.len(), "{:?}, not {:?}", found.drops, truth.drops);
+    for (drop, truly) in found.drops.iter().zip(&truth.drops) {
+        assert!((drop - truly).abs() < 0.1, "{drop} is not {truly}");
+        assert!(found.builds.iter().any(|build| build.end == *drop && build.start < drop - 5.0));
+    }
+    let (found, _) = heard(&Song::new(Style::Ballad, 72.0, key, ballad(Mode::Minor)));
+    assert!(found.drops.is_empty(), "{:?}", found.drops);
+}
+
+#[test]
+fn blocks_make_no_difference() {
+    let key = Tonality { root: 0, mode: Mode::Major };
+    let mut form = pop(Mode::Major);
+    form.truncate(2);
+    let (frames, _) = Song::new(Style::Rock, 120.0, key, form).play(RATE);
+    let whole = structure(RATE, &frames);
+    let mut listener = SongListener::new(RATE);
+    frames.chunks(997).for_each(|block| listener.push(block));
+    assert!(listener.finish() == whole);
+}
+
+#[test]
+fn what_is_no_song_has_a_sensible_structure_or_none() {
+    let of = |seconds: f64, sample: &mut dyn FnMut(f64) -> f64| {
+        let count = (seconds * f64::from(RATE)) as usize;
+        let frames: Vec<StereoFrame> =
+            (0..count).map(|n| [sample(n as f64 / f64::from(RATE)) as f32; 2]).collect();
+        let found = structure(RATE, &frames);
+        require_sense(&found);
+        found
+    };
+    let tone = |hz: f64, t: f64| (std::f64::consts::TAU * hz * t).sin();
+    let nothing = structure(RATE, &[]);
+    require_sense(&nothing);
+    assert!(nothing.silent && nothing.sections.is_empty());
+    let silence = of(20.0, &mut |_| 0.0);
+    assert!(silence.silent && silence.beats.is_empty() && silence.key.is_none());
+    let note = of(60.0, &mut |t| 0.3 * tone(220.0, t));
+    assert!(note.beats.is_empty() && note.key.is_none() && note.sections.len() == 1, "{:?}", note.sections);
+    let mut state = 1;
+    let noise = of(40.0, &mut |_| 0.3 * noise(&mut state));
+    assert_eq!(noise.key, None);
+    assert_eq!(noise.sections.len(), 1);
+    // Chords that swell, without a stroke.
+    let swell = of(60.0, &mut |t| {
+        let root = 220.0 * [1.0, 1.335, 1.498, 1.0][(t / 7.3) as usize % 4];
+        let loud = 0.2 * (1.0 - (std::f64::consts::TAU * t / 7.3).cos());
+        loud * (tone(root, t) + tone(1.26 * root, t) + tone(1.498 * root, t)) / 3.0
+    });
+    assert!(swell.beats.is_empty() && swell.drops.is_empty(), "{:?}", swell.tempo);
+    let short = of(2.0, &mut |t| 0.5 * tone(440.0, t));
+    assert_eq!(short.sections.len(), 1);
+    let bad = of(5.0, &mut |t| if t < 2.0 { f64::NAN } else { f64::INFINITY });
+    assert!(bad.silent);
+}
+
+#[test]
+fn a_song_beyond_the_limit_is_cut_short() {
+    let rate = LIMITS.sample_rate_min;
+    let block = vec![[0.0; 2]; rate as usize * 60];
+    let mut listener = SongListener::new(rate);
+    for _ in 0..(LIMITS.song_seconds_max / 60.0) as usize {
+        listener.push(&block);
+    }
+    listener.push(&[[1.0; 2]]);
+    let found = listener.finish();
+    assert!(found.cut_short && found.silent && found.seconds == LIMITS.song_seconds_max);
+}

@@ -1,0 +1,147 @@
+//! The structure of a song: found by decoding all of it, told as text, as JSON or as a drawing.
+
+use std::fmt::Write as _;
+use std::io::Write;
+use std::path::PathBuf;
+
+use super::error::ExportError;
+use super::song_page::page;
+use crate::atomic_file::AtomicFile;
+use mariana_music::{SongListener, SongStructure, StereoFrame, Tonality};
+use mariana_player::decode::DecodeError;
+use mariana_player::song::{Song, display_name};
+use mariana_player::source::FrameSource;
+
+/// What to tell of a song's structure.
+#[derive(Debug, Clone)]
+pub struct StructureRequest {
+    /// The song.
+    pub song: Song,
+    /// Whether it is told on standard output.
+    pub told: bool,
+    /// One JSON object instead of text.
+    pub json: bool,
+    /// Where it is drawn, if anywhere.
+    pub plot: Option<PathBuf>,
+}
+
+/// A song's name and its structure.
+///
+/// # Errors
+/// What the decoder says about the file.
+pub fn structure_of(song: &Song) -> Result<(String, SongStructure), DecodeError> {
+    let mut decoder = song.open()?;
+    let name = display_name(&decoder);
+    let mut listener = SongListener::new(decoder.sample_rate());
+    let mut block: Vec<StereoFrame> = Vec::new();
+    loop {
+        block.clear();
+        if decoder.next_block(&mut block)? == 0 {
+            return Ok((name, listener.finish()));
+        }
+        listener.push(&block);
+    }
+}
+
+/// Tells and draws what is asked for.
+///
+/// # Errors
+/// The song cannot be decoded, or an output cannot be written. A reader that closes `out` early is no error.
+pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result<(), ExportError> {
+    // Opened first, because an output that cannot be written should cost no work.
+    let plot = match &request.plot {
+        Some(path) => {
+            if matches!(&request.song, Song::File(song) if same_file(song, path)) {
+                return Err(ExportError::OverTheSong { path: path.clone() });
+            }
+            Some(AtomicFile::create(path)?)
+        }
+        None => None,
+    };
+    let (name, structure) = structure_of(&request.song)?;
+    if let Some(plot) = plot {
+        plot.write(page(&name, &structure).as_bytes())?;
+    }
+    if !request.told {
+        return Ok(());
+    }
+    let text = if request.json {
+        serde_json::to_string(&structure).map_err(|error| ExportError::Print(error.into()))? + "\n"
+    } else {
+        text(&name, &structure)
+    };
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.map_err(ExportError::Print),
+    }
+}
+
+fn same_file(a: &std::path::Path, b: &std::path::Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+}
+
+/// A time as 1:20.5.
+pub(super) fn clock(seconds: f64) -> String {
+    let tenths = (seconds * 10.0).round().max(0.0) as u64;
+    format!("{}:{:02}.{}", tenths / 600, tenths / 10 % 60, tenths % 10)
+}
+
+/// A key as people write it.
+fn key_name(key: Tonality) -> String {
+    format!("{} {}", key.root_name(), key.mode.name())
+}
+
+/// What is known of the whole song, in a line.
+pub(super) fn summary(structure: &SongStructure) -> String {
+    if structure.silent {
+        return format!("{}, silence", clock(structure.seconds));
+    }
+    let tempo = match (structure.tempo, structure.meter) {
+        (Some(tempo), Some(meter)) => {
+            format!("{tempo:.1} beats per minute in {}, {} bars", meter.name(), structure.downbeats().count())
+        }
+        _ => "no steady beat".to_owned(),
+    };
+    let key = structure.key.map_or_else(|| "no key".to_owned(), key_name);
+    format!("{}, {tempo}, {key}", clock(structure.seconds))
+}
+
+/// The structure for people.
+fn text(name: &str, structure: &SongStructure) -> String {
+    let mut text = format!("{name}: {}\n", summary(structure));
+    if structure.cut_short {
+        let _ = writeln!(text, "the song goes on after that, which was not listened to");
+    }
+    let bar_of = |time: f64| structure.downbeats().filter(|downbeat| *downbeat < time + 0.01).count();
+    for section in &structure.sections {
+        let _ = write!(
+            text,
+            "{:>8} - {:>8}  {:<2} energy {:.2}",
+            clock(section.start),
+            clock(section.end),
+            section.letter,
+            section.energy
+        );
+        if !structure.beats.is_empty() {
+            let _ = write!(text, "  from bar {}", bar_of(section.start).max(1));
+        }
+        text.push('\n');
+    }
+    for build in &structure.builds {
+        let _ = writeln!(text, "{:>8} - {:>8}  build", clock(build.start), clock(build.end));
+    }
+    for drop in &structure.drops {
+        let _ = writeln!(text, "{:>8}             drop", clock(*drop));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_written_as_they_are_read() {
+        assert_eq!([0.0, 59.96, 80.5, 3600.0].map(clock), ["0:00.0", "1:00.0", "1:20.5", "60:00.0"]);
+    }
+}
