@@ -177,3 +177,21 @@ fn ranges_are_told_in_our_words() {
     place.run(&["--volume", "many"]).refused_arguments("--volume", &["not a whole number"]);
     place.run(&["bench", "--frames", "0"]).refused_arguments("--frames", &["1 to 10000 frames"]);
 }
+
+#[test]
+fn a_songs_structure_is_told_as_text_as_json_and_as_a_page() {
+    let place = Workplace::new();
+    let text = place.run(&["analyze", "--structure"]).done();
+    assert!(text.contains("112.5 beats per minute in 4/4"), "{text}");
+    let whole: Value =
+        serde_json::from_str(&place.run(&["analyze", "--structure", "--json"]).done()).unwrap();
+    assert!(
+        whole["beats"].as_array().unwrap().len() > 150 && whole["sections"][0]["letter"] == "A",
+        "{text}"
+    );
+    place.run(&["analyze", "--structure", "--plot", "song.svg"]).done();
+    let page = String::from_utf8(place.read("song.svg")).unwrap();
+    assert!(page.starts_with("<svg") || page.starts_with("<?xml"), "{page:.80}");
+    place.write_tone("tone.wav", 440.0, 0.5, [0.5, 0.5]);
+    assert!(place.run(&["analyze", "--structure", "tone.wav"]).done().contains("no steady beat"));
+}
