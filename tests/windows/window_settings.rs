@@ -96,6 +96,8 @@ fn settings_change_by_keys_and_by_pointer_and_are_there_in_the_next_run() {
     wait_until("the output", || {
         settings(&desktop).contains("output = \"") && settings(&desktop).contains("usb")
     });
+    // The server knows of the other output before the show does.
+    wait_for_panel();
     app.press(&["Down", "Right", "Right", "Down", "Right", "Down", "Return"]);
     wait_for_setting(&desktop, "quality = \"low\"");
     wait_for_setting(&desktop, "flash_limiter = \"off\"");
