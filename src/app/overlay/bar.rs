@@ -220,7 +220,9 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             key_button(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders, requests);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
-            draw_level(ui.painter(), source.rect, bar.level.clamp(0.0, 1.0));
+            // How loud it is, under the sign.
+            let bottom = source.rect.center_bottom() - vec2(0.0, LEVEL.y);
+            draw_share(ui.painter(), Rect::from_center_size(bottom, LEVEL), bar.level.clamp(0.0, 1.0));
             if !now.live {
                 panel_button(ui, Icon::Tracks, Panel::Tracks, bar, requests);
             }
@@ -258,15 +260,6 @@ fn panel_button(
     requests: &mut Vec<Request>,
 ) -> Response {
     key_button(ui, icon, Action::TogglePanel(panel), bar.open == Some(panel), requests)
-}
-
-/// Draws how loud it is under the sign of a button.
-fn draw_level(painter: &Painter, button: Rect, level: f32) {
-    let bottom = button.center_bottom() - vec2(0.0, LEVEL.y);
-    let mut rail = Rect::from_center_size(bottom, LEVEL);
-    painter.rect_filled(rail, 0.0, style::RAIL);
-    rail.set_width(level * LEVEL.x);
-    painter.rect_filled(rail, 0.0, style::ACCENT);
 }
 
 /// A button with a sign, whose words are its tooltip and its name.

@@ -84,16 +84,18 @@ impl Desk {
             content.welcome = Some(Welcome { title, artist, scene, since });
         }
         // Screen readers find its buttons at any time.
-        if seen.assisted || seen.awake && !self.clean {
+        let shows_bar = seen.awake && !self.clean;
+        if seen.assisted || shows_bar {
             content.bar = Some(Bar {
                 now: playing,
                 shape: seen.shape.as_deref(),
-                level: listening.level(),
+                // Unseen, it need not be laid out anew for each sound.
+                level: if shows_bar { listening.level() } else { 0.0 },
                 scene,
                 open,
                 help: self.panels.help(),
                 sliders: self.panels.sliders(),
-                seen: seen.awake && !self.clean,
+                seen: shows_bar,
             });
         }
     }
