@@ -47,6 +47,14 @@ impl Place {
         app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
         app
     }
+
+    /// The program with nothing but these options, so that it goes on where the last show ended.
+    fn again(&self, variables: &[(&str, &str)], options: &[&str]) -> App<'_> {
+        let mut command = self.desktop.command(crate::support::desktop::PROGRAM);
+        command.envs(variables.iter().copied()).args(["--silent", "--prepare-ahead", "off"]).args(options);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+        self.desktop.show(command, Path::new(""))
+    }
 }
 
 fn silent_song(folder: &Path, name: &str) -> PathBuf {
@@ -204,6 +212,20 @@ fn with_the_keys_alone_one_finds_a_scene_and_plays_a_folder() {
 }
 
 #[test]
+fn a_show_that_ended_before_its_first_picture_forgot_its_scene() {
+    let place = Place::new();
+    // The driver is slow once, so that nothing is on the stage yet when the show ends.
+    let song = place.song.to_str().unwrap();
+    let options = [song, "--size", SIZE, "--scene", "first_steps", "--sdf", "compiled"];
+    let app = place.again(&[("MARIANA_FAULT", "slow-compiler@0")], &options);
+    assert!(!app.title().contains("first_steps"), "{}", app.title());
+    quit(app);
+    let mut app = place.again(&[], &[]);
+    app.wait_for_title("the scene that was asked for", |title| title.contains("first_steps"));
+    quit(app);
+}
+
+#[test]
 fn a_show_goes_on_where_the_last_one_ended() {
     let place = Place::new();
     silent_song(place.desktop.folder(), "two.wav");
@@ -212,20 +234,14 @@ fn a_show_goes_on_where_the_last_one_ended() {
     app.press(&["Next", "Down", "Down", "l"]);
     app.wait_for_title("the second track", |title| title.contains("2/2") && title.contains("volume 90 %"));
     quit(app);
-    let again = |options: &[&str]| {
-        let mut command = place.desktop.command(crate::support::desktop::PROGRAM);
-        command.args(["--silent", "--prepare-ahead", "off"]).args(options);
-        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
-        place.desktop.show(command, Path::new(""))
-    };
-    let mut app = again(&[]);
+    let mut app = place.again(&[], &[]);
     app.wait_for_title("what was left", |title| {
         title.starts_with("two.wav - Mariana (2/2, first_steps") && title.contains("volume 90 %")
     });
     assert_eq!(app.size(), (640, 360));
     quit(app);
     // Nothing of it, and nothing is left: the next but one goes on with the same again.
-    let mut app = again(&["--new", "--size", "320x180"]);
+    let mut app = place.again(&[], &["--new", "--size", "320x180"]);
     app.wait_for_title("the demo track", |title| title.contains("speakers") && !title.contains("volume"));
     app.press(&["Down"]);
     app.wait_for_title("another volume", |title| title.contains("volume 95 %"));
@@ -233,7 +249,7 @@ fn a_show_goes_on_where_the_last_one_ended() {
     // What has gone costs a sentence, never the start.
     std::fs::remove_file(folder.join("one.wav")).unwrap();
     std::fs::remove_file(folder.join("two.wav")).unwrap();
-    let mut app = again(&[]);
+    let mut app = place.again(&[], &[]);
     app.wait_for_title("the demo track", |title| title.contains("first_steps") && title.contains("90 %"));
     app.wait_until_told("the tracks of the last show cannot be played any more");
     quit(app);

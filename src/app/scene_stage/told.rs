@@ -16,6 +16,11 @@ impl SceneStage {
         self.on_stage.as_ref().map(|cast| &cast.source)
     }
 
+    /// The scene that the next show begins with: the one on the stage, and before there is any the one asked for.
+    pub(crate) fn source_to_leave(&self) -> &SceneSource {
+        self.shown_source().unwrap_or(&self.source)
+    }
+
     /// A scene's name with its place among those that the keys go through, such as "terrain, 3 of 17". Reads a folder.
     pub(crate) fn placed_name(&self, source: &SceneSource) -> String {
         let (at, count) = self.list.place(source);

@@ -20,7 +20,7 @@ impl Stage {
             fullscreen,
             size: self.window.size().filter(|_| !fullscreen).or(before.size),
             place: self.window.place().or(before.place),
-            scene: self.scene.shown_source().and_then(name_of).or(before.scene),
+            scene: name_of(self.scene.source_to_leave()).or(before.scene),
             volume: before.volume,
             track: if self.choices.last_tracks { before.track } else { 0 },
             seconds: if self.choices.last_tracks { before.seconds } else { 0.0 },
