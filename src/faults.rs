@@ -24,6 +24,8 @@ pub enum Fault {
     SlowCompiler,
     /// The same, of an interpreter.
     SlowInterpreter,
+    /// The driver compiles a long program for an hour.
+    EndlessCompiler,
 }
 
 impl Fault {
@@ -36,6 +38,7 @@ impl Fault {
             "deadly-interpreter" => Some(Self::DeadlyInterpreter),
             "slow-compiler" => Some(Self::SlowCompiler),
             "slow-interpreter" => Some(Self::SlowInterpreter),
+            "endless-compiler" => Some(Self::EndlessCompiler),
             _ => None,
         }
     }

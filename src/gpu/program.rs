@@ -102,6 +102,12 @@ pub struct ProgramTexts {
 }
 
 impl ProgramTexts {
+    /// How many bytes they have.
+    #[expect(clippy::len_without_is_empty, reason = "a program without a text is none")]
+    pub fn len(&self) -> usize {
+        self.vertex.1.len() + self.fragment.1.len()
+    }
+
     /// Assembles a variant of `fragment` of `library` for a driver.
     ///
     /// # Errors

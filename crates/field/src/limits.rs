@@ -42,6 +42,8 @@ pub struct Limits {
     pub scene_materials_max: usize,
     /// Most lights of a scene.
     pub scene_lights_max: usize,
+    /// Most cameras with names of a scene.
+    pub scene_cameras_max: usize,
     /// Most values that are computed once per frame instead of at every point; further ones are computed at every
     /// point.
     pub hoisted_max: usize,
@@ -67,5 +69,6 @@ pub const LIMITS: Limits = Limits {
     scene_objects_max: 256,
     scene_materials_max: 64,
     scene_lights_max: 16,
+    scene_cameras_max: 16,
     hoisted_max: 256,
 };

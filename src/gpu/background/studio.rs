@@ -25,6 +25,9 @@ const WARM_UP_SIZE: (u32, u32) = (18, 14);
 
 /// How long a driver takes that a test makes slow.
 const SLOW_COMPILER: Duration = Duration::from_secs(2);
+/// How long one takes that a test makes endless, and for programs of how many bytes.
+const ENDLESS_COMPILER: Duration = Duration::from_secs(3600);
+const LONG_PROGRAM: usize = 200_000;
 
 /// The picture that warms a program up.
 struct Asked {
@@ -70,6 +73,9 @@ impl Studio {
             std::thread::sleep(SLOW_COMPILER);
         }
         let texts = texts_of(library, job.variant, self.gl.info())?;
+        if texts.len() > LONG_PROGRAM && faults::strikes(Fault::EndlessCompiler) {
+            std::thread::sleep(ENDLESS_COMPILER);
+        }
         let key = texts.key(self.gl.info());
         let asked =
             Asked { block: job.block, picture: job.picture, scene: job.scene, draws_views: job.draws_views };

@@ -176,14 +176,16 @@ pub(super) enum Section {
     Camera,
     Sky,
     Picture,
+    About,
 }
 
-/// `name = value` or, with `is_let`, `let name = value`.
+/// `name = value`, `name = value .. end` or, with `is_let`, `let name = value`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Entry {
     pub is_let: bool,
     pub name: Name,
     pub value: ExprId,
+    pub end: Option<ExprId>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -198,7 +200,7 @@ pub(super) enum Item {
         name: Name,
         value: ExprId,
     },
-    /// Camera, sky and picture have no name; the span is that of the head. Broken: a missing field was already
+    /// Sky, picture and about have no name, a camera may have one; the span is that of the head. Broken: a missing field was already
     /// reported.
     Section {
         section: Section,

@@ -34,6 +34,12 @@ pub enum Holds {
     ToneMap,
     /// The name of a material.
     Material,
+    /// A text in quotes.
+    Text,
+    /// Two numbers, `0.2 .. 0.6`.
+    Range,
+    /// The name of a way in which scenes follow each other.
+    Way,
 }
 
 impl Holds {
@@ -41,7 +47,8 @@ impl Holds {
     pub const fn parts(self) -> usize {
         match self {
             Holds::Vector => 3,
-            Holds::Number | Holds::ToneMap | Holds::Material => 1,
+            Holds::Number | Holds::ToneMap | Holds::Material | Holds::Text | Holds::Way => 1,
+            Holds::Range => 2,
         }
     }
 }

@@ -20,6 +20,7 @@
 //!
 //! This module does no I/O: a [`Resolver`] supplies the texts that `include` names.
 
+mod about;
 mod ast;
 mod builtin;
 mod changing;
@@ -41,6 +42,7 @@ mod tests;
 mod token;
 mod value;
 
+pub use about::{About, Way};
 pub use changing::changed_numbers;
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};

@@ -5,6 +5,7 @@
 //! shape alone because a bound would cast shadows of things that do not exist (Abt 2022, figure 12); beyond the bound
 //! the estimate grows until it casts none.
 
+use super::about::About;
 use super::builtin::uses::{DIRECTION, EYE, FRAME, NOTHING, TEXTURE};
 use super::fields::DefaultValue::{Each, Library, Parts};
 use super::fields::section;
@@ -27,12 +28,16 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Where the scene is seen from.
     pub camera: Camera,
+    /// Further places to see it from, with their names.
+    pub cameras: Vec<(String, Camera)>,
     /// The background, where rays hit nothing.
     pub sky: Sky,
     /// Whether the text says what colour the sky has.
     pub has_own_sky: bool,
     /// How the scene's light becomes the picture.
     pub picture: Picture,
+    /// What it says of itself.
+    pub about: About,
     /// Sliders; `Input::Param(i)` is the i-th.
     pub params: Vec<Param>,
     /// Textures; texture i of the graph is the i-th.

@@ -11,6 +11,7 @@ use super::planes::Plane;
 #[derive(Debug, Clone)]
 pub struct FrameTape {
     camera: Tape,
+    cameras: Vec<Tape>,
     lights: Vec<(LightKind, Tape)>,
     reach: Tape,
     picture: Tape,
@@ -22,6 +23,8 @@ pub struct FrameTape {
 pub struct FrameValues {
     /// The camera.
     pub camera: Camera<f32>,
+    /// The cameras with names.
+    pub cameras: Vec<Camera<f32>>,
     /// Distance within which other things block ambient light.
     pub reach: f32,
     /// How the picture is made.
@@ -45,6 +48,11 @@ impl FrameTape {
         let light = |light: &Light| Ok((light.kind, tape(&light.numbers())?));
         Ok(Self {
             camera: tape(&scene.camera.numbers())?,
+            cameras: scene
+                .cameras
+                .iter()
+                .map(|(_, camera)| tape(&camera.numbers()))
+                .collect::<Result<_, _>>()?,
             lights: scene.lights.iter().map(light).collect::<Result<_, TapeError>>()?,
             reach: tape(&[scene.sky.reach])?,
             picture: tape(&scene.picture.numbers())?,
@@ -63,6 +71,7 @@ impl FrameTape {
         };
         FrameValues {
             camera: Camera::of(values(&self.camera)),
+            cameras: self.cameras.iter().map(|tape| Camera::of(values(tape))).collect(),
             reach: values(&self.reach).first().copied().unwrap_or_default(),
             picture: Picture::of(values(&self.picture)),
             lights: self.lights.iter().map(|(kind, tape)| Light::of(*kind, values(tape))).collect(),

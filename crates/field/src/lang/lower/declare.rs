@@ -1,5 +1,6 @@
 //! The scene as a whole: its items, the order in which they are lowered, and its defaults.
 
+use super::super::about::About;
 use super::super::ast::{ExprId, Item, Name, Section};
 use super::super::builtin::uses;
 use super::super::diagnostic::Diagnostic;
@@ -20,9 +21,12 @@ pub(super) struct Parts {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
     pub camera: Option<Camera>,
+    /// Further ones, with their names.
+    pub cameras: Vec<(String, Camera)>,
     pub sky: Option<Sky>,
     pub has_own_sky: bool,
     pub picture: Option<Picture>,
+    pub about: Option<About>,
     /// Index of the material of objects that name none.
     pub default_material: Option<usize>,
 }
@@ -112,9 +116,11 @@ impl<'a> Lowering<'a> {
             materials: parts.materials,
             lights: parts.lights,
             camera,
+            cameras: parts.cameras,
             sky,
             has_own_sky: parts.has_own_sky,
             picture,
+            about: parts.about.unwrap_or_default(),
             params: self.params,
             textures: self.textures,
             includes,
@@ -185,7 +191,10 @@ impl<'a> Lowering<'a> {
     fn declare(&mut self, items: &'a [Item]) {
         let mut taken: Vec<(Section, Name)> = Vec::new();
         let limits = self.limits;
-        let named_max = limits.scene_objects_max + limits.scene_materials_max + limits.scene_lights_max;
+        let named_max = limits.scene_objects_max
+            + limits.scene_materials_max
+            + limits.scene_lights_max
+            + limits.scene_cameras_max;
         for item in items {
             match item {
                 Item::Param { name, value, range } => self.param(*name, *value, *range),
@@ -259,9 +268,9 @@ impl<'a> Lowering<'a> {
             return;
         }
         self.globals[name.symbol.index()].broken = true;
-        let Some(default) = self.fixed(value) else { return };
+        let Some(default) = self.fixed(value, "a parameter") else { return };
         let (min, max) = match range {
-            Some((min, max)) => match (self.fixed(min), self.fixed(max)) {
+            Some((min, max)) => match (self.fixed(min, "a parameter"), self.fixed(max, "a parameter")) {
                 (Some(min), Some(max)) => (min, max),
                 _ => return,
             },
@@ -288,10 +297,10 @@ impl<'a> Lowering<'a> {
     }
 
     /// A number that is known before the music plays.
-    fn fixed(&mut self, value: ExprId) -> Option<f32> {
+    pub(super) fn fixed(&mut self, value: ExprId, what: &'static str) -> Option<f32> {
         let span = self.ast.span(value);
-        let result = self.within(uses::NOTHING, "a parameter", |this| this.expr(value));
-        let part = self.one_number(result, "a parameter", span)?;
+        let result = self.within(uses::NOTHING, what, |this| this.expr(value));
+        let part = self.one_number(result, what, span)?;
         // An input was used here that was already reported.
         self.known(part).filter(|number| number.is_finite())
     }

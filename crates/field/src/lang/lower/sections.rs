@@ -1,8 +1,9 @@
-//! Blocks with fields: objects, materials, lights, the camera, the sky and the picture.
+//! Blocks with fields: objects, materials, lights, cameras, the sky, the picture, and what a scene says of itself.
 //!
 //! A section's rows (see `lang::fields`) say which fields it has. What the fields of an object mean together stands in
 //! `objects.rs`, and those of a light in `lights.rs`.
 
+use super::super::about::{About, Way};
 use super::super::ast::{Entry, Expr, ExprId, Name, Section};
 use super::super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::super::diagnostic::Diagnostic;
@@ -12,7 +13,7 @@ use super::super::scene::{Camera, Light, Picture, Sky, ToneMap};
 use super::super::source::Span;
 use super::super::suggest;
 use super::super::symbol::Symbol;
-use super::super::value::Value;
+use super::super::value::{Value, Vector};
 use super::Lowering;
 use super::declare::Parts;
 use crate::graph::NodeId;
@@ -37,13 +38,14 @@ fn fields(section: Section) -> &'static [Field] {
         Section::Camera => Camera::FIELDS,
         Section::Sky => Sky::FIELDS,
         Section::Picture => Picture::FIELDS,
+        Section::About => About::FIELDS,
     }
 }
 
 /// Whether any section has a field of this name.
 fn is_field(name: &str) -> bool {
-    use Section::{Camera, Light, Material, Object, Picture, Sky};
-    let sections = [Object, Material, Light, Camera, Sky, Picture];
+    use Section::{About, Camera, Light, Material, Object, Picture, Sky};
+    let sections = [Object, Material, Light, Camera, Sky, Picture, About];
     sections.into_iter().flat_map(fields).any(|field| field.name == name)
 }
 
@@ -56,6 +58,7 @@ pub(super) fn word(section: Section) -> &'static str {
         Section::Camera => "camera",
         Section::Sky => "sky",
         Section::Picture => "picture",
+        Section::About => "about",
     }
 }
 
@@ -68,6 +71,7 @@ fn place(section: Section) -> &'static str {
         Section::Camera => "the camera",
         Section::Sky => "the sky",
         Section::Picture => "the picture",
+        Section::About => "what a scene says of itself",
     }
 }
 
@@ -128,7 +132,15 @@ impl Lowering<'_> {
             }
             Section::Camera => {
                 let camera = Camera::of(self.numbers(Camera::FIELDS, values));
-                self.only(&mut parts.camera, camera, section, span);
+                let max = self.limits.scene_cameras_max;
+                if name.is_none() {
+                    self.only(&mut parts.camera, camera, section, span);
+                } else if parts.cameras.len() < max {
+                    parts.cameras.push((title, camera));
+                } else {
+                    let message = format!("the scene has more than {max} cameras with names");
+                    self.stop(span, message, "let one camera move");
+                }
             }
             Section::Sky => {
                 let sky = Sky::of(self.numbers(Sky::FIELDS, values));
@@ -138,6 +150,10 @@ impl Lowering<'_> {
             Section::Picture => {
                 let picture = Picture::of(self.numbers(Picture::FIELDS, values));
                 self.only(&mut parts.picture, picture, section, span);
+            }
+            Section::About => {
+                let about = self.about(values);
+                self.only(&mut parts.about, about, section, span);
             }
         }
     }
@@ -175,6 +191,16 @@ impl Lowering<'_> {
                 self.report(twice.hint("leave one of them out"));
                 continue;
             }
+            if let Some(end) = entry.end
+                && field.holds != Holds::Range
+            {
+                values.broken = true;
+                let message = format!("`{text}` is one value, not a range");
+                self.report(
+                    Diagnostic::new(self.ast.span(end), message).hint("leave out `..` and what follows"),
+                );
+                continue;
+            }
             let value = match field.holds {
                 Holds::Material => {
                     values.material = self.material_index(entry.value);
@@ -182,7 +208,16 @@ impl Lowering<'_> {
                     values.given.push((field.name, Value::Unknown, entry.name.span));
                     continue;
                 }
-                Holds::ToneMap => self.tone_map(entry.value),
+                Holds::ToneMap => {
+                    let numbered = |map: &ToneMap| (map.name(), map.number());
+                    self.one_of("tone map", &ToneMap::ALL.each_ref().map(numbered), entry.value)
+                }
+                Holds::Way => {
+                    let numbered = |way: &Way| (way.name(), f32::from(*way as u8));
+                    self.one_of("way from scene to scene", &Way::ALL.each_ref().map(numbered), entry.value)
+                }
+                Holds::Text => self.text(field.name, entry.value),
+                Holds::Range => self.range(field.name, entry.value, entry.end),
                 Holds::Number | Holds::Vector => {
                     let value = self.within(field.uses, place(section), |this| this.expr(entry.value));
                     self.field_value(value, field.holds, text, self.ast.span(entry.value))
@@ -236,28 +271,87 @@ impl Lowering<'_> {
         self.report(wrong);
     }
 
-    /// The number of the tone map that an expression names.
-    fn tone_map(&mut self, value: ExprId) -> Value {
+    /// The number of the one of `known` that an expression names.
+    fn one_of(&mut self, what: &str, known: &[(&'static str, f32)], value: ExprId) -> Value {
         let span = self.ast.span(value);
-        let names = ToneMap::ALL.map(ToneMap::name);
-        let all = names.map(|name| format!("`{name}`")).join(", ");
+        let names = || known.iter().map(|(name, _)| *name);
+        let all = names().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        let all = format!("there is {all}");
         let wrong = match self.ast.expr(value) {
             Expr::Error => return Value::Unknown,
             Expr::Name(symbol) => {
                 let name = self.name(symbol);
-                if let Some(known) = ToneMap::ALL.into_iter().find(|map| map.name() == name) {
-                    return Value::scalar(self.constant(known.number()));
+                if let Some((_, number)) = known.iter().find(|(known, _)| *known == name) {
+                    return Value::scalar(self.constant(*number));
                 }
-                let unknown = Diagnostic::new(span, format!("there is no tone map `{name}`"));
-                match suggest::nearest(name, names) {
+                let unknown = Diagnostic::new(span, format!("there is no {what} `{name}`"));
+                match suggest::nearest(name, names()) {
                     near @ Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint(format!("the tone maps are {all}")),
+                    None => unknown.hint(all),
                 }
             }
-            _ => Diagnostic::new(span, "a tone map must be given by its name")
-                .hint(format!("the tone maps are {all}")),
+            _ => Diagnostic::new(span, format!("a {what} must be given by its name")).hint(all),
         };
         self.report(wrong)
+    }
+
+    /// A text in quotes.
+    fn text(&mut self, field: &str, value: ExprId) -> Value {
+        match self.ast.expr(value) {
+            Expr::Error => Value::Unknown,
+            Expr::Text(symbol) => Value::Text(symbol),
+            _ => {
+                let wrong = Diagnostic::new(self.ast.span(value), format!("`{field}` must be a text"));
+                self.report(wrong.hint("put it in quotes"))
+            }
+        }
+    }
+
+    /// Two numbers of 0..1, the smaller one first.
+    fn range(&mut self, field: &'static str, first: ExprId, last: Option<ExprId>) -> Value {
+        let span = self.ast.span(first);
+        let Some(last) = last else {
+            if self.ast.expr(first) == Expr::Error {
+                return Value::Unknown;
+            }
+            let wrong = Diagnostic::new(span, format!("`{field}` must be a range"));
+            return self.report(wrong.hint(format!("write `{field} = 0.2 .. 0.6`")));
+        };
+        let (Some(low), Some(high)) = (self.fixed(first, field), self.fixed(last, field)) else {
+            return Value::Unknown;
+        };
+        if !(0.0 <= low && low <= high && high <= 1.0) {
+            let wrong = Diagnostic::new(
+                span.to(self.ast.span(last)),
+                format!("the range of `{field}` lies within 0 .. 1, but this is {low} .. {high}"),
+            );
+            return self.report(wrong.hint("write the smaller number first"));
+        }
+        Vector::of([low, high].map(|number| self.constant(number))).map_or(Value::Unknown, Value::Vector)
+    }
+
+    /// What a scene says of itself.
+    fn about(&self, values: &Values) -> About {
+        let text = |name: &str| match values.given(name) {
+            Some((Value::Text(symbol), _)) => Some(self.name(symbol).to_owned()),
+            _ => None,
+        };
+        let number = |name: &str, part: usize| match values.given(name) {
+            Some((Value::Vector(vector), _)) => self.known(vector.part(part)),
+            _ => None,
+        };
+        let way = |name: &str| number(name, 0).and_then(Way::numbered);
+        let words = text("moods").unwrap_or_default();
+        let words = words.split(',').map(str::trim).filter(|word| !word.is_empty());
+        About {
+            title: text("title"),
+            author: text("author"),
+            license: text("license"),
+            energy: (number("energy", 0).unwrap_or(0.0), number("energy", 1).unwrap_or(1.0)),
+            moods: words.map(str::to_lowercase).collect(),
+            enter: way("enter"),
+            leave: way("leave"),
+        }
     }
 
     /// The material that an expression names, as its index.

@@ -23,6 +23,7 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("camera", Keyword::Section(Section::Camera)),
     ("sky", Keyword::Section(Section::Sky)),
     ("picture", Keyword::Section(Section::Picture)),
+    ("about", Keyword::Section(Section::About)),
 ];
 
 /// GLSL types that people write out of habit.
@@ -319,13 +320,16 @@ impl Parser<'_> {
 
     fn section(&mut self, section: Section) -> Option<Item> {
         let head = self.advance().span;
-        let named = !matches!(section, Section::Camera | Section::Sky | Section::Picture);
         let mut name = None;
-        if named {
+        if matches!(section, Section::Object | Section::Material | Section::Light) {
             name = Some(self.name("a name")?);
+        } else if section == Section::Camera {
+            name = if self.token().is_name() { self.name("a name") } else { None };
         } else if self.token().is_name() {
             let wrong = self.expected("`{`");
-            self.report(wrong.hint("a scene has one camera, one sky and one picture: they have no names"));
+            self.report(
+                wrong.hint("a scene has one sky, one picture and one block `about`: they have no names"),
+            );
             self.advance();
         }
         let span = self.since(head);
@@ -342,16 +346,18 @@ impl Parser<'_> {
             }
             if self.eat_word(word::LET) {
                 if let Some((name, value)) = self.binding() {
-                    entries.push(Entry { is_let: true, name, value });
+                    entries.push(Entry { is_let: true, name, value, end: None });
                 }
             } else if token.is_name() && self.ahead(1).kind == Kind::Assign {
                 self.advance();
                 self.advance();
                 let value = self.expression();
+                let end = self.eat(Kind::Range).then(|| self.expression());
                 entries.push(Entry {
                     is_let: false,
                     name: Name { symbol: token.symbol, span: token.span },
                     value,
+                    end,
                 });
                 if self.ast.expr(value) == Expr::Error { self.skip_to_field() } else { self.end_of_entry() }
             } else {

@@ -1,6 +1,7 @@
 //! The language from text to numbers, and from mistakes to messages.
 
 #[cfg(test)]
+mod about;
 mod bad_input;
 #[cfg(test)]
 mod cameras;

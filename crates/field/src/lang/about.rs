@@ -1,0 +1,97 @@
+//! What a scene says of itself: who made it, and what a show that chooses scenes should know.
+
+use super::builtin::uses::NOTHING;
+use super::fields::{DefaultValue, Field, Holds};
+
+/// How one scene gives way to another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Way {
+    /// From one picture to the next.
+    Cut,
+    /// The pictures are mixed in linear light.
+    Fade,
+    /// The worlds are mixed: surfaces flow into each other.
+    Melt,
+    /// The other world appears inside a growing ball.
+    Portal,
+}
+
+impl Way {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::Cut, Self::Fade, Self::Melt, Self::Portal];
+
+    /// Its name in scenes and shows.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cut => "cut",
+            Self::Fade => "fade",
+            Self::Melt => "melt",
+            Self::Portal => "portal",
+        }
+    }
+
+    /// The way of this name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|way| way.name() == name)
+    }
+
+    /// The way of a number; none where there is none.
+    pub(super) fn numbered(number: f32) -> Option<Self> {
+        Self::ALL.into_iter().find(|way| f32::from(*way as u8) == number)
+    }
+}
+
+/// What a scene says of itself in its block `about`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct About {
+    /// The name for people; none where it is that of the file.
+    pub title: Option<String>,
+    /// Who made it.
+    pub author: Option<String>,
+    /// Under which licence it may be used.
+    pub license: Option<String>,
+    /// For how much energy of the music it is made, least and most, 0..1; the energy of a song's loudest moments is 1.
+    pub energy: (f32, f32),
+    /// Words for what it feels like. Scenes that follow each other should share few.
+    pub moods: Vec<String>,
+    /// How it likes to come.
+    pub enter: Option<Way>,
+    /// How it likes to go.
+    pub leave: Option<Way>,
+}
+
+impl Default for About {
+    /// A scene that says nothing fits all music.
+    fn default() -> Self {
+        Self {
+            title: None,
+            author: None,
+            license: None,
+            energy: (0.0, 1.0),
+            moods: Vec::new(),
+            enter: None,
+            leave: None,
+        }
+    }
+}
+
+impl About {
+    /// The fields of the block.
+    pub const FIELDS: &'static [Field] = &[
+        of_about("title", Holds::Text, "Its name for people, in quotes."),
+        of_about("author", Holds::Text, "Who made it, in quotes."),
+        of_about("license", Holds::Text, "The licence under which it may be used, in quotes."),
+        of_about(
+            "energy",
+            Holds::Range,
+            "For how much energy of the music it is made, `0.2 .. 0.6`; 1 is a song's loudest.",
+        ),
+        of_about("moods", Holds::Text, "Words for what it feels like, in quotes, with commas between them."),
+        of_about("enter", Holds::Way, "How it likes to come: `cut`, `fade`, `melt` or `portal`."),
+        of_about("leave", Holds::Way, "How it likes to go."),
+    ];
+}
+
+const fn of_about(name: &'static str, holds: Holds, doc: &'static str) -> Field {
+    Field { name, holds, uses: NOTHING, default: DefaultValue::Each(0.0), range: None, doc }
+}
