@@ -53,6 +53,12 @@ pub struct Limits {
     pub thumbnails_kept_max: usize,
     /// Most bytes, by estimate, that the scenes take which are prepared while another one is shown.
     pub prepared_bytes_max: u64,
+    /// Most bytes of a show file.
+    pub show_bytes_max: usize,
+    /// Most entries of a show.
+    pub show_entries_max: usize,
+    /// Most parameters that an entry of a show moves.
+    pub show_settings_max: usize,
     /// Longest fade from one scene to another, in seconds.
     pub fade_seconds_max: f64,
     /// Time in seconds after which it is told that a driver is still compiling.
@@ -86,6 +92,9 @@ pub const LIMITS: Limits = Limits {
     thumbnails_kept_max: 2_000,
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
+    show_bytes_max: 1 << 20,
+    show_entries_max: 10_000,
+    show_settings_max: 64,
     fade_seconds_max: 60.0,
     compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,

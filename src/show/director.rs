@@ -1,0 +1,225 @@
+//! Chooses what is on when, as somebody would who knows the song and the scenes.
+//!
+//! - Scenes change where sections begin, and in long sections on every eighth bar or so. In a build nothing changes;
+//!   the drop brings the next scene at once.
+//! - A section that returns brings its scene back, seen by another camera if there is one.
+//! - A scene is chosen by the song's energy there, by contrast to the one before, and by how long it was not seen.
+//! - Calm music flows from scene to scene, loud music is cut, also between the cameras of a scene.
+//!
+//! Chance decides between equals. It comes from a seed, which should be made of the song's content: the same song
+//! has the same show everywhere.
+
+mod changes;
+
+use std::collections::HashMap;
+
+use super::bar_lines::BarLines;
+use super::script::{Anchor, Entry, Length, Script, Transition, When};
+use changes::{Change, Reason, changes};
+use mariana_field::lang::{About, Span, Way};
+use mariana_music::SongStructure;
+
+/// What the director knows of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneCard {
+    /// Its name or file.
+    pub scene: String,
+    /// What it says of itself.
+    pub about: About,
+    /// The names of its further cameras.
+    pub cameras: Vec<String>,
+}
+
+/// Music below this energy is calm.
+const CALM: f32 = 0.45;
+/// Music from this energy on is loud.
+const LOUD: f32 = 0.6;
+/// From this energy on cameras change twice as often.
+const VERY_LOUD: f32 = 0.8;
+/// Bars between the cuts of loud music, and of very loud music.
+const CUT_BARS: [f64; 2] = [4.0, 2.0];
+/// A camera is on for at least so many seconds.
+const CAMERA_SECONDS_MIN: f64 = 3.0;
+
+/// What speaks for a scene is counted in points; a scene that fits in everything has none against it.
+mod points {
+    /// For each 1 of energy by which the music lies outside the scene's range.
+    pub(super) const OUTSIDE: f32 = -6.0;
+    /// For each 1 of energy between the music and the middle of the range.
+    pub(super) const OFF_MIDDLE: f32 = -1.0;
+    /// For each mood that the scene before has, too.
+    pub(super) const SAME_MOOD: f32 = -0.3;
+    /// Where the scene was on one change ago; half of it where it was two ago, and so on.
+    pub(super) const SEEN: f32 = -2.0;
+    /// Where the scene belongs to another section.
+    pub(super) const TAKEN: f32 = -1.0;
+    /// What chance gives at most.
+    pub(super) const CHANCE: f32 = 0.6;
+}
+
+/// The show of a song, of these scenes. Empty if there are none.
+pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
+    let lines = BarLines::of(song);
+    let mut director =
+        Director { cards, seed, of_letter: HashMap::new(), seen: Vec::new(), visits: vec![0; cards.len()] };
+    let changes = changes(song, &lines);
+    let mut script = Script::default();
+    for (index, change) in changes.iter().enumerate() {
+        let Some(card) = director.choose(index, change) else { return script };
+        let before = director.seen.last().and_then(|before| cards.get(*before));
+        let transition = before.map(|before| transition(change, before, &cards[card]));
+        director.seen.push(card);
+        let end = changes.get(index + 1).map_or(song.seconds, |next| next.time);
+        let views = director.views(card, index, change);
+        // What flows begins before the border, so that it has come when the section begins.
+        let lead = match transition {
+            Some(Transition { way: Way::Melt | Way::Portal, length: Length::Bars(bars) }) => bars / 2.0,
+            _ => 0.0,
+        };
+        let mut when = change.when.clone();
+        if lead > 0.0 && when.offset == Length::ZERO {
+            when.offset = Length::Bars(-lead);
+        }
+        script.entries.push(entry(when, &cards[card].scene, views.first().cloned().flatten(), transition));
+        for (number, bar) in cuts(song, &lines, change, end).into_iter().enumerate() {
+            let Some(camera) = views.get((number + 1) % views.len().max(1)) else { break };
+            if views.len() < 2 {
+                break;
+            }
+            let when = When { anchor: Anchor::Bar(bar), offset: Length::ZERO };
+            let cut = Transition { way: Way::Cut, length: Length::ZERO };
+            script.entries.push(entry(when, &cards[card].scene, camera.clone(), Some(cut)));
+        }
+    }
+    script
+}
+
+fn entry(when: When, scene: &str, camera: Option<String>, transition: Option<Transition>) -> Entry {
+    Entry { when, scene: scene.to_owned(), camera, transition, settings: Vec::new(), span: Span::default() }
+}
+
+struct Director<'a> {
+    cards: &'a [SceneCard],
+    seed: u64,
+    /// The scene of each section's letter.
+    of_letter: HashMap<&'a str, usize>,
+    /// The scenes so far.
+    seen: Vec<usize>,
+    /// How often each was on.
+    visits: Vec<usize>,
+}
+
+impl<'a> Director<'a> {
+    /// The scene for a change; none without scenes.
+    fn choose(&mut self, index: usize, change: &Change<'a>) -> Option<usize> {
+        let last = self.seen.last().copied();
+        let its_own = change.letter.and_then(|letter| self.of_letter.get(letter)).copied();
+        let is_first_of_section = change.reason != Reason::Long;
+        let chosen = match its_own.filter(|own| is_first_of_section && Some(*own) != last) {
+            Some(own) => own,
+            None => {
+                let others =
+                    (0..self.cards.len()).filter(|scene| Some(*scene) != last || self.cards.len() == 1);
+                others.max_by(|a, b| {
+                    self.points(*a, index, change).total_cmp(&self.points(*b, index, change))
+                })?
+            }
+        };
+        if let Some(letter) = change.letter.filter(|_| is_first_of_section) {
+            self.of_letter.entry(letter).or_insert(chosen);
+        }
+        Some(chosen)
+    }
+
+    fn points(&self, scene: usize, index: usize, change: &Change<'_>) -> f32 {
+        let Some(card) = self.cards.get(scene) else { return f32::MIN };
+        let (low, high) = card.about.energy;
+        let outside = (low - change.energy).max(change.energy - high).max(0.0);
+        let off_middle = (change.energy - 0.5 * (low + high)).abs();
+        let before = self.seen.last().and_then(|last| self.cards.get(*last));
+        let shared = before.map_or(0, |before| {
+            card.about.moods.iter().filter(|mood| before.about.moods.contains(mood)).count()
+        });
+        let ago = self.seen.iter().rev().position(|seen| *seen == scene);
+        let taken = self.of_letter.values().any(|other| *other == scene);
+        points::OUTSIDE * outside
+            + points::OFF_MIDDLE * off_middle
+            + points::SAME_MOOD * shared as f32
+            + ago.map_or(0.0, |ago| points::SEEN / (ago + 1) as f32)
+            + if taken { points::TAKEN } else { 0.0 }
+            + points::CHANCE * chance(self.seed, index, scene)
+    }
+
+    /// The cameras of a scene in the order in which they are on; none is the scene's own. A scene that returns begins
+    /// with another one.
+    fn views(&mut self, scene: usize, index: usize, change: &Change<'_>) -> Vec<Option<String>> {
+        let Some(card) = self.cards.get(scene) else { return Vec::new() };
+        let mut views: Vec<Option<String>> = vec![None];
+        let mut others: Vec<&String> = card.cameras.iter().collect();
+        if change.energy >= LOUD {
+            others.sort_by_key(|name| (1e6 * chance(self.seed ^ text_hash(name), index, scene)) as u32);
+        }
+        views.extend(others.into_iter().cloned().map(Some));
+        let visits = self.visits.get_mut(scene).map_or(0, |visits| std::mem::replace(visits, *visits + 1));
+        let count = views.len();
+        views.rotate_left(visits % count);
+        views
+    }
+}
+
+/// How a scene comes.
+fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard) -> Transition {
+    let cut = Transition { way: Way::Cut, length: Length::ZERO };
+    if change.reason == Reason::Drop {
+        return cut;
+    }
+    let by_energy = match (change.before, change.energy) {
+        (before, now) if before < CALM && now < CALM => Way::Melt,
+        (before, now) if before >= LOUD && now >= LOUD => Way::Cut,
+        (before, now) if now > before => Way::Portal,
+        _ => Way::Fade,
+    };
+    let way = to.about.enter.or(from.about.leave).unwrap_or(by_energy);
+    match way {
+        Way::Cut => cut,
+        Way::Melt if change.energy < CALM => Transition { way, length: Length::Bars(4.0) },
+        Way::Melt | Way::Portal => Transition { way, length: Length::Bars(2.0) },
+        Way::Fade => Transition { way, length: Length::Bars(1.0) },
+    }
+}
+
+/// The bars in which the camera changes, from a change to the next one at `end` seconds.
+fn cuts(song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
+    if change.energy < LOUD || song.beats.is_empty() {
+        return Vec::new();
+    }
+    let first = lines.bar_at(change.time + 0.05).floor();
+    let bar = lines.time_of(first + 1.0) - lines.time_of(first);
+    let mut step = CUT_BARS[usize::from(change.energy >= VERY_LOUD)];
+    while step * bar < CAMERA_SECONDS_MIN {
+        step *= 2.0;
+    }
+    let all = (1..).map(|number| first + f64::from(number) * step);
+    let within = all.take_while(|bar| lines.time_of(*bar) + CAMERA_SECONDS_MIN < end && *bar < 1e6);
+    let in_build = |time: f64| song.builds.iter().any(|build| (build.start..build.end).contains(&time));
+    within.filter(|bar| *bar >= 1.0 && !in_build(lines.time_of(*bar))).map(|bar| bar as u32).collect()
+}
+
+/// A number of 0..1 that follows from its arguments (SplitMix64, Steele et al. 2014).
+fn chance(seed: u64, index: usize, scene: usize) -> f32 {
+    let mut value = seed
+        ^ (index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ (scene as u64).wrapping_mul(0xD1B5_4A32_D192_ED03);
+    value = (value ^ (value >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    value = (value ^ (value >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((value ^ (value >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+}
+
+fn text_hash(text: &str) -> u64 {
+    // FNV-1a.
+    text.bytes()
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests;

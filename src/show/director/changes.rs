@@ -1,0 +1,128 @@
+//! The moments at which another scene may come.
+
+use crate::show::bar_lines::BarLines;
+use crate::show::script::{Anchor, Length, When};
+use mariana_music::{Section, SongStructure};
+
+/// A scene is on for at least so many seconds, unless a drop comes.
+const SECONDS_MIN: f64 = 8.0;
+/// A section longer than this gets several scenes: calm and loud, in seconds.
+const SECONDS_USUAL: [f64; 2] = [40.0, 24.0];
+/// Within a section scenes change on bars that are so many apart.
+const BARS_STEP: f64 = 4.0;
+/// A border this close to a drop is the drop, in bars.
+const SAME_BARS: f64 = 1.0;
+
+/// Why a scene changes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reason {
+    /// The song begins.
+    Start,
+    /// A section begins.
+    Section,
+    /// A drop.
+    Drop,
+    /// The section goes on for long.
+    Long,
+}
+
+/// A moment at which another scene comes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Change<'a> {
+    pub(super) when: When,
+    /// The same, in seconds.
+    pub(super) time: f64,
+    pub(super) reason: Reason,
+    /// The letter of the section.
+    pub(super) letter: Option<&'a str>,
+    /// Energy before and from there on, 0..1.
+    pub(super) before: f32,
+    pub(super) energy: f32,
+}
+
+/// The changes of a song, in their order; at least that at its start.
+pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Change<'a>> {
+    let first = song.sections.first();
+    let mut changes = vec![Change {
+        when: at(Anchor::Start),
+        time: 0.0,
+        reason: Reason::Start,
+        letter: first.map(|section| section.letter.as_str()),
+        before: 0.0,
+        energy: first.map_or(0.5, |section| section.energy),
+    }];
+    let mut of_letter: Vec<&str> = Vec::new();
+    for (index, section) in song.sections.iter().enumerate() {
+        of_letter.push(&section.letter);
+        if index > 0 && !in_build(song, section.start) && near_drop(song, lines, section.start).is_none() {
+            let number = of_letter.iter().filter(|letter| **letter == section.letter).count() as u32;
+            let anchor = Anchor::Section(section.letter.clone(), number);
+            changes.push(change(song, at(anchor), section.start, Reason::Section));
+        }
+        changes.extend(within(song, lines, section));
+    }
+    for (index, time) in song.drops.iter().enumerate() {
+        changes.push(change(song, at(Anchor::Drop(index as u32 + 1)), *time, Reason::Drop));
+    }
+    changes.sort_by(|a, b| a.time.total_cmp(&b.time));
+    let mut kept: Vec<Change<'a>> = Vec::new();
+    for change in changes {
+        while let Some(last) = kept.last().filter(|last| change.time - last.time < SECONDS_MIN) {
+            let gives_way =
+                change.reason == Reason::Drop && !matches!(last.reason, Reason::Drop | Reason::Start);
+            let is_weaker = change.reason == Reason::Section && last.reason == Reason::Long;
+            if !(gives_way || is_weaker) {
+                break;
+            }
+            kept.pop();
+        }
+        let room = kept.last().is_none_or(|last| change.time - last.time >= SECONDS_MIN);
+        if room && (kept.is_empty() || song.seconds - change.time >= SECONDS_MIN)
+            || change.reason == Reason::Drop
+        {
+            kept.push(change);
+        }
+    }
+    let energies: Vec<f32> = kept.iter().map(|change| change.energy).collect();
+    for (change, before) in kept.iter_mut().skip(1).zip(energies) {
+        change.before = before;
+    }
+    kept
+}
+
+fn at(anchor: Anchor) -> When {
+    When { anchor, offset: Length::ZERO }
+}
+
+fn change(song: &SongStructure, when: When, time: f64, reason: Reason) -> Change<'_> {
+    let section = song.sections.iter().rev().find(|section| section.start <= time + 0.05);
+    let energy = section.map_or(0.5, |section| section.energy);
+    let letter = section.map(|section| section.letter.as_str());
+    Change { when, time, reason, letter, before: energy, energy }
+}
+
+/// Changes within a long section.
+fn within<'a>(song: &'a SongStructure, lines: &BarLines, section: &Section) -> Vec<Change<'a>> {
+    let calm = 1.0 - f64::from(section.energy);
+    let usual = SECONDS_USUAL[1] + (SECONDS_USUAL[0] - SECONDS_USUAL[1]) * calm;
+    let pieces = ((section.end - section.start) / usual).round().max(1.0);
+    if pieces < 2.0 || song.beats.is_empty() {
+        return Vec::new();
+    }
+    let (first, last) = (lines.bar_at(section.start).round(), lines.bar_at(section.end).round());
+    let step = ((last - first) / pieces / BARS_STEP).round().max(1.0) * BARS_STEP;
+    let bars = (1..pieces as u32).map(|piece| first + f64::from(piece) * step);
+    let fits = |bar: &f64| *bar >= 1.0 && *bar + BARS_STEP <= last && !in_build(song, lines.time_of(*bar));
+    let of_bar = |bar: f64| change(song, at(Anchor::Bar(bar as u32)), lines.time_of(bar), Reason::Long);
+    bars.filter(fits).map(of_bar).collect()
+}
+
+/// Whether tension rises at a moment, and is not released yet.
+fn in_build(song: &SongStructure, time: f64) -> bool {
+    song.builds.iter().any(|build| time > build.start - 0.05 && time < build.end - 0.05)
+}
+
+fn near_drop(song: &SongStructure, lines: &BarLines, time: f64) -> Option<f64> {
+    let bars = |drop: f64| (lines.bar_at(drop) - lines.bar_at(time)).abs();
+    song.drops.iter().copied().find(|drop| bars(*drop) <= SAME_BARS)
+}

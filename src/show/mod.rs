@@ -1,0 +1,26 @@
+//! What is on when: the structure of a song and a text make a plan, and the director writes such texts.
+//!
+//! ```text
+//! song's structure ─► director ─► script ◄─ text of a show file
+//!        │                          │
+//!        └────► bar lines ────► resolved: plan ─► at a moment: scene, camera, transition, parameters
+//! ```
+//!
+//! Everything here is pure: the same song and the same text give the same plan in the window, in a video and on every
+//! machine. A script names moments as musicians do (`section B`, `bar 17`, `drop 1`); a plan knows them in seconds.
+
+mod bar_lines;
+mod director;
+mod parse;
+mod plan;
+mod resolve;
+mod script;
+mod text;
+
+pub use bar_lines::BarLines;
+pub use director::{SceneCard, direct};
+pub use parse::{Parsed, parse};
+pub use plan::{Entrance, Moment, Move, Plan, Stay};
+pub use resolve::{Unresolved, resolve};
+pub use script::{Anchor, Entry, Length, Script, Setting, Transition, When};
+pub use text::print;

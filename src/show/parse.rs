@@ -1,0 +1,349 @@
+//! The text of a show file.
+//!
+//! ```text
+//! # a comment
+//! at start            speakers
+//! at section B        tunnel  camera inside  melt over 2 bars
+//!   set swell = 0.2 -> 0.5 over 8 bars after 1 bar
+//! at drop 1 - 1 beat  city    cut
+//! at 2:31.5           "my own/orb.scene"  portal over 3 s
+//! at key              gyroid
+//! ```
+//!
+//! Each line is read for itself, so that one mistake hides no other.
+
+mod words;
+
+use super::script::{Anchor, Entry, Length, Script, Setting, Transition, When};
+use crate::limits::LIMITS;
+use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
+use words::{Kind, Word, lines};
+
+/// A text that was read.
+#[derive(Debug, Clone, Default)]
+pub struct Parsed {
+    /// The show; none if there are mistakes.
+    pub script: Option<Script>,
+    /// The mistakes.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The text.
+    pub sources: Sources,
+}
+
+impl Parsed {
+    /// The mistakes as text, for a terminal when `color` is set.
+    pub fn render(&self, color: bool) -> String {
+        render_all(&self.diagnostics, &self.sources, color)
+    }
+}
+
+/// Most mistakes that are reported at once.
+const DIAGNOSTICS_MAX: usize = 20;
+
+/// Reads the text of a show file that messages call `name`.
+pub fn parse(name: &str, text: &str) -> Parsed {
+    let mut sources = Sources::default();
+    let too_long = text.len() > LIMITS.show_bytes_max || sources.add(name, text).is_none();
+    if too_long {
+        let max = LIMITS.show_bytes_max;
+        let refusal = Diagnostic::over_limit(Span::default(), format!("{name} is longer than {max} bytes"));
+        return Parsed { script: None, diagnostics: vec![refusal], sources };
+    }
+    let mut diagnostics = Vec::new();
+    let mut script = Script::default();
+    for line in lines(text) {
+        if diagnostics.len() >= DIAGNOSTICS_MAX {
+            break;
+        }
+        let mut reader = Reader { words: &line, at: 0 };
+        if let Err(mistake) = reader.line(&mut script) {
+            diagnostics.push(*mistake);
+        }
+        if script.entries.len() > LIMITS.show_entries_max {
+            let max = LIMITS.show_entries_max;
+            let span = script.entries.last().map_or(Span::default(), |entry| entry.span);
+            let many = Diagnostic::over_limit(span, format!("the show has more than {max} entries"));
+            diagnostics.push(many.hint("make several shows of it"));
+            break;
+        }
+    }
+    if script.entries.is_empty() && diagnostics.is_empty() {
+        let end = Span::new(text.len() as u32, text.len() as u32);
+        let empty = Diagnostic::new(end, "the show has no entry");
+        diagnostics.push(empty.hint("write which scene is on from when: `at start speakers`"));
+    }
+    let script = diagnostics.is_empty().then_some(script);
+    Parsed { script, diagnostics, sources }
+}
+
+type Read<T> = Result<T, Box<Diagnostic>>;
+
+struct Reader<'a> {
+    words: &'a [Word<'a>],
+    at: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn line(&mut self, script: &mut Script) -> Read<()> {
+        let Some(first) = self.next() else { return Ok(()) };
+        match first.text {
+            "at" if first.kind == Kind::Name => {
+                let entry = self.entry(first)?;
+                script.entries.push(entry);
+            }
+            "set" if first.kind == Kind::Name => {
+                let setting = self.setting()?;
+                let Some(entry) = script.entries.last_mut() else {
+                    let early =
+                        Diagnostic::new(first.span, "no scene is on yet whose parameter this could be");
+                    return Err(Box::new(early.hint("write `at start` and a scene above it")));
+                };
+                if entry.settings.len() >= LIMITS.show_settings_max {
+                    let max = LIMITS.show_settings_max;
+                    let many = format!("an entry has more than {max} lines that begin with `set`");
+                    return Err(Box::new(Diagnostic::over_limit(first.span, many)));
+                }
+                entry.settings.push(setting);
+            }
+            _ => {
+                let unknown =
+                    Diagnostic::new(first.span, format!("{} begins no line of a show", first.shown()));
+                let near = nearest(first.text, ["at", "set"]);
+                return Err(Box::new(match near {
+                    Some(_) => unknown.did_you_mean(near),
+                    None => unknown.hint("a line begins with `at`, as in `at bar 17 tunnel`, or with `set`"),
+                }));
+            }
+        }
+        match self.next() {
+            None => Ok(()),
+            Some(word) => {
+                let more = Diagnostic::new(word.span, format!("{} is not expected here", word.shown()));
+                Err(Box::new(more.hint(
+                    "an entry is `at WHEN SCENE`, then `camera NAME`, then `cut`, `fade`, `melt` or `portal` with `over` and \
+                     a length",
+                )))
+            }
+        }
+    }
+
+    fn entry(&mut self, at: Word<'_>) -> Read<Entry> {
+        let when = self.when()?;
+        let scene = self.named("a scene's name")?;
+        let camera =
+            if self.eat("camera") { Some(self.named("a camera's name")?.text.to_owned()) } else { None };
+        let transition = self.transition()?;
+        let span = at.span.to(scene.span);
+        Ok(Entry { when, scene: scene.text.to_owned(), camera, transition, settings: Vec::new(), span })
+    }
+
+    fn when(&mut self) -> Read<When> {
+        const ANCHORS: [&str; 7] = ["start", "end", "bar", "section", "drop", "build", "key"];
+        let word =
+            self.expect("a moment", "such as `start`, `1:30`, `bar 17`, `section B`, `drop 1` or `key`")?;
+        let anchor = match (word.kind, word.text) {
+            (Kind::Number, _) => Anchor::Time(self.clock(word)?),
+            (Kind::Name, "start") => Anchor::Start,
+            (Kind::Name, "end") => Anchor::End,
+            (Kind::Name, "key") => return Ok(When { anchor: Anchor::Key, offset: Length::ZERO }),
+            (Kind::Name, "bar") => Anchor::Bar(self.count("a bar's number")?),
+            (Kind::Name, "drop") => Anchor::Drop(self.count_or_first()?),
+            (Kind::Name, "build") => Anchor::Build(self.count_or_first()?),
+            (Kind::Name, "section") => {
+                let letter =
+                    self.expect("a section's letter", "as `mariana analyze --structure` prints it")?;
+                let is_letter =
+                    letter.kind == Kind::Name && letter.text.bytes().all(|b| b.is_ascii_alphabetic());
+                if !is_letter {
+                    let wrong = format!("a section has letters, not {}", letter.shown());
+                    return Err(Box::new(
+                        Diagnostic::new(letter.span, wrong).hint("write `section B` or `section B 2`"),
+                    ));
+                }
+                Anchor::Section(letter.text.to_ascii_uppercase(), self.count_or_first()?)
+            }
+            _ => {
+                let unknown = Diagnostic::new(word.span, format!("{} is no moment of a song", word.shown()));
+                let near = nearest(word.text, ANCHORS);
+                return Err(Box::new(match near {
+                    Some(_) => unknown.did_you_mean(near),
+                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, `build 1` or `key`"),
+                }));
+            }
+        };
+        let sign = if self.eat("+") {
+            1.0
+        } else if self.eat("-") {
+            -1.0
+        } else {
+            return Ok(When { anchor, offset: Length::ZERO });
+        };
+        let offset = match self.length()? {
+            Length::Seconds(number) => Length::Seconds(sign * number),
+            Length::Beats(number) => Length::Beats(sign * number),
+            Length::Bars(number) => Length::Bars(sign * number),
+        };
+        Ok(When { anchor, offset })
+    }
+
+    /// `12`, `12 s` or `1:23.5`, of which the first number is read.
+    fn clock(&mut self, first: Word<'_>) -> Read<f64> {
+        let mut seconds = self.value(first)?;
+        let mut span = first.span;
+        if self.eat(":") {
+            let rest = self.expect("seconds", "as in `1:23.5`")?;
+            let number = self.value(rest)?;
+            span = span.to(rest.span);
+            if number >= 60.0 || rest.kind != Kind::Number {
+                let wrong = Diagnostic::new(rest.span, "behind the colon stand seconds, below 60");
+                return Err(Box::new(wrong.hint("write `1:23.5` for a minute and 23.5 seconds")));
+            }
+            seconds = 60.0 * seconds + number;
+        } else {
+            self.eat("s");
+        }
+        if seconds > LIMITS.seconds_max {
+            let late = format!("no song takes more than {:.0} s", LIMITS.seconds_max);
+            return Err(Box::new(Diagnostic::over_limit(span, late)));
+        }
+        Ok(seconds)
+    }
+
+    fn transition(&mut self) -> Read<Option<Transition>> {
+        let Some(word) = self.peek() else { return Ok(None) };
+        let Some(way) = Way::named(word.text).filter(|_| word.kind == Kind::Name) else {
+            let ways = Way::ALL.map(Way::name);
+            let near = nearest(word.text, ways.into_iter().chain(["camera"]));
+            let unknown =
+                Diagnostic::new(word.span, format!("{} is no way from scene to scene", word.shown()));
+            return Err(Box::new(match near {
+                Some(_) => unknown.did_you_mean(near),
+                None => {
+                    unknown.hint(format!("the ways are {}", ways.map(|way| format!("`{way}`")).join(", ")))
+                }
+            }));
+        };
+        self.at += 1;
+        if way == Way::Cut {
+            return Ok(Some(Transition { way, length: Length::ZERO }));
+        }
+        let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
+        Ok(Some(Transition { way, length }))
+    }
+
+    fn setting(&mut self) -> Read<Setting> {
+        let param = self.named("a parameter's name")?.text.to_owned();
+        if !self.eat("=") {
+            return Err(self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"));
+        }
+        let from = self.signed()?;
+        let (mut to, mut over, mut after) = (from, Length::ZERO, Length::ZERO);
+        if self.eat("->") {
+            to = self.signed()?;
+            if !self.eat("over") {
+                return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
+            }
+            over = self.length()?;
+        }
+        if self.eat("after") {
+            after = self.length()?;
+        }
+        Ok(Setting { param, from, to, after, over })
+    }
+
+    fn signed(&mut self) -> Read<f32> {
+        let sign = if self.eat("-") { -1.0 } else { 1.0 };
+        let word = self.expect("a number", "the value of the parameter")?;
+        Ok((sign * self.value(word)?) as f32)
+    }
+
+    fn length(&mut self) -> Read<Length> {
+        let word = self.expect("a length", "as in `2 bars`, `4 beats` or `1.5 s`")?;
+        let number = self.value(word)?;
+        let unit = self.expect("`bars`, `beats` or `s`", "as in `2 bars`")?;
+        let known = Length::UNITS.iter().find(|(_, names)| names.contains(&unit.text));
+        let Some((of, _)) = known else {
+            let wrong = Diagnostic::new(unit.span, format!("{} is no unit of time", unit.shown()));
+            return Err(Box::new(wrong.hint("the units are `bars`, `beats` and `s`")));
+        };
+        if number > LIMITS.seconds_max {
+            let long = Diagnostic::over_limit(
+                word.span,
+                format!("no show takes more than {:.0}", LIMITS.seconds_max),
+            );
+            return Err(Box::new(long));
+        }
+        Ok(of(number))
+    }
+
+    fn count(&mut self, what: &str) -> Read<u32> {
+        let word = self.expect(what, "counted from 1")?;
+        let number = self.value(word)?;
+        if number.fract() != 0.0 || !(1.0..=1e6).contains(&number) {
+            let wrong = Diagnostic::new(word.span, format!("{} is no number to count by", word.shown()));
+            return Err(Box::new(wrong.hint("count from 1")));
+        }
+        Ok(number as u32)
+    }
+
+    fn count_or_first(&mut self) -> Read<u32> {
+        match self.peek() {
+            Some(word) if word.kind == Kind::Number => self.count("a number"),
+            _ => Ok(1),
+        }
+    }
+
+    /// The number that a word is; finite and not negative.
+    fn value(&self, word: Word<'_>) -> Read<f64> {
+        let number = (word.kind == Kind::Number).then(|| word.text.parse::<f64>().ok()).flatten();
+        number.filter(|number| number.is_finite()).ok_or_else(|| {
+            Box::new(Diagnostic::new(word.span, format!("a number is expected here, not {}", word.shown())))
+        })
+    }
+
+    fn named(&mut self, what: &str) -> Read<Word<'a>> {
+        let word = self.expect(what, "names with blanks or slashes stand in quotes")?;
+        if !matches!(word.kind, Kind::Name | Kind::Quoted) || word.text.is_empty() {
+            let wrong = format!("{what} is expected here, not {}", word.shown());
+            return Err(Box::new(
+                Diagnostic::new(word.span, wrong).hint("names with blanks or slashes stand in quotes"),
+            ));
+        }
+        Ok(word)
+    }
+
+    fn peek(&self) -> Option<Word<'a>> {
+        self.words.get(self.at).copied()
+    }
+
+    fn next(&mut self) -> Option<Word<'a>> {
+        let word = self.peek();
+        self.at += usize::from(word.is_some());
+        word
+    }
+
+    /// Passes this word or sign, if it comes next.
+    fn eat(&mut self, text: &str) -> bool {
+        let is_next = self.peek().is_some_and(|word| word.text == text && word.kind != Kind::Quoted);
+        self.at += usize::from(is_next);
+        is_next
+    }
+
+    fn expect(&mut self, what: &str, hint: &str) -> Read<Word<'a>> {
+        self.next().ok_or_else(|| self.missing(what, hint))
+    }
+
+    fn missing(&self, what: &str, hint: &str) -> Box<Diagnostic> {
+        let (span, found) = match self.peek() {
+            Some(word) => (word.span, word.shown()),
+            None => {
+                let end = self.words.last().map_or(0, |word| word.span.end);
+                (Span::new(end, end), "the end of the line".to_owned())
+            }
+        };
+        Box::new(Diagnostic::new(span, format!("expected {what}, found {found}")).hint(hint))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,158 @@
+//! A show in seconds.
+
+use mariana_field::lang::Way;
+
+/// What is on when. Stays follow each other in time.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Plan {
+    stays: Vec<Stay>,
+}
+
+/// A scene for a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stay {
+    /// When its transition begins, in seconds.
+    pub start: f64,
+    /// The scene, by name or by file.
+    pub scene: String,
+    /// One of its cameras; none is the scene's own.
+    pub camera: Option<String>,
+    /// How it comes.
+    pub entrance: Entrance,
+    /// What moves its parameters, in the order of their starts.
+    pub moves: Vec<Move>,
+}
+
+/// How a scene comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Entrance {
+    /// The way.
+    pub way: Way,
+    /// How long it takes, in seconds.
+    pub seconds: f64,
+}
+
+/// A parameter that moves from one value to another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Move {
+    /// Its name in the scene.
+    pub param: String,
+    /// When it begins, in seconds of the song.
+    pub start: f64,
+    /// How long it takes, in seconds; 0 sets it.
+    pub seconds: f64,
+    /// The value before.
+    pub from: f32,
+    /// The value behind.
+    pub to: f32,
+}
+
+/// What is on at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment<'a> {
+    /// Which stay it is.
+    pub index: usize,
+    /// The scene that is on, or is coming.
+    pub stay: &'a Stay,
+    /// The scene that goes, and how far the transition has come, above 0 and below 1; none between transitions.
+    pub leaving: Option<(&'a Stay, f32)>,
+}
+
+impl Plan {
+    /// Of stays that follow each other. A transition ends before the next one begins.
+    pub(super) fn new(mut stays: Vec<Stay>) -> Self {
+        stays.sort_by(|a, b| a.start.total_cmp(&b.start));
+        let ends: Vec<f64> = stays.iter().skip(1).map(|stay| stay.start).collect();
+        for (index, stay) in stays.iter_mut().enumerate() {
+            let left = ends.get(index).map_or(f64::INFINITY, |end| end - stay.start);
+            let is_cut = index == 0 || stay.entrance.way == Way::Cut;
+            stay.entrance.seconds = if is_cut { 0.0 } else { stay.entrance.seconds.clamp(0.0, left) };
+        }
+        Self { stays }
+    }
+
+    /// The stays in their order.
+    pub fn stays(&self) -> &[Stay] {
+        &self.stays
+    }
+
+    /// What is on at `time` seconds; the first scene before it begins, none if the show is empty.
+    pub fn at(&self, time: f64) -> Option<Moment<'_>> {
+        let index = self.stays.partition_point(|stay| stay.start <= time).saturating_sub(1);
+        let stay = self.stays.get(index)?;
+        let Some(before) = index.checked_sub(1).and_then(|before| self.stays.get(before)) else {
+            return Some(Moment { index, stay, leaving: None });
+        };
+        let (gone, length) = (time - stay.start, stay.entrance.seconds);
+        if gone >= length {
+            return Some(Moment { index, stay, leaving: None });
+        }
+        let share = (gone / length) as f32;
+        if share > 0.0 {
+            return Some(Moment { index, stay, leaving: Some((before, share)) });
+        }
+        // The first picture of a transition is that of the scene that goes.
+        Some(Moment { index: index - 1, stay: before, leaving: None })
+    }
+}
+
+impl Stay {
+    /// The values of the parameters that this stay moves, at `time` seconds of the song, the last word for each.
+    pub fn params_at(&self, time: f64) -> Vec<(&str, f32)> {
+        let mut values: Vec<(&str, f32)> = Vec::new();
+        for one in &self.moves {
+            // Before its first move a parameter is where that begins.
+            let known = values.iter_mut().find(|(name, _)| *name == one.param);
+            let is_set_at_once = one.seconds <= 0.0 && one.from == one.to;
+            if time < one.start && (known.is_some() || is_set_at_once) {
+                continue;
+            }
+            let share = if one.seconds > 0.0 {
+                ((time - one.start) / one.seconds).clamp(0.0, 1.0) as f32
+            } else {
+                f32::from(u8::from(time >= one.start))
+            };
+            let value = one.from + (one.to - one.from) * share;
+            match known {
+                Some((_, known)) => *known = value,
+                None => values.push((&one.param, value)),
+            }
+        }
+        values
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stay(start: f64, way: Way, seconds: f64) -> Stay {
+        let entrance = Entrance { way, seconds };
+        Stay { start, scene: format!("at {start}"), camera: None, entrance, moves: Vec::new() }
+    }
+
+    #[test]
+    fn a_moment_has_its_scene_and_the_share_of_its_transition() {
+        let plan =
+            Plan::new(vec![stay(10.0, Way::Melt, 4.0), stay(0.0, Way::Fade, 9.0), stay(12.0, Way::Cut, 3.0)]);
+        let at = |time| {
+            plan.at(time).map(|m| (m.index, m.leaving.map(|(from, share)| (from.start, share)))).unwrap()
+        };
+        assert_eq!(at(-5.0), (0, None));
+        assert_eq!(at(3.0), (0, None), "the first scene has nothing to come from");
+        assert_eq!(at(10.0), (0, None), "the first picture of a transition is that of the scene that goes");
+        // It ends where the next one begins.
+        assert_eq!(at(10.5), (1, Some((0.0, 0.25))));
+        assert_eq!((at(12.0), at(1e9)), ((2, None), (2, None)));
+        assert_eq!(Plan::default().at(1.0), None);
+    }
+
+    #[test]
+    fn parameters_move_and_stay_where_they_got_to() {
+        let mut one = stay(0.0, Way::Cut, 0.0);
+        let part = |start, seconds, from, to| Move { param: "swell".to_owned(), start, seconds, from, to };
+        one.moves = vec![part(2.0, 4.0, 0.0, 1.0), part(8.0, 0.0, 0.3, 0.5)];
+        let at = |time| one.params_at(time).first().map(|(_, value)| *value).unwrap();
+        assert_eq!([0.0, 2.0, 3.0, 6.0, 7.0, 8.0, 99.0].map(at), [0.0, 0.0, 0.25, 1.0, 1.0, 0.5, 0.5]);
+    }
+}

@@ -1,0 +1,108 @@
+//! A show as it is written down: what comes at which moment of a song, in the words of musicians.
+
+use mariana_field::lang::{Span, Way};
+
+/// A show. Its entries stand in the order in which they were written.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Script {
+    /// What is on, one scene after the other.
+    pub entries: Vec<Entry>,
+}
+
+/// A scene that comes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// When its transition begins.
+    pub when: When,
+    /// The scene, by name or by file.
+    pub scene: String,
+    /// One of its cameras; none is the scene's own.
+    pub camera: Option<String>,
+    /// How it comes; none is as the scene likes, or else a short fade.
+    pub transition: Option<Transition>,
+    /// What moves its parameters.
+    pub settings: Vec<Setting>,
+    /// Where it was written.
+    pub span: Span,
+}
+
+/// A moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct When {
+    /// What it is counted from.
+    pub anchor: Anchor,
+    /// How long after that; negative is before.
+    pub offset: Length,
+}
+
+/// A moment with a name.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Anchor {
+    /// The song's start.
+    Start,
+    /// The song's end.
+    End,
+    /// So many seconds after the start.
+    Time(f64),
+    /// The start of a bar; 1 is the first whole one.
+    Bar(u32),
+    /// The start of a section: its letter, and which of those of that letter, from 1.
+    Section(String, u32),
+    /// A drop, from 1.
+    Drop(u32),
+    /// The start of a build, from 1.
+    Build(u32),
+    /// When a key is pressed.
+    Key,
+}
+
+/// A length of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Length {
+    /// In seconds.
+    Seconds(f64),
+    /// In beats.
+    Beats(f64),
+    /// In bars.
+    Bars(f64),
+}
+
+impl Length {
+    /// No time.
+    pub const ZERO: Self = Self::Seconds(0.0);
+
+    /// The unit's names in shows, the first of which is printed for one.
+    pub(super) const UNITS: [(fn(f64) -> Self, &'static [&'static str]); 3] =
+        [(Self::Seconds, &["s"]), (Self::Beats, &["beat", "beats"]), (Self::Bars, &["bar", "bars"])];
+
+    /// The number without its unit.
+    pub fn number(self) -> f64 {
+        match self {
+            Self::Seconds(number) | Self::Beats(number) | Self::Bars(number) => number,
+        }
+    }
+}
+
+/// How a scene comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transition {
+    /// The way.
+    pub way: Way,
+    /// How long it takes; nothing for a cut.
+    pub length: Length,
+}
+
+/// A parameter that moves, or is set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Its name in the scene.
+    pub param: String,
+    /// Its value before.
+    pub from: f32,
+    /// Its value behind.
+    pub to: f32,
+    /// How long after the entry it begins.
+    pub after: Length,
+    /// How long it takes.
+    pub over: Length,
+}

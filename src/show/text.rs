@@ -1,0 +1,87 @@
+//! A script as the text of a show file.
+
+use std::fmt::Write;
+
+use super::resolve::clock;
+use super::script::{Anchor, Entry, Length, Script, Setting};
+use mariana_field::lang::Way;
+
+/// The text of a script, below lines of comment.
+pub fn print(script: &Script, comments: &[String]) -> String {
+    let mut text = String::new();
+    for comment in comments {
+        let _ = writeln!(text, "# {}", comment.replace(char::is_control, " "));
+    }
+    if !comments.is_empty() {
+        text.push('\n');
+    }
+    let moments: Vec<String> = script.entries.iter().map(moment).collect();
+    let width = moments.iter().map(String::len).max().unwrap_or(0);
+    for (entry, moment) in script.entries.iter().zip(&moments) {
+        let _ = write!(text, "at {moment:width$}  {}", name(&entry.scene));
+        if let Some(camera) = &entry.camera {
+            let _ = write!(text, "  camera {}", name(camera));
+        }
+        if let Some(transition) = entry.transition {
+            let _ = write!(text, "  {}", transition.way.name());
+            if transition.way != Way::Cut {
+                let _ = write!(text, " over {}", length(transition.length));
+            }
+        }
+        text.push('\n');
+        for setting in &entry.settings {
+            text.push_str(&set(setting));
+        }
+    }
+    text
+}
+
+fn moment(entry: &Entry) -> String {
+    let numbered = |what: &str, number: u32| format!("{what} {number}");
+    let anchor = match &entry.when.anchor {
+        Anchor::Start => "start".to_owned(),
+        Anchor::End => "end".to_owned(),
+        Anchor::Key => return "key".to_owned(),
+        Anchor::Time(seconds) => clock(*seconds),
+        Anchor::Bar(bar) => numbered("bar", *bar),
+        Anchor::Drop(number) => numbered("drop", *number),
+        Anchor::Build(number) => numbered("build", *number),
+        Anchor::Section(letter, 1) => format!("section {letter}"),
+        Anchor::Section(letter, number) => format!("section {letter} {number}"),
+    };
+    let offset = entry.when.offset;
+    match offset.number() {
+        0.0 => anchor,
+        number if number < 0.0 => format!("{anchor} - {}", length(offset)),
+        _ => format!("{anchor} + {}", length(offset)),
+    }
+}
+
+fn set(setting: &Setting) -> String {
+    let mut text = format!("  set {} = {}", name(&setting.param), setting.from);
+    if setting.from != setting.to || setting.over.number() > 0.0 {
+        let _ = write!(text, " -> {} over {}", setting.to, length(setting.over));
+    }
+    if setting.after.number() > 0.0 {
+        let _ = write!(text, " after {}", length(setting.after));
+    }
+    text.push('\n');
+    text
+}
+
+/// A length without its sign.
+fn length(length: Length) -> String {
+    let number = length.number().abs();
+    let names =
+        Length::UNITS.iter().find(|(of, _)| of(length.number()) == length).map_or(&["s"][..], |unit| unit.1);
+    let of_one = names.first().copied().unwrap_or("s");
+    let unit = if number == 1.0 { of_one } else { names.last().copied().unwrap_or(of_one) };
+    format!("{number} {unit}")
+}
+
+/// A name, in quotes where it needs them.
+fn name(name: &str) -> String {
+    let is_plain = name.starts_with(|c: char| c.is_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+    if is_plain { name.to_owned() } else { format!("\"{}\"", name.replace(['"', '\n', '\r'], " ")) }
+}
