@@ -89,7 +89,7 @@ impl Folder {
 }
 
 /// A file's bytes; none if there are more than `max`. Never reads more than that, whatever the file claims to be.
-pub(super) fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
+pub(crate) fn read_at_most(path: &Path, max: usize) -> io::Result<Option<Vec<u8>>> {
     let mut bytes = Vec::new();
     File::open(path)?.take((max as u64).saturating_add(1)).read_to_end(&mut bytes)?;
     Ok((bytes.len() <= max).then_some(bytes))

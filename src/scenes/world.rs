@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::textures::TextureCache;
 use super::{NumberEdits, SceneError, SceneSource};
-use mariana_field::lang::{Compiled, Diagnostic, render_all};
+use mariana_field::lang::{Compiled, Diagnostic, Scene, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{TapeBuffers, World};
 
@@ -55,6 +55,15 @@ impl SceneSource {
             }
             Err(error) => (Err(error), self.files(None)),
         }
+    }
+
+    /// Reads and compiles it; a text with mistakes is an error.
+    ///
+    /// # Errors
+    /// As [`SceneSource::ready`].
+    pub fn checked(&self) -> Result<Scene, SceneError> {
+        let mut compiled = self.compile()?;
+        compiled.scene.take().ok_or_else(|| self.mistakes(&compiled.diagnostics, &compiled))
     }
 
     fn prepare(&self, mut compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {

@@ -1,0 +1,348 @@
+//! A plan with the scenes it needs: where they come from, and what is wrong with any of them.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::director::{SceneCard, direct};
+use super::plan::{Entrance, Plan, Stay};
+use super::resolve::{Unresolved, resolve};
+use super::script::Script;
+use super::{parse, print};
+use crate::limits::LIMITS;
+use crate::scenes::{SceneError, SceneSource};
+use mariana_field::lang::{About, Sources, Way, render_all};
+use mariana_music::SongStructure;
+
+/// Where a show comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ShowSource {
+    /// The director's choice among scenes.
+    Auto,
+    /// A file.
+    File(PathBuf),
+}
+
+/// Why there is no show.
+#[derive(Debug, thiserror::Error)]
+pub enum ShowError {
+    /// The file cannot be read.
+    #[error("cannot read the show {}: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
+    /// The file is larger than shows may be.
+    #[error("{} is no show: it has more than {max} bytes", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// The limit.
+        max: usize,
+    },
+    /// The file is not text.
+    #[error("{} is not text: byte {position} is not UTF-8; save it as UTF-8", path.display())]
+    NotText {
+        /// The file.
+        path: PathBuf,
+        /// The first byte that is none.
+        position: usize,
+    },
+    /// The text has mistakes, or asks for what the song does not have.
+    #[error("{report}")]
+    Mistakes {
+        /// They with their places.
+        report: String,
+    },
+    /// A scene that the show names is refused.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A camera that its scene does not have.
+    #[error("the scene {scene} has no camera `{camera}`; {hint}")]
+    NoCamera {
+        /// The scene.
+        scene: String,
+        /// The camera.
+        camera: String,
+        /// What there is instead.
+        hint: String,
+    },
+    /// A parameter that its scene does not have.
+    #[error("the scene {scene} has no parameter `{param}`; {hint}")]
+    NoParam {
+        /// The scene.
+        scene: String,
+        /// The parameter.
+        param: String,
+        /// What there is instead.
+        hint: String,
+    },
+}
+
+/// A scene of a show, as far as it has to be known before it is drawn.
+#[derive(Debug, Clone)]
+struct Known {
+    source: SceneSource,
+    about: About,
+    cameras: Vec<String>,
+    params: Vec<String>,
+}
+
+impl Known {
+    fn of(source: SceneSource) -> Result<Self, SceneError> {
+        let scene = source.checked()?;
+        let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
+        let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
+        Ok(Self { source, about: scene.about, cameras, params: params.collect() })
+    }
+}
+
+/// See the module.
+#[derive(Debug, Clone, Default)]
+pub struct Programme {
+    plan: Plan,
+    script: Script,
+    scenes: BTreeMap<String, SceneSource>,
+}
+
+impl Programme {
+    /// Scenes that are cut from one to the next at these moments, in seconds.
+    pub fn of_cuts(scenes: impl IntoIterator<Item = (f64, SceneSource)>) -> Self {
+        let mut programme = Self::default();
+        let mut stays = Vec::new();
+        for (start, source) in scenes {
+            let scene = name_of(&source);
+            programme.scenes.insert(scene.clone(), source);
+            let entrance = Entrance { way: Way::Cut, seconds: 0.0 };
+            stays.push(Stay { start, scene, camera: None, entrance, moves: Vec::new() });
+        }
+        programme.plan = Plan::new(stays);
+        programme
+    }
+
+    /// The show of a song: from a file, or the director's choice among `scenes`. Scenes that are broken are no choice.
+    ///
+    /// # Errors
+    /// [`ShowError`]; what the song does not have is no error but is told as text.
+    pub fn of_song(
+        source: &ShowSource,
+        song: &SongStructure,
+        scenes: &[SceneSource],
+    ) -> Result<(Self, Option<String>), ShowError> {
+        match source {
+            ShowSource::Auto => Ok((Self::directed(song, scenes), None)),
+            ShowSource::File(path) => Self::of_file(path, song),
+        }
+    }
+
+    fn directed(song: &SongStructure, scenes: &[SceneSource]) -> Self {
+        let mut known = BTreeMap::new();
+        for source in scenes {
+            match Known::of(source.clone()) {
+                Ok(scene) => {
+                    known.insert(name_of(source), scene);
+                }
+                Err(error) => tracing::warn!("not shown: {error}"),
+            }
+        }
+        let cards: Vec<SceneCard> = known
+            .iter()
+            .map(|(name, scene)| SceneCard {
+                scene: name.clone(),
+                about: scene.about.clone(),
+                cameras: scene.cameras.clone(),
+            })
+            .collect();
+        let script = direct(song, &cards, seed_of(song));
+        let (plan, _) = resolved(&script, song, &known);
+        let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
+        Self { plan, script, scenes }
+    }
+
+    fn of_file(path: &Path, song: &SongStructure) -> Result<(Self, Option<String>), ShowError> {
+        let text = read(path)?;
+        let parsed = parse(&path.display().to_string(), &text);
+        let Some(script) = &parsed.script else {
+            return Err(ShowError::Mistakes { report: parsed.render(false) });
+        };
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut known: BTreeMap<String, Known> = BTreeMap::new();
+        for entry in &script.entries {
+            if !known.contains_key(&entry.scene) {
+                let scene = Known::of(source_of(&entry.scene, folder)?)?;
+                known.insert(entry.scene.clone(), scene);
+            }
+            let Some(scene) = known.get(&entry.scene) else { continue };
+            if let Some(camera) = entry.camera.as_ref().filter(|camera| !scene.cameras.contains(camera)) {
+                let (scene, hint) = (entry.scene.clone(), listed("cameras", &scene.cameras));
+                return Err(ShowError::NoCamera { scene, camera: camera.clone(), hint });
+            }
+            if let Some(setting) =
+                entry.settings.iter().find(|setting| !scene.params.contains(&setting.param))
+            {
+                let (scene, hint) = (entry.scene.clone(), listed("parameters", &scene.params));
+                return Err(ShowError::NoParam { scene, param: setting.param.clone(), hint });
+            }
+        }
+        let (plan, unresolved) = resolved(script, song, &known);
+        let told = told(&unresolved, &parsed.sources);
+        let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
+        Ok((Self { plan, script: script.clone(), scenes }, told))
+    }
+
+    /// What is on when.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Where a scene of the plan comes from.
+    pub fn source(&self, scene: &str) -> Option<&SceneSource> {
+        self.scenes.get(scene)
+    }
+
+    /// The scenes of the plan in the order in which they are on for the first time.
+    pub fn sources(&self) -> Vec<&SceneSource> {
+        let mut names: Vec<&str> = Vec::new();
+        for stay in self.plan.stays() {
+            if !names.contains(&stay.scene.as_str()) {
+                names.push(&stay.scene);
+            }
+        }
+        names.into_iter().filter_map(|name| self.source(name)).collect()
+    }
+
+    /// The text of a show file that is this show, below lines of comment.
+    pub fn text(&self, comments: &[String]) -> String {
+        print(&self.script, comments)
+    }
+}
+
+fn resolved(script: &Script, song: &SongStructure, known: &BTreeMap<String, Known>) -> (Plan, Unresolved) {
+    resolve(script, song, |from, to| {
+        let about = |name: &str| known.get(name).map(|scene| &scene.about);
+        about(to).and_then(|about| about.enter).or(from.and_then(about).and_then(|about| about.leave))
+    })
+}
+
+fn told(unresolved: &Unresolved, sources: &Sources) -> Option<String> {
+    let left_out = render_all(&unresolved.left_out, sources, false);
+    (!left_out.is_empty()).then_some(left_out)
+}
+
+fn listed(what: &str, names: &[String]) -> String {
+    match names {
+        [] => format!("it has no {what} with names"),
+        names => format!("its {what} are {}", names.join(", ")),
+    }
+}
+
+/// What a show calls a scene.
+fn name_of(source: &SceneSource) -> String {
+    match source {
+        SceneSource::Shipped(name) => name.clone(),
+        SceneSource::File(path) => path.display().to_string(),
+        SceneSource::Formula(text) => text.clone(),
+    }
+}
+
+/// What a show means by the name of a scene: a file beside the show, or a shipped scene.
+fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
+    let beside = folder.join(name);
+    if beside.is_file() {
+        return Ok(SceneSource::File(beside));
+    }
+    match SceneSource::find(name)? {
+        SceneSource::File(_) => Ok(SceneSource::File(beside)),
+        found => Ok(found),
+    }
+}
+
+fn read(path: &Path) -> Result<String, ShowError> {
+    let unreadable =
+        |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
+    let max = LIMITS.show_bytes_max;
+    let bytes = crate::scenes::read_at_most(path, max).map_err(unreadable)?;
+    let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let position = error.utf8_error().valid_up_to();
+        ShowError::NotText { path: path.to_owned(), position }
+    })
+}
+
+/// The seed of a song's show. It follows from the song's content, but not from anything that the arithmetic of another
+/// machine might round in another way.
+pub fn seed_of(song: &SongStructure) -> u64 {
+    let whole = |number: f64| number.round() as u64;
+    let key = song.key.map_or(99, |key| u64::from(key.root));
+    let of_sections = song.sections.iter().flat_map(|section| {
+        section.letter.bytes().map(u64::from).chain([whole(section.start), whole(section.end)])
+    });
+    let all = [whole(song.seconds), key, song.beats.len() as u64 / 8].into_iter().chain(of_sections);
+    // FNV-1a, by words.
+    all.fold(0xcbf2_9ce4_8422_2325, |hash, word| (hash ^ word).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::show::resolve::testing::song;
+
+    fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(
+            folder.path().join("own.scene"),
+            "param size = 1 in 0 .. 2\ncamera near { }\nlength(p) - size",
+        )
+        .unwrap();
+        let path = folder.path().join("my.show");
+        std::fs::write(&path, text).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn a_show_finds_its_scenes_beside_it_and_among_the_shipped_ones() {
+        let (folder, path) = file("at start own.scene camera near\n set size = 0.5\nat bar 3 orb");
+        let (programme, told) = Programme::of_song(&ShowSource::File(path), &song(), &[]).unwrap();
+        assert_eq!(told, None);
+        let sources: Vec<SceneSource> = programme.sources().into_iter().cloned().collect();
+        assert_eq!(
+            sources,
+            [SceneSource::File(folder.path().join("own.scene")), SceneSource::Shipped("orb".to_owned())]
+        );
+        assert_eq!(programme.plan().stays().len(), 2);
+    }
+
+    #[test]
+    fn each_refusal_says_what_is_missing() {
+        for (text, wanted) in [
+            ("at start none.scene", "none.scene"),
+            ("at start orbb", "orbb"),
+            ("at start own.scene camera far", "its cameras are near"),
+            ("at start orb camera far", "no cameras with names"),
+            ("at start own.scene\nset swell = 1", "its parameters are size"),
+            ("at start own.scene flyy", "my.show:1:20"),
+        ] {
+            let (_folder, path) = file(text);
+            let error = Programme::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err().to_string();
+            assert!(error.contains(wanted), "{text}: {error}");
+        }
+        let (folder, path) = file("at start own.scene\nat section Z orb");
+        let (_, told) = Programme::of_song(&ShowSource::File(path.clone()), &song(), &[]).unwrap();
+        assert!(told.unwrap().contains("the song has no section Z"));
+        std::fs::write(&path, [b'a', 0xff]).unwrap();
+        let refused = |path: PathBuf| Programme::of_song(&ShowSource::File(path), &song(), &[]).unwrap_err();
+        assert!(matches!(refused(path.clone()), ShowError::NotText { position: 1, .. }));
+        std::fs::write(&path, vec![b'#'; LIMITS.show_bytes_max + 1]).unwrap();
+        assert!(matches!(refused(path), ShowError::TooLarge { .. }));
+        assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
+    }
+
+    #[test]
+    fn the_director_passes_over_broken_scenes() {
+        let broken = SceneSource::Formula("length(".to_owned());
+        let good = SceneSource::Shipped("orb".to_owned());
+        let (programme, _) = Programme::of_song(&ShowSource::Auto, &song(), &[broken, good.clone()]).unwrap();
+        assert_eq!(programme.sources(), [&good]);
+    }
+}
