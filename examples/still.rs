@@ -14,6 +14,7 @@ fn main() -> anyhow::Result<()> {
         gain: Gain::Auto,
         output: output.into(),
         scene: SceneSource::Shipped("speakers".into()).into(),
+        blend: None,
         set: Vec::new(),
     })?;
     Ok(())

@@ -1,5 +1,6 @@
 //! Flags that are numbers, checked against the limits.
 
+use mariana_field::world::BlendKind;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
 use crate::limits::LIMITS;
@@ -48,6 +49,23 @@ fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, Strin
 /// A volume.
 pub(super) fn parse_percent(text: &str) -> Result<u8, String> {
     Ok(parse_whole(text, 0, 100, "percent")? as u8)
+}
+
+/// A kind of blend and the share of the second scene: `melt:0.5`.
+pub(super) fn parse_blend(text: &str) -> Result<(BlendKind, f32), String> {
+    let (name, share) = text.split_once(':').ok_or("write it as KIND:SHARE, such as melt:0.5")?;
+    let kind = BlendKind::named(name.trim()).ok_or_else(|| {
+        let names: Vec<&str> = BlendKind::ALL.iter().map(|(_, name, _)| *name).collect();
+        format!("'{}' is no kind of blend; there are {}", name.trim(), names.join(", "))
+    })?;
+    Ok((kind, parse_within(share, 0.0, 1.0, "of the second scene")? as f32))
+}
+
+/// The help of a flag that [`parse_blend`] reads.
+pub(super) fn blend_help() -> String {
+    let kinds = BlendKind::ALL.iter().map(|(_, name, meaning)| format!("{name}, where {meaning}"));
+    let kinds: Vec<String> = kinds.collect();
+    format!("How it turns into that scene, and how far, 0 to 1: {}", kinds.join("; "))
 }
 
 /// How many frames are timed.

@@ -1,16 +1,18 @@
 //! The subcommand `still`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
-use super::files::Files;
-use super::parse::{parse_seconds, parse_size};
+use super::files::{Files, scene_of};
+use super::parse::{blend_help, parse_blend, parse_seconds, parse_size};
 use super::view::ViewArguments;
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
-use crate::export::still::{StillRequest, write_still};
+use crate::export::still::{Blend, StillRequest, write_still};
+use mariana_field::world::BlendKind;
 
 #[derive(Args)]
 pub(super) struct StillArguments {
@@ -32,6 +34,11 @@ pub(super) struct StillArguments {
     /// colour of its own
     #[arg(long, conflicts_with = "view")]
     alpha: bool,
+    /// Show how the scene turns into this one
+    #[arg(long, value_name = "SCENE", allow_hyphen_values = true, conflicts_with = "alpha")]
+    into: Option<OsString>,
+    #[arg(long, value_name = "KIND:SHARE", help = blend_help(), requires = "into", default_value = "melt:0.5", value_parser = parse_blend)]
+    blend: (BlendKind, f32),
     #[command(flatten)]
     set: SetArguments,
     #[command(flatten)]
@@ -45,6 +52,8 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
     end_by_signals();
     let output = Output::from(arguments.output);
     refuse_a_terminal(&output, "mariana still -o - > frame.png")?;
+    let (kind, share) = arguments.blend;
+    let into = arguments.into.as_deref().map(scene_of).transpose()?;
     let (song, scene) = Files::of(arguments.files)?.song_and_scene()?;
     Ok(write_still(&StillRequest {
         song,
@@ -57,6 +66,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
             alpha: arguments.alpha,
             ..arguments.scene.choose(scene, &common)?
         },
+        blend: into.map(|into| Blend { into, kind, share }),
         set: arguments.set.set,
     })?)
 }

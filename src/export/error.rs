@@ -6,7 +6,7 @@ use crate::atomic_file::Unwritable;
 use crate::frame::held_inputs::OutOfRange;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
-use mariana_field::world::WorldError;
+use mariana_field::world::{BlendError, WorldError};
 use mariana_player::decode::DecodeError;
 
 /// An error of an export.
@@ -24,6 +24,9 @@ pub enum ExportError {
     /// The scene cannot be made ready.
     #[error(transparent)]
     World(#[from] WorldError),
+    /// Two scenes cannot be blended.
+    #[error(transparent)]
+    Blend(#[from] BlendError),
     /// A moment after the song's end.
     #[error("{name} ends at {end:.2} s: choose a time before that instead of {asked} s")]
     AfterTheEnd {

@@ -14,6 +14,8 @@ use super::painter::{Painter, SceneChoice, require_inputs};
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
 use crate::frame::held_inputs::Setting;
+use crate::scenes::{ReadyScene, SceneSource};
+use mariana_field::world::BlendKind;
 use mariana_music::Gain;
 use mariana_player::song::Song;
 
@@ -32,8 +34,35 @@ pub struct StillRequest {
     pub output: Output,
     /// The scene.
     pub scene: SceneChoice,
+    /// Another scene into which it turns.
+    pub blend: Option<Blend>,
     /// Inputs of the scene that are held.
     pub set: Vec<Setting>,
+}
+
+/// A scene that another one turns into, and how far that has gone.
+#[derive(Debug, Clone)]
+pub struct Blend {
+    /// The scene.
+    pub into: SceneSource,
+    /// How one becomes the other.
+    pub kind: BlendKind,
+    /// Its share, 0..1; at 0 and 1 one scene is alone.
+    pub share: f32,
+}
+
+impl Blend {
+    /// The scene at this moment of the blend.
+    ///
+    /// # Errors
+    /// Either scene is refused, or both together.
+    fn of(&self, from: ReadyScene) -> Result<ReadyScene, ExportError> {
+        if self.share <= 0.0 {
+            return Ok(from);
+        }
+        let to = self.into.ready()?;
+        if self.share >= 1.0 { Ok(to) } else { Ok(from.blended(&to, self.kind, self.share)?) }
+    }
 }
 
 /// Makes the still: the same bytes in every run on one machine.
@@ -56,6 +85,10 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
     };
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
     let ready = request.scene.source.ready()?;
+    let ready = match &request.blend {
+        Some(blend) => blend.of(ready)?,
+        None => ready,
+    };
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready)?;
     painter.hold(&request.set)?;

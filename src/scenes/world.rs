@@ -7,7 +7,7 @@ use super::textures::TextureCache;
 use super::{NumberEdits, SceneError, SceneSource};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, render_all};
 use mariana_field::region::RegionPlan;
-use mariana_field::world::{TapeBuffers, World};
+use mariana_field::world::{BlendError, BlendKind, TapeBuffers, World, WorldError};
 
 /// A world with the programs of its tape.
 #[derive(Debug, Clone)]
@@ -20,6 +20,26 @@ pub struct ReadyScene {
     pub plan: Arc<RegionPlan>,
     /// Whether this is the text that is shown already, in which numbers are constants again after they were changed.
     pub settles: bool,
+}
+
+impl ReadyScene {
+    /// What builds and draws a world.
+    ///
+    /// # Errors
+    /// A world over the limits.
+    fn of(world: World) -> Result<Self, WorldError> {
+        let buffers = Arc::new(world.tape_buffers()?);
+        let plan = Arc::new(RegionPlan::new(&world));
+        Ok(Self { world: Arc::new(world), buffers, plan, settles: false })
+    }
+
+    /// A scene between this one and another, of which it shows a share, 0..1, unless a frame says otherwise.
+    ///
+    /// # Errors
+    /// Together they exceed a limit.
+    pub fn blended(&self, to: &Self, kind: BlendKind, share: f32) -> Result<Self, BlendError> {
+        Ok(Self::of(World::blend(&self.world, &to.world, kind, share)?)?)
+    }
 }
 
 impl SceneSource {
@@ -71,10 +91,7 @@ impl SceneSource {
             return Err(self.mistakes(&compiled.diagnostics, &compiled));
         };
         let pictures = textures.load(self, &scene).map_err(|wrong| self.mistakes(&wrong, &compiled))?;
-        let world = World::new(&self.name(), scene, pictures)?;
-        let buffers = Arc::new(world.tape_buffers()?);
-        let plan = Arc::new(RegionPlan::new(&world));
-        Ok(ReadyScene { world: Arc::new(world), buffers, plan, settles: false })
+        Ok(ReadyScene::of(World::new(&self.name(), scene, pictures)?)?)
     }
 
     fn mistakes(&self, diagnostics: &[Diagnostic], compiled: &Compiled) -> SceneError {

@@ -117,6 +117,11 @@ impl Graph {
         self.nodes[id.index()]
     }
 
+    /// All nodes built so far, used or not; operands stand before the nodes that use them.
+    pub(crate) fn nodes(&self) -> impl Iterator<Item = Node> + '_ {
+        self.nodes.iter().copied()
+    }
+
     /// Whether any expression built so far, used or not, reads the time or a table of the sound: both may change
     /// while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {

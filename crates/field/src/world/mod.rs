@@ -8,6 +8,7 @@
 //! everything that needs OpenGL is in `gpu`. No scene is special: all that the picture shows comes from the scene's
 //! text.
 
+mod blend;
 mod bounds;
 mod compiled;
 mod frame_tape;
@@ -21,6 +22,7 @@ mod steepness;
 mod traits;
 mod validate;
 
+pub use blend::{BlendError, BlendKind, PortalShape, blended_params};
 pub use bounds::Bounds;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
@@ -141,6 +143,8 @@ pub struct World {
     /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
     /// surfaces. Rays then need to know how steep it is where they are.
     pub steep: bool,
+    /// How steep the value of the rest is at its surfaces, as a rule; 1 for a distance.
+    pub slope: f32,
     /// The parts of the shaders that it needs.
     pub traits: SceneFeatures,
     /// The expressions that the shader evaluates.
@@ -170,32 +174,37 @@ impl World {
     /// A scene that takes more nodes or clauses than the limits.
     pub fn new(name: &str, mut scene: Scene, pictures: Vec<Arc<RgbaImage>>) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
-        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let (planes, rest) = planes::split(&mut scene).map_err(graph_error)?;
         let glow = nearby_light::nearby_light(&mut scene).map_err(graph_error)?;
+        Self::prepared(name, scene, Surfaces { planes, rest, glow }, None, pictures)
+    }
+
+    /// The world of a scene of which the surfaces are known, and perhaps how they are traced.
+    fn prepared(
+        name: &str,
+        mut scene: Scene,
+        Surfaces { planes, rest, glow }: Surfaces,
+        traced: Option<Traced>,
+        pictures: Vec<Arc<RgbaImage>>,
+    ) -> Result<Self, WorldError> {
+        let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
+        let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
         let traits = SceneFeatures::of(&scene, glow.is_some());
         let roots = roots(&mut scene, rest.as_ref(), glow);
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let (mut bounds, mut steep) = (None, false);
-        if rest.is_some() {
-            let options = TapeOptions::default();
-            let tape = Tape::build(&scene.graph, &roots.distance[..1], &options).map_err(tape_error)?;
-            let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
-            bounds = bounds::find(&tape, &any);
-            let around = |inputs: &FrameInputs| match bounds {
-                Some(bounds) => vec![bounds],
-                None => steepness::around(frame_tape.values(inputs).camera.target),
-            };
-            let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
-            steep = steepness::is_steep(&tape, frames);
-        }
+        let Traced { bounds, steep, slope } = match (traced, &rest) {
+            (Some(traced), _) => traced,
+            (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
+            (None, None) => Traced { bounds: None, steep: false, slope: 1.0 },
+        };
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),
             has_rest: rest.is_some(),
             bounds,
             steep,
+            slope,
             traits,
             roots,
             graph,
@@ -205,6 +214,37 @@ impl World {
             scene,
             pictures,
         })
+    }
+}
+
+/// What of a scene is solved as a plane, what is traced, and what its objects shine.
+struct Surfaces {
+    planes: Vec<Plane>,
+    rest: Option<Rest>,
+    /// See [`Roots::glow`].
+    glow: Option<[NodeId; 4]>,
+}
+
+/// What is known of the rest of a scene before it is traced: see the fields of [`World`].
+struct Traced {
+    bounds: Option<Bounds>,
+    steep: bool,
+    slope: f32,
+}
+
+impl Traced {
+    /// Found from the formula.
+    fn of(scene: &Scene, roots: &Roots, frame_tape: &FrameTape) -> Result<Self, TapeError> {
+        let tape = Tape::build(&scene.graph, &roots.distance[..1], &TapeOptions::default())?;
+        let any = FrameInputs::any(scene.params.iter().map(|param| (param.min, param.max)));
+        let bounds = bounds::find(&tape, &any);
+        let around = |inputs: &FrameInputs| match bounds {
+            Some(bounds) => vec![bounds],
+            None => steepness::around(frame_tape.values(inputs).camera.target),
+        };
+        let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
+        let slope = steepness::steep_slope(&tape, frames);
+        Ok(Self { bounds, steep: slope.is_some(), slope: slope.unwrap_or(1.0) })
     }
 }
 

@@ -42,13 +42,19 @@ struct Slopes {
     surface: Vec<f32>,
 }
 
-/// Whether the value of the tape's first output is not a distance: it is steeper than 1 in too many samples, or much
-/// flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its points begin in turn.
-pub(super) fn is_steep(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> bool {
-    let slopes = slopes(tape, frames);
-    let steep = slopes.outside.iter().filter(|slope| **slope > STEEPEST).count();
-    let flat = slopes.surface.iter().filter(|slope| **slope < FLATTEST).count();
-    steep as f32 > STEEP_SHARE * slopes.outside.len() as f32 || 2 * flat > slopes.surface.len()
+/// The usual slope at its surfaces if the value of the tape's first output is not a distance: it is steeper than 1 in
+/// too many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which
+/// its points begin in turn.
+pub(super) fn steep_slope(
+    tape: &Tape,
+    frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
+) -> Option<f32> {
+    let Slopes { outside, mut surface } = slopes(tape, frames);
+    let steep = outside.iter().filter(|slope| **slope > STEEPEST).count();
+    let flat = surface.iter().filter(|slope| **slope < FLATTEST).count();
+    let is_steep = steep as f32 > STEEP_SHARE * outside.len() as f32 || 2 * flat > surface.len();
+    surface.sort_by(f32::total_cmp);
+    is_steep.then(|| surface.get(surface.len() / 2).copied().unwrap_or(1.0))
 }
 
 /// The boxes in which a scene without bounds is sampled around the camera's target.

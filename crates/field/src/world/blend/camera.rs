@@ -1,0 +1,82 @@
+//! The camera between two others.
+//!
+//! The target goes straight from one to the other. Around it the line of sight turns by yaw and pitch, the shorter way,
+//! while its length is mixed: two cameras that look at a thing from opposite sides go around it, and none passes
+//! through its own target.
+
+use crate::graph::{Graph, NodeId, Op};
+use crate::lang::Camera;
+
+/// A line of sight from the eye to the target.
+struct Sight {
+    /// Around the vertical, 0 along z, in radians.
+    yaw: NodeId,
+    /// Above the horizon, in radians.
+    pitch: NodeId,
+    /// From the eye to the target.
+    length: NodeId,
+}
+
+impl Sight {
+    fn of(graph: &mut Graph, camera: &Camera) -> Self {
+        let [x, y, z] = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
+        let level = graph.length(&[x, z]);
+        let (yaw, pitch) = (graph.binary(Op::Atan2, x, z), graph.binary(Op::Atan2, y, level));
+        Self { yaw, pitch, length: graph.length3(x, y, z) }
+    }
+
+    /// The vector from the eye to the target.
+    fn vector(&self, graph: &mut Graph) -> [NodeId; 3] {
+        let [sin_yaw, cos_yaw] = [Op::Sin, Op::Cos].map(|op| graph.unary(op, self.yaw));
+        let [sin_pitch, cos_pitch] = [Op::Sin, Op::Cos].map(|op| graph.unary(op, self.pitch));
+        let level = graph.mul(self.length, cos_pitch);
+        [graph.mul(level, sin_yaw), graph.mul(self.length, sin_pitch), graph.mul(level, cos_yaw)]
+    }
+}
+
+/// The mixture of two cameras; at the share 0 it is `a`.
+pub(super) fn mixed(graph: &mut Graph, a: &Camera, b: &Camera, s: NodeId) -> Camera {
+    let sights = [a, b].map(|camera| Sight::of(graph, camera));
+    let target = [0, 1, 2].map(|axis| graph.mix(a.target[axis], b.target[axis], s));
+    let turn = graph.sub(sights[1].yaw, sights[0].yaw);
+    let turn = shorter_turn(graph, turn);
+    let turned = graph.mul(turn, s);
+    let sight = Sight {
+        yaw: graph.add(sights[0].yaw, turned),
+        pitch: graph.mix(sights[0].pitch, sights[1].pitch, s),
+        length: graph.mix(sights[0].length, sights[1].length, s),
+    };
+    let away = sight.vector(graph);
+    let sharp = [(a, &sights[0]), (b, &sights[1])].map(|(camera, sight)| nearness(graph, camera, sight));
+    let nearness = graph.mix(sharp[0], sharp[1], s);
+    let one = graph.constant(1.0);
+    Camera {
+        position: [0, 1, 2].map(|axis| graph.sub(target[axis], away[axis])),
+        target,
+        fov: graph.mix(a.fov, b.fov, s),
+        roll: graph.mix(a.roll, b.roll, s),
+        aperture: graph.mix(a.aperture, b.aperture, s),
+        focus: graph.div(one, nearness),
+        keep: graph.mix(a.keep, b.keep, s),
+    }
+}
+
+/// The same turn within half a circle.
+fn shorter_turn(graph: &mut Graph, turn: NodeId) -> NodeId {
+    let (circle, half) = (graph.constant(std::f32::consts::TAU), graph.constant(0.5));
+    let circles = graph.div(turn, circle);
+    let circles = graph.add(circles, half);
+    let circles = graph.unary(Op::Floor, circles);
+    let whole = graph.mul(circles, circle);
+    graph.sub(turn, whole)
+}
+
+/// 1 / distance at which a camera is sharp. What a lens spreads is proportional to it, and it is finite for a focus
+/// that is not, which stands for the target's distance.
+fn nearness(graph: &mut Graph, camera: &Camera, sight: &Sight) -> NodeId {
+    let (one, largest) = (graph.constant(1.0), graph.constant(f32::MAX));
+    let size = graph.abs(camera.focus);
+    let is_finite = graph.binary(Op::LessEqual, size, largest);
+    let distance = graph.select(is_finite, camera.focus, sight.length);
+    graph.div(one, distance)
+}

@@ -1,0 +1,306 @@
+//! One world made of two: what is shown while one scene becomes another.
+//!
+//! ```text
+//! two worlds → two sides in one graph → field, materials, light, camera of both → a world like any other
+//! ```
+//!
+//! **A blend is a scene.** [`World::blend`] is a function of two worlds and a kind; what it gives is drawn by the same
+//! programs, tree and views as any world. The share of the second world is one more parameter, so one program draws
+//! every share. At the shares 0 and 1 the pure worlds are to be drawn: they need no second field.
+//!
+//! **Order of parameters.** Those of the first scene, those of the second, the share: [`blended_params`].
+//!
+//! **What is mixed.** In both kinds lights and light from nearby shine with their side's share, and sky, reach, picture
+//! and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of the first
+//! scene's nearest object and that of the second's, mixed in a melt, chosen by the side in a portal.
+
+mod camera;
+mod portal;
+mod side;
+
+pub use portal::PortalShape;
+
+use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
+use crate::graph::{Graph, Input, NodeId, Op};
+use crate::lang::{Light, Material, Object, Param, Picture, Scene, Sky};
+use crate::limits::LIMITS;
+use crate::world::PLANES_MAX;
+use side::Side;
+
+/// How one scene becomes another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BlendKind {
+    /// The fields are mixed by the share, which keeps a slope of 1.
+    Melt,
+    /// The second scene is inside a shape that grows with the share, the first one outside.
+    Portal(PortalShape),
+}
+
+impl BlendKind {
+    /// All kinds: what each is called, and what it does.
+    pub const ALL: [(BlendKind, &'static str, &'static str); 3] = [
+        (BlendKind::Melt, "melt", "every surface flows from one scene to the other"),
+        (BlendKind::Portal(PortalShape::Ball), "ball", "the other scene is inside a growing ball"),
+        (BlendKind::Portal(PortalShape::Plane), "plane", "the other scene is behind a moving plane"),
+    ];
+
+    /// The kind of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| kind)
+    }
+}
+
+/// Why two worlds cannot be blended. Each alone can be drawn, so a fade is always possible.
+#[derive(Debug, thiserror::Error)]
+pub enum BlendError {
+    /// Together they have more of something than one scene may have.
+    #[error("together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade")]
+    OverLimit {
+        /// The first scene.
+        from: String,
+        /// The second scene.
+        to: String,
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        max: usize,
+    },
+    /// The blended scene exceeds the limits of expressions.
+    #[error(transparent)]
+    World(#[from] WorldError),
+}
+
+/// The parameters of a frame of [`World::blend`]: those of `from`, those of `to`, and the share of `to`, which is
+/// clamped to 0..1. Missing ones are as the scenes' texts set them.
+pub fn blended_params(
+    (from, from_params): (&Scene, &[f32]),
+    (to, to_params): (&Scene, &[f32]),
+    share: f32,
+) -> Vec<f32> {
+    let of = |scene: &Scene, given: &[f32]| -> Vec<f32> {
+        let declared = scene.params.iter().enumerate();
+        declared.map(|(number, param)| given.get(number).copied().unwrap_or(param.default)).collect()
+    };
+    let mut params = of(from, from_params);
+    params.extend(of(to, to_params));
+    params.push(if share > 0.0 { share.min(1.0) } else { 0.0 });
+    params
+}
+
+impl World {
+    /// A world between two others. Its last parameter is the share of `to`, 0..1, which begins at `share`.
+    ///
+    /// # Errors
+    /// [`BlendError`]: together they exceed a limit.
+    pub fn blend(from: &World, to: &World, kind: BlendKind, share: f32) -> Result<World, BlendError> {
+        within_limits(from, to)?;
+        let name = format!("{} into {}", from.name, to.name);
+        let mut graph = Graph::new();
+        graph.reserve(from.scene.graph.len() + to.scene.graph.len());
+        let share_number = from.scene.params.len() + to.scene.params.len();
+        let s = graph.input(Input::Param(share_number as u16));
+        let graph_error = |source| WorldError::Graph { scene: name.clone(), source };
+        let before = (from.pictures.len(), from.scene.params.len());
+        let a = Side::of(&mut graph, from, (0, 0)).map_err(graph_error)?;
+        let b = Side::of(&mut graph, to, before).map_err(graph_error)?;
+        let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
+        let (planes, rest, material) = match kind {
+            BlendKind::Melt => {
+                let material = mixed_all(&mut graph, &a.material, &b.material, s);
+                let (planes, rest) = melt(&mut graph, &a, &b, s);
+                (planes, rest, material)
+            }
+            BlendKind::Portal(shape) => portal::through(&mut graph, (&a, &b), shape, &camera, s),
+        };
+        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b), s)).transpose();
+        let rest = rest.map_err(graph_error)?;
+
+        let rest_of = a.sky.reach;
+        let reach = graph.mix(rest_of, b.sky.reach, s);
+        let sky = Sky { reach, ..Sky::of(mixed_all(&mut graph, &a.sky.numbers(), &b.sky.numbers(), s)) };
+        let glow = glow(&mut graph, (&a, &b), reach, s);
+        let picture = picture(&mut graph, &a.picture, &b.picture, s);
+        let lights = lights(&mut graph, (&a, &b), s);
+
+        let all: Vec<NodeId> = planes.iter().copied().chain(rest.iter().map(|rest| rest[0])).collect();
+        let nothing = graph.constant(0.0);
+        let distance = all.into_iter().reduce(|a, b| graph.min(a, b)).unwrap_or(nothing);
+        graph.check().map_err(graph_error)?;
+        let params = from.scene.params.iter().chain(&to.scene.params).cloned();
+        let share = Param {
+            name: String::new(),
+            default: if share > 0.0 { share.min(1.0) } else { 0.0 },
+            min: 0.0,
+            max: 1.0,
+            is_number: true,
+            span: Default::default(),
+        };
+        let object = Object { name: name.clone(), span: Default::default(), shape: distance, bound: None, material: 0 };
+        let scene = Scene {
+            graph,
+            objects: vec![object],
+            distance,
+            materials: vec![Material::of(String::new(), material)],
+            lights,
+            camera,
+            sky,
+            has_own_sky: from.scene.has_own_sky || to.scene.has_own_sky,
+            picture,
+            params: params.chain([share]).collect(),
+            textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
+            includes: Vec::new(),
+        };
+        let surfaces = Surfaces {
+            planes: planes.into_iter().map(|shape| Plane { shape, object: 0 }).collect(),
+            rest: rest.map(|[bound, estimate]| Rest { bound, estimate, object: nothing }),
+            glow,
+        };
+        let traced = Traced { bounds: bounds(from, to), steep: from.steep || to.steep, slope: 1.0 };
+        let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
+        Ok(Self::prepared(&name, scene, surfaces, Some(traced), pictures)?)
+    }
+}
+
+/// What one scene may have of what the two have together.
+fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
+    let counts = |of: fn(&World) -> usize| of(from) + of(to);
+    let share = 1;
+    for (what, count, max) in [
+        ("lights", counts(|world| world.scene.lights.len()), LIMITS.scene_lights_max),
+        ("pictures", counts(|world| world.pictures.len()), LIMITS.scene_textures_max),
+        ("parameters", counts(|world| world.scene.params.len()) + share, LIMITS.scene_params_max),
+    ] {
+        if count > max {
+            let (from, to) = (from.name.clone(), to.name.clone());
+            return Err(BlendError::OverLimit { from, to, what, count, max });
+        }
+    }
+    Ok(())
+}
+
+/// What cannot be solved as a plane: how far a ray may step, and the estimate.
+type Steps = [NodeId; 2];
+
+/// The mixture of two fields.
+///
+/// A mixture of two minima is the least of all mixtures of their operands. So planes of both scenes stay planes, and
+/// what is left to be traced is far above them.
+fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> (Vec<NodeId>, Option<Steps>) {
+    let pairs = a.planes.len() * b.planes.len();
+    if pairs == 0 || pairs > PLANES_MAX {
+        let (Some(a), Some(b)) = (a.whole(graph), b.whole(graph)) else { return (Vec::new(), None) };
+        return (Vec::new(), Some(mixed_steps(graph, a, b, s)));
+    }
+    let mut planes = Vec::with_capacity(pairs);
+    for &a in &a.planes {
+        for &b in &b.planes {
+            planes.push(graph.mix(a, b, s));
+        }
+    }
+    let (all_a, all_b) = (a.whole(graph), b.whole(graph));
+    let left = all_a.zip(b.rest).map(|(a, b)| mixed_steps(graph, a, b, s));
+    let right = a.rest.zip(all_b).map(|(a, b)| mixed_steps(graph, a, b, s));
+    let rest = match (left, right) {
+        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
+        (a, b) => a.or(b),
+    };
+    (planes, rest)
+}
+
+fn mixed_steps(graph: &mut Graph, a: Steps, b: Steps, s: NodeId) -> Steps {
+    [0, 1].map(|part| graph.mix(a[part], b[part], s))
+}
+
+/// Lets the solids shrink so far that the eye is not among them: between two cameras there may be anything. The eye
+/// keeps half of the distance that both cameras have from their own scenes; where that is so already, as at the
+/// beginning and at the end, nothing changes.
+fn clear_of_the_eye(
+    graph: &mut Graph,
+    rest: Steps,
+    (a, b): (&Side, &Side),
+    s: NodeId,
+) -> Result<Steps, crate::graph::GraphError> {
+    let eye = [Input::EyeX, Input::EyeY, Input::EyeZ].map(|input| graph.input(input));
+    let (zero, half) = (graph.constant(0.0), graph.constant(0.5));
+    let now = side::at(graph, rest[0], eye)?;
+    let mut distances = [zero; 2];
+    for (distance, side) in distances.iter_mut().zip([a, b]) {
+        if let Some([bound, _]) = side.whole(graph) {
+            let own = side::at(graph, bound, side.camera.position)?;
+            *distance = graph.max(own, zero);
+        }
+    }
+    let wanted = graph.mix(distances[0], distances[1], s);
+    let wanted = graph.mul(wanted, half);
+    let missing = graph.sub(wanted, now);
+    let missing = graph.max(missing, zero);
+    Ok(rest.map(|part| graph.add(part, missing)))
+}
+
+/// The mixture of numbers in the same order.
+fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<NodeId> {
+    a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
+}
+
+/// Light from what shines nearby. Each side's light is weakened by its own distance here, so the distance that is told
+/// to the shaders is 0.
+fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let rest = graph.sub(one, s);
+    let mut light: Option<[NodeId; 3]> = None;
+    for (glow, share) in [(a.glow, rest), (b.glow, s)] {
+        let Some([r, g, b, distance]) = glow else { continue };
+        // As in `shaders/occlusion.glsl`.
+        let away = graph.max(distance, zero);
+        let away = graph.div(away, reach);
+        let near = graph.sub(one, away);
+        let near = graph.max(near, zero);
+        let square = graph.square(near);
+        let near = graph.mul(square, near);
+        let share = graph.mul(near, share);
+        let own = [r, g, b].map(|part| graph.mul(part, share));
+        light = Some(match light {
+            None => own,
+            Some(sum) => [0, 1, 2].map(|part| graph.add(sum[part], own[part])),
+        });
+    }
+    let [r, g, b] = light?;
+    Some([r, g, b, zero])
+}
+
+/// The lights of both, each with the share of its side.
+fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
+    let one = graph.constant(1.0);
+    let rest = graph.sub(one, s);
+    let mut lights: Vec<Light> = Vec::with_capacity(a.lights.len() + b.lights.len());
+    for (side, share) in [(a, rest), (b, s)] {
+        for light in &side.lights {
+            let color = light.color.map(|part| graph.mul(part, share));
+            lights.push(Light { color, ..light.clone() });
+        }
+    }
+    lights
+}
+
+/// The mixed picture. The tone map is a name: it changes at the middle.
+fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
+    let half = graph.constant(0.5);
+    let is_second = graph.binary(Op::LessEqual, half, s);
+    let tone_map = graph.select(is_second, b.tone_map, a.tone_map);
+    let mixed = Picture::of(mixed_all(graph, &a.numbers(), &b.numbers(), s));
+    Picture { tone_map, ..mixed }
+}
+
+/// The box around the surfaces of both: where neither has any, their mixture has none, and neither has any choice
+/// between them. With planes, something of the mixture may lie outside of it.
+fn bounds(from: &World, to: &World) -> Option<Bounds> {
+    let plain = |world: &World| world.planes.is_empty() && world.has_rest;
+    if !plain(from) || !plain(to) {
+        return None;
+    }
+    let (a, b) = (from.bounds?, to.bounds?);
+    let corner = |of: fn(f32, f32) -> f32, a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|axis| of(a[axis], b[axis]));
+    Some(Bounds { low: corner(f32::min, a.low, b.low), high: corner(f32::max, a.high, b.high) })
+}

@@ -1,0 +1,179 @@
+//! One of the two worlds of a blend, in the graph of both.
+
+use super::super::{nearby_light, planes};
+use super::{Steps, World};
+use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
+use crate::lang::{Camera, Light, Picture, Scene, Sky};
+
+/// A world in a blend's graph. Its values are distances, or about as large as if they were.
+pub(super) struct Side {
+    /// Planes of slope 1.
+    pub(super) planes: Vec<NodeId>,
+    /// Everything else.
+    pub(super) rest: Option<Steps>,
+    /// The numbers of the material of the nearest object.
+    pub(super) material: Vec<NodeId>,
+    /// Emission near a point, and how far away what has it is.
+    pub(super) glow: Option<[NodeId; 4]>,
+    pub(super) lights: Vec<Light>,
+    pub(super) camera: Camera,
+    pub(super) sky: Sky,
+    pub(super) picture: Picture,
+}
+
+/// How far from its surfaces a value that is no distance still grows, in a scene without bounds.
+const REACH: f32 = 8.0;
+
+impl Side {
+    /// Takes a world into the graph. So many pictures and parameters come before its own.
+    ///
+    /// # Errors
+    /// Those of [`Graph::check`].
+    pub(super) fn of(
+        graph: &mut Graph,
+        world: &World,
+        before: (usize, usize),
+    ) -> Result<Self, GraphError> {
+        let mut scene = world.scene.clone();
+        let (planes, rest) = planes::split(&mut scene)?;
+        let glow = nearby_light::nearby_light(&mut scene)?;
+        let moved = copied(graph, &scene.graph, before);
+        let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
+        let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
+        let reach = world.bounds.map_or(REACH, |bounds| {
+            (0..3).map(|axis| 0.5 * (bounds.high[axis] - bounds.low[axis])).fold(0.0, f32::max)
+        });
+        let mut of_slope_1 = Vec::with_capacity(planes.len());
+        for plane in &planes {
+            of_slope_1.push(plane_of_slope_1(graph, at(plane.shape))?);
+        }
+        let rest = rest.map(|rest| {
+            [rest.bound, rest.estimate].map(|value| like_a_distance(graph, at(value), world.slope, reach))
+        });
+        Ok(Self {
+            planes: of_slope_1,
+            rest,
+            material: material_of_the_nearest(graph, &scene, at),
+            glow: glow.map(|glow| glow.map(at)),
+            lights: scene.lights.iter().map(|light| Light::of(light.kind, all(light.numbers()))).collect(),
+            camera: Camera::of(all(scene.camera.numbers())),
+            sky: Sky::of(all(scene.sky.numbers())),
+            picture: Picture::of(all(scene.picture.numbers())),
+        })
+    }
+
+    /// Planes and rest together.
+    pub(super) fn whole(&self, graph: &mut Graph) -> Option<Steps> {
+        let planes = self.planes.iter().copied().reduce(|a, b| graph.min(a, b));
+        match (planes, self.rest) {
+            (Some(plane), Some(rest)) => Some(rest.map(|part| graph.min(plane, part))),
+            (plane, rest) => rest.or(plane.map(|plane| [plane; 2])),
+        }
+    }
+}
+
+/// Copies all nodes; gives the place of each.
+fn copied(graph: &mut Graph, from: &Graph, (textures, params): (usize, usize)) -> Vec<NodeId> {
+    let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
+    for node in from.nodes() {
+        // Operands stand before the nodes that use them.
+        let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
+        let copy = match node {
+            Node::Constant(value) => graph.constant(value),
+            Node::Input(Input::Param(number)) => graph.input(Input::Param(number + params as u16)),
+            Node::Input(input) => graph.input(input),
+            Node::Unary(op, a) => graph.unary(op, at(a)),
+            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
+            Node::Texture { texture, channel, u, v } => {
+                graph.texture(texture + textures as u16, channel, at(u), at(v))
+            }
+        };
+        moved.push(copy);
+    }
+    moved
+}
+
+/// The coordinates of the point.
+pub(super) fn position(graph: &mut Graph) -> [NodeId; 3] {
+    [Input::X, Input::Y, Input::Z].map(|input| graph.input(input))
+}
+
+/// A value at another place, without a normal.
+///
+/// # Errors
+/// Those of [`Graph::check`].
+pub(super) fn at(graph: &mut Graph, value: NodeId, place: [NodeId; 3]) -> Result<NodeId, GraphError> {
+    let mut moved = vec![NodeId::default(); graph.len()];
+    let zero = graph.constant(0.0);
+    for id in graph.order(&[value])?.nodes {
+        let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
+        let copy = match graph.node(id) {
+            Node::Input(Input::X) => place[0],
+            Node::Input(Input::Y) => place[1],
+            Node::Input(Input::Z) => place[2],
+            Node::Input(Input::NX | Input::NY | Input::NZ) => zero,
+            Node::Constant(_) | Node::Input(_) => id,
+            Node::Unary(op, a) => graph.unary(op, at(a)),
+            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
+            Node::Texture { texture, channel, u, v } => graph.texture(texture, channel, at(u), at(v)),
+        };
+        if let Some(place) = moved.get_mut(id.index()) {
+            *place = copy;
+        }
+    }
+    Ok(at_index(&moved, value))
+}
+
+fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
+    moved.get(id.index()).copied().unwrap_or_default()
+}
+
+/// A plane divided by its slope, so that it weighs as much as a distance.
+fn plane_of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let origin = at(graph, plane, [zero; 3])?;
+    let mut slopes = [zero; 3];
+    for (axis, slope) in slopes.iter_mut().enumerate() {
+        let mut place = [zero; 3];
+        place[axis] = one;
+        let there = at(graph, plane, place)?;
+        *slope = graph.sub(there, origin);
+    }
+    let slope = graph.length(&slopes);
+    Ok(graph.div(plane, slope))
+}
+
+/// A value that is no distance, divided by the slope that it has at its surfaces. Away from them it grows less and
+/// less, because a polynomial's value there is so large that nothing would be left of the other scene.
+fn like_a_distance(graph: &mut Graph, value: NodeId, slope: f32, reach: f32) -> NodeId {
+    if slope == 1.0 {
+        return value;
+    }
+    let (slope, reach, one) = (graph.constant(slope), graph.constant(reach), graph.constant(1.0));
+    let value = graph.div(value, slope);
+    let size = graph.abs(value);
+    let grown = graph.div(size, reach);
+    let grown = graph.add(grown, one);
+    graph.div(value, grown)
+}
+
+/// The numbers of the material that the nearest object has.
+fn material_of_the_nearest(graph: &mut Graph, scene: &Scene, at: impl Fn(NodeId) -> NodeId) -> Vec<NodeId> {
+    let mut nearest: Option<(NodeId, Vec<NodeId>)> = None;
+    for (index, material) in scene.materials.iter().enumerate() {
+        let shapes = scene.objects.iter().filter(|object| object.material == index);
+        let shapes: Vec<NodeId> = shapes.map(|object| at(object.shape)).collect();
+        let Some(shape) = shapes.into_iter().reduce(|a, b| graph.min(a, b)) else { continue };
+        let numbers: Vec<NodeId> = material.numbers().into_iter().map(&at).collect();
+        nearest = Some(match nearest {
+            None => (shape, numbers),
+            Some((so_far, others)) => {
+                let is_nearer = graph.binary(Op::Less, shape, so_far);
+                let both = numbers.into_iter().zip(others);
+                let chosen = both.map(|(own, other)| graph.select(is_nearer, own, other)).collect();
+                (graph.min(so_far, shape), chosen)
+            }
+        });
+    }
+    nearest.map(|(_, numbers)| numbers).unwrap_or_default()
+}
