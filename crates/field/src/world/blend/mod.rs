@@ -22,7 +22,7 @@ pub use portal::PortalShape;
 
 use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
-use crate::lang::{Light, Material, Object, Param, Picture, Scene, Sky};
+use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky};
 use crate::limits::LIMITS;
 use crate::world::PLANES_MAX;
 use side::Side;
@@ -145,9 +145,11 @@ impl World {
             materials: vec![Material::of(String::new(), material)],
             lights,
             camera,
+            cameras: Vec::new(),
             sky,
             has_own_sky: from.scene.has_own_sky || to.scene.has_own_sky,
             picture,
+            about: About::default(),
             params: params.chain([share]).collect(),
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
             includes: Vec::new(),
