@@ -14,6 +14,7 @@ fn main() -> anyhow::Result<()> {
         gain: Gain::Auto,
         output: output.into(),
         scene: SceneSource::Shipped("speakers".into()).into(),
+        show: None,
         blend: None,
         set: Vec::new(),
     })?;

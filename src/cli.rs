@@ -12,6 +12,7 @@ mod presets;
 mod progress;
 mod scene;
 mod scenes;
+mod show;
 mod still;
 mod video;
 mod view;
@@ -74,6 +75,7 @@ enum Command {
                             mariana video song.flac --start 60 --duration 10 --fps 30 --size 640x360 -o part.mp4\n  \
                             mariana video song.flac --for story --start 1:20 -o story.mp4\n  \
                             mariana video song.flac --scene orb --scene city@1:20 -o two.mp4\n  \
+                            mariana video song.flac --show auto -o show.mp4\n  \
                             mariana video --duration 10 --fps 1 -o stills/    a folder: numbered PNGs\n  \
                             mariana video song.flac -o - | mpv -              pictures without sound, as y4m")]
     Video(video::VideoArguments),
@@ -101,6 +103,11 @@ enum Command {
     #[command(after_help = "Examples:\n  mariana eval \"length(p) - 1\" --at 0,2,0\n  \
                             mariana eval speakers --points points.csv --set \"band(3)=0.5\" --set volume.x=0.2")]
     Eval(scene::EvalArguments),
+    /// Write down the show that follows a song, as a file to edit
+    #[command(after_help = "Examples:\n  mariana show song.flac -o song.show\n  \
+                            mariana video song.flac --show song.show -o song.mp4\n  \
+                            mariana show song.flac --scene orb --scene city    of these scenes alone")]
+    Show(show::ShowArguments),
     /// List the shipped scenes, with what each shows
     #[command(after_help = "Examples:\n  mariana scenes\n  mariana --scene orb    shows one of them")]
     Scenes,
@@ -175,6 +182,7 @@ fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Check(arguments)) => check::run(&arguments),
         Some(Command::Tape(arguments)) => scene::run_tape(&arguments),
         Some(Command::Eval(arguments)) => scene::run_eval(&arguments),
+        Some(Command::Show(arguments)) => show::run(arguments),
         Some(Command::Scenes) => scenes::run(),
         Some(Command::Devices { json }) => run_devices(json),
     }

@@ -8,6 +8,7 @@ use clap::Args;
 use super::common::{CommonArguments, OneScene, SetArguments, end_by_signals, refuse_a_terminal};
 use super::files::{Files, scene_of};
 use super::parse::{blend_help, parse_blend, parse_seconds, parse_size};
+use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
@@ -34,6 +35,9 @@ pub(super) struct StillArguments {
     /// colour of its own
     #[arg(long, conflicts_with = "view")]
     alpha: bool,
+    /// Show the moment of a show instead of a scene: 'auto' for one that follows the song, or a .show file
+    #[arg(long, value_name = "AUTO-OR-FILE", conflicts_with_all = ["alpha", "into", "scene"])]
+    show: Option<ShowChoice>,
     /// Show how the scene turns into this one
     #[arg(long, value_name = "SCENE", allow_hyphen_values = true, conflicts_with = "alpha")]
     into: Option<OsString>,
@@ -66,6 +70,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
             alpha: arguments.alpha,
             ..arguments.scene.choose(scene, &common)?
         },
+        show: arguments.show.map(|show| show.showing(Vec::new())),
         blend: into.map(|into| Blend { into, kind, share }),
         set: arguments.set.set,
     })?)

@@ -8,15 +8,17 @@ use clap::{ArgAction, Args};
 
 use super::choices::{CodecChoice, EncodingChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, SetArguments, end_by_signals, refuse_a_terminal};
-use super::files::Files;
+use super::files::{Files, scene_of};
 use super::parse::{parse_duration, parse_fps, parse_seconds, parse_size};
 use super::presets::{Place, preset};
 use super::progress::Progress;
+use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::export::output::Output;
 use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
-use crate::export::video::{TimedScene, VideoRequest, write_video};
+use crate::export::showing::Showing;
+use crate::export::video::{VideoRequest, write_video};
 
 #[derive(Args)]
 pub(super) struct VideoArguments {
@@ -56,8 +58,12 @@ pub(super) struct VideoArguments {
     scene: Vec<OsString>,
     /// Leave out the sky, so that the video can be laid over another one: in webm, mov, mkv and PNGs, for scenes whose
     /// sky has no colour of its own
-    #[arg(long, conflicts_with_all = ["codec", "view"])]
+    #[arg(long, conflicts_with_all = ["codec", "view", "show"])]
     alpha: bool,
+    /// A show instead of scenes: 'auto' for one that follows the song, made of all shipped scenes or of those that --scene
+    /// names, or a .show file
+    #[arg(long, value_name = "AUTO-OR-FILE")]
+    show: Option<ShowChoice>,
     #[command(flatten)]
     set: SetArguments,
     /// The video to write (mp4, mkv, mov, webm), a folder ending in '/' for numbered PNGs, or '-' for y4m without sound
@@ -82,11 +88,13 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let (song, _) = Files { songs, scene: None }.song_and_scene()?;
     let preset = preset(arguments.place);
     let mut scenes = Vec::new();
-    for (from, scene) in timed(&arguments.scene, scene.as_deref())? {
-        let scene =
-            SceneChoice { view: arguments.view.view, alpha: arguments.alpha, ..common.scene(&scene)? };
-        scenes.push(TimedScene { from, scene });
+    for (from, scene) in timed(&arguments.scene, scene.as_deref(), arguments.show.is_some())? {
+        scenes.push((from, scene_of(&scene)?));
     }
+    let showing = match arguments.show {
+        Some(show) => show.showing(scenes.into_iter().map(|(_, scene)| scene).collect()),
+        None => Showing::Scenes(scenes),
+    };
     let request = VideoRequest {
         song,
         start: arguments.start,
@@ -97,7 +105,12 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
         limit_flashes: arguments.flash_limiter,
         output,
         alpha: arguments.alpha,
-        scenes,
+        showing,
+        scene: SceneChoice {
+            view: arguments.view.view,
+            alpha: arguments.alpha,
+            ..common.scene(OsStr::new(DEFAULT_SCENE))?
+        },
         set: arguments.set.set,
         codec: arguments.codec.map(Into::into),
         quality: arguments.quality.into(),
@@ -116,9 +129,12 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     Ok(print_line(&format!("{written} frames in {}", request.output))?)
 }
 
-/// The scenes and when each begins, in seconds, in their order.
-fn timed(flags: &[OsString], file: Option<&Path>) -> anyhow::Result<Vec<(f64, OsString)>> {
+/// The scenes and when each begins, in seconds, in their order. Among those of a choice the times do not matter.
+fn timed(flags: &[OsString], file: Option<&Path>, is_choice: bool) -> anyhow::Result<Vec<(f64, OsString)>> {
     let mut scenes: Vec<(f64, OsString)> = flags.iter().map(|flag| with_time(flag)).collect();
+    if is_choice {
+        return Ok(scenes.into_iter().chain(file.map(|file| (0.0, file.into()))).collect());
+    }
     if let (Some(file), [(_, first), ..]) = (file, &scenes[..]) {
         bail!(
             "two scenes are named, {} and {}: give each by --scene, with its time",
@@ -155,7 +171,7 @@ mod tests {
 
     fn names(flags: &[&str], file: Option<&str>) -> Result<Vec<(f64, String)>, String> {
         let flags: Vec<OsString> = flags.iter().map(Into::into).collect();
-        let scenes = timed(&flags, file.map(Path::new)).map_err(|error| error.to_string())?;
+        let scenes = timed(&flags, file.map(Path::new), false).map_err(|error| error.to_string())?;
         Ok(scenes.into_iter().map(|(from, scene)| (from, scene.to_string_lossy().into_owned())).collect())
     }
 

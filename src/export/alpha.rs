@@ -26,20 +26,15 @@ pub(super) fn require_no_sky(ready: &ReadyScene, scene: &str) -> Result<(), Expo
     }
 }
 
-/// What draws how much of each pixel is covered.
-pub(super) struct CoveragePass {
-    program: Program,
+/// How much of each pixel is covered.
+#[derive(Default)]
+pub(super) struct Coverage {
     /// Of the frame that was drawn last, 0..1.
     shares: Vec<f32>,
 }
 
-impl CoveragePass {
-    /// One with a program of [`crate::gpu::scene_program::as_coverage`].
-    pub(super) fn new(program: Program) -> Self {
-        Self { program, shares: Vec::new() }
-    }
-
-    /// Finds out what covers the pixels of `frame`, and makes the frame one that is to be laid over something: grain
+impl Coverage {
+    /// Finds out, by a program of [`crate::gpu::scene_program::as_coverage`], what covers the pixels of `frame`, and makes the frame one that is to be laid over something: grain
     /// belongs to the whole.
     ///
     /// # Errors
@@ -48,12 +43,12 @@ impl CoveragePass {
         &mut self,
         renderer: &mut Renderer,
         frame: &mut Frame,
-        resources: &SceneResources,
+        (resources, program): (&SceneResources, &Program),
     ) -> Result<(), ExportError> {
         frame.picture.grain = 0.0;
         let mut covering = frame.clone();
         covering.picture = Picture { exposure: EXPOSURE, bloom: 0.0, vignette: 0.0, ..frame.picture };
-        renderer.draw(&covering, resources, &self.program)?;
+        renderer.draw(&covering, resources, program)?;
         let light = renderer.read_light()?;
         self.shares = light.as_chunks::<4>().0.iter().map(|[share, ..]| share / EXPOSURE).collect();
         Ok(())

@@ -6,6 +6,7 @@ use crate::atomic_file::Unwritable;
 use crate::frame::held_inputs::OutOfRange;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
+use crate::show::ShowError;
 use mariana_field::world::{BlendError, WorldError};
 use mariana_player::decode::DecodeError;
 
@@ -155,6 +156,15 @@ pub enum ExportError {
         path: PathBuf,
         /// Its last words.
         message: String,
+    },
+    /// A show cannot be made.
+    #[error(transparent)]
+    Show(#[from] ShowError),
+    /// A plan names a scene that nobody gave.
+    #[error("the show has no scene {scene}: this is a bug in Mariana; report it")]
+    NotInShow {
+        /// The scene.
+        scene: String,
     },
     /// Standard output is gone or full.
     #[error("the results cannot be printed ({0}): send them somewhere else")]

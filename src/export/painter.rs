@@ -1,10 +1,10 @@
 //! A scene with everything that is needed to draw it, without a window.
 
-use super::alpha::{CoveragePass, require_no_sky};
+use super::alpha::{Coverage, require_no_sky};
 use super::error::ExportError;
 use crate::config::SdfChoice;
-use crate::frame::Frame;
 use crate::frame::held_inputs::{HeldInputs, InputNames, Setting};
+use crate::frame::{Frame, Staging};
 use crate::gpu::edge_samples::EdgeSamples;
 use crate::gpu::gl::{Gl, GlInfo};
 use crate::gpu::headless::Headless;
@@ -61,23 +61,153 @@ impl From<SceneSource> for SceneChoice {
     }
 }
 
-/// A scene on the GPU. Draws pictures of any size.
-pub struct Painter {
+/// What scenes are drawn on, one after the other: a context without a window, and its renderer.
+pub(super) struct Easel {
     renderer: Renderer,
-    program: Program,
-    resources: SceneResources,
-    mode: Mode,
     view: Option<(ViewChoice, LegendPainter)>,
-    coverage: Option<CoveragePass>,
-    held: HeldInputs,
+    /// How much of each pixel of the last picture is covered, if that is asked for.
+    coverage: Option<Coverage>,
     // Last: what it holds is dropped first.
     context: Headless,
 }
 
+/// A scene with what draws it on an [`Easel`].
+pub(super) struct Model {
+    program: Program,
+    coverage: Option<Program>,
+    resources: SceneResources,
+    mode: Mode,
+}
+
+impl Easel {
+    /// Opens a context for scenes that are drawn as `choice` says.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn open(choice: &SceneChoice) -> Result<Self, ExportError> {
+        let context = Headless::new(choice.verbose)?;
+        let mut renderer = Renderer::new(context.gl(), &choice.shaders, Counting::Off)?;
+        renderer.set_tone_map(choice.tone_map);
+        renderer.set_edge_samples(EdgeSamples::Sixteen);
+        renderer.time_pictures()?;
+        let view = choice.view.map(|view| (view, LegendPainter::default()));
+        let coverage = choice.alpha.then(Coverage::default);
+        Ok(Self { renderer, view, coverage, context })
+    }
+
+    /// Uploads a scene and compiles its program: the one that was asked for. For `auto` that is the compiled one, which
+    /// draws the same picture, unless the scene is so large that it stays interpreted. A scene whose tape does not fit
+    /// the driver is compiled, and that is logged.
+    ///
+    /// # Errors
+    /// The driver refuses, or the scene has a sky of its own and is to be transparent.
+    pub(super) fn load(&self, choice: &SceneChoice, ready: ReadyScene) -> Result<Model, ExportError> {
+        if choice.alpha {
+            require_no_sky(&ready, &choice.source.name())?;
+        }
+        let gl = self.context.gl();
+        let ReadyScene { world, buffers, plan, .. } = ready;
+        let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
+        let counting = if choice.view.is_some() { Counting::On } else { Counting::Off };
+        let mut variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)?;
+        if choice.view.is_some() {
+            variant = as_views(variant);
+        }
+        let mut coverage = None;
+        if choice.alpha {
+            coverage = Some(link_scene(gl, &choice.shaders, &as_coverage(variant.clone()))?);
+            variant = without_sky(variant);
+        }
+        let program = link_scene(gl, &choice.shaders, &variant)?;
+        let resources = SceneResources::upload(gl, world, buffers, plan)?;
+        // Views show them.
+        let wish = match choice.cells {
+            CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
+            wish => wish,
+        };
+        resources.set_cells(resources.uses_cells(wish, mode), mode);
+        Ok(Model { program, coverage, resources, mode })
+    }
+
+    /// Draws a frame of a scene.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn draw(&mut self, model: &Model, mut frame: Frame) -> Result<(), ExportError> {
+        let Model { program, resources, mode, .. } = model;
+        if let Some((coverage, program)) = self.coverage.as_mut().zip(model.coverage.as_ref()) {
+            coverage.draw(&mut self.renderer, &mut frame, (resources, program))?;
+        }
+        let Some((view, legends)) = &mut self.view else {
+            return Ok(self.renderer.draw(&frame, resources, program)?);
+        };
+        let setup = ViewSetup::of(*view, &frame, resources.world(), resources.drawn(*mode));
+        let legend = legends.picture(setup.legend, frame.size);
+        Ok(self.renderer.draw_view(&frame, resources, program, (&setup.block, legend.as_deref()))?)
+    }
+
+    /// Draws `over` with the share, 0..1, of `under` in its light. Views stand for numbers and are not mixed.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn draw_faded(
+        &mut self,
+        under: (&Model, Frame),
+        over: (&Model, Frame),
+        share: f32,
+    ) -> Result<(), ExportError> {
+        if self.view.is_none() {
+            self.draw(under.0, under.1)?;
+            self.renderer.keep_light()?;
+            self.renderer.set_fade(Some(share));
+        }
+        let drawn = self.draw(over.0, over.1);
+        self.renderer.set_fade(None);
+        drawn
+    }
+
+    /// From now on [`Easel::limit_flashes`] takes effect.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
+        Ok(self.renderer.add_flash_limiter(shaders)?)
+    }
+
+    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
+        Ok(self.renderer.limit_flashes(seconds)?)
+    }
+
+    /// The last picture, four bytes per pixel, the top row first; premultiplied where it is transparent.
+    pub(super) fn read(&self) -> Vec<u8> {
+        let mut rgba = self.renderer.read();
+        if let Some(coverage) = &self.coverage {
+            coverage.put_into(&mut rgba);
+        }
+        rgba
+    }
+}
+
+impl Model {
+    /// The world that is drawn.
+    pub(super) fn world(&self) -> &World {
+        self.resources.world()
+    }
+}
+
+/// A scene on the GPU. Draws pictures of any size.
+pub struct Painter {
+    model: Model,
+    held: HeldInputs,
+    easel: Easel,
+}
+
 impl Painter {
-    /// Opens a context and compiles the scene's program: the one that was asked for. For `auto` that is the compiled
-    /// one, which draws the same picture, unless the scene is so large that it stays interpreted. A scene whose tape
-    /// does not fit the driver is compiled, and that is logged.
+    /// Opens a context and prepares the choice's scene for it.
     ///
     /// # Errors
     /// The scene or the driver refuses.
@@ -93,35 +223,9 @@ impl Painter {
         if choice.alpha {
             require_no_sky(&ready, &choice.source.name())?;
         }
-        let ReadyScene { world, buffers, plan, .. } = ready;
-        let context = Headless::new(choice.verbose)?;
-        let gl = context.gl();
-        let mode = mode_on(choice.sdf, &buffers, &plan, gl.info());
-        let mut renderer = Renderer::new(gl, &choice.shaders, Counting::Off)?;
-        renderer.set_tone_map(choice.tone_map);
-        renderer.set_edge_samples(EdgeSamples::Sixteen);
-        renderer.time_pictures()?;
-        let counting = if choice.view.is_some() { Counting::On } else { Counting::Off };
-        let mut variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)?;
-        if choice.view.is_some() {
-            variant = as_views(variant);
-        }
-        let mut coverage = None;
-        if choice.alpha {
-            let program = link_scene(gl, &choice.shaders, &as_coverage(variant.clone()))?;
-            coverage = Some(CoveragePass::new(program));
-            variant = without_sky(variant);
-        }
-        let program = link_scene(gl, &choice.shaders, &variant)?;
-        let resources = SceneResources::upload(gl, world, buffers, plan)?;
-        // Views show them.
-        let wish = match choice.cells {
-            CellUse::WhereTheyPay if choice.view.is_some() => CellUse::Always,
-            wish => wish,
-        };
-        resources.set_cells(resources.uses_cells(wish, mode), mode);
-        let view = choice.view.map(|view| (view, LegendPainter::default()));
-        Ok(Self { renderer, program, resources, mode, view, coverage, held: HeldInputs::default(), context })
+        let easel = Easel::open(choice)?;
+        let model = easel.load(choice, ready)?;
+        Ok(Self { model, held: HeldInputs::default(), easel })
     }
 
     /// Holds inputs of the scene from now on; those that it does not have are passed over.
@@ -129,9 +233,7 @@ impl Painter {
     /// # Errors
     /// A value outside its input's range.
     pub fn hold(&mut self, set: &[Setting]) -> Result<(), ExportError> {
-        for setting in set {
-            self.held.hold(&self.resources.world().scene, setting)?;
-        }
+        self.held = held_of(&self.model.world().scene, set)?;
         Ok(())
     }
 
@@ -140,58 +242,42 @@ impl Painter {
     /// # Errors
     /// What the driver refuses.
     pub fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
-        let mut frame = Frame::holding(self.resources.world(), time, sound, size, &self.held);
-        if let Some(coverage) = &mut self.coverage {
-            coverage.draw(&mut self.renderer, &mut frame, &self.resources)?;
-        }
-        let Some((view, legends)) = &mut self.view else {
-            return Ok(self.renderer.draw(&frame, &self.resources, &self.program)?);
-        };
-        let setup = ViewSetup::of(*view, &frame, self.resources.world(), self.resources.drawn(self.mode));
-        let legend = legends.picture(setup.legend, size);
-        let view = (&setup.block, legend.as_deref());
-        Ok(self.renderer.draw_view(&frame, &self.resources, &self.program, view)?)
-    }
-
-    /// From now on [`Painter::limit_flashes`] takes effect.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub fn add_flash_limiter(&mut self, shaders: &ShaderLibrary) -> Result<(), ExportError> {
-        Ok(self.renderer.add_flash_limiter(shaders)?)
-    }
-
-    /// Dims what flashes too often in the picture that was drawn last, which is shown `seconds` after the one before.
-    ///
-    /// # Errors
-    /// What the driver refuses.
-    pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), ExportError> {
-        Ok(self.renderer.limit_flashes(seconds)?)
+        let staging = Staging { params: &[], held: &self.held, camera: None };
+        let frame = Frame::staged(self.model.world(), time, sound, size, &staging);
+        self.easel.draw(&self.model, frame)
     }
 
     /// The last picture, four bytes per pixel, the top row first; premultiplied where it is transparent.
     pub fn read(&self) -> Vec<u8> {
-        let mut rgba = self.renderer.read();
-        if let Some(coverage) = &self.coverage {
-            coverage.put_into(&mut rgba);
-        }
-        rgba
+        self.easel.read()
     }
 
     /// How the scene is drawn.
     pub fn mode(&self) -> Mode {
-        self.mode
+        self.model.mode
     }
 
     /// The world that is drawn.
     pub fn world(&self) -> &World {
-        self.resources.world()
+        self.model.world()
     }
 
     /// The context.
     pub fn gl(&self) -> &Gl {
-        self.context.gl()
+        self.easel.context.gl()
     }
+}
+
+/// The inputs of a scene that settings hold; those that it does not have are passed over.
+///
+/// # Errors
+/// A value outside its input's range.
+pub(super) fn held_of(scene: &Scene, set: &[Setting]) -> Result<HeldInputs, ExportError> {
+    let mut held = HeldInputs::default();
+    for setting in set {
+        held.hold(scene, setting)?;
+    }
+    Ok(held)
 }
 
 /// Refuses settings that none of the scenes has an input for, and values outside an input's range.

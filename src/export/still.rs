@@ -11,12 +11,14 @@ use super::alpha::straight;
 use super::error::ExportError;
 use super::output::{Output, write_standard};
 use super::painter::{Painter, SceneChoice, require_inputs};
+use super::show_painter::ShowPainter;
+use super::showing::Showing;
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
 use crate::frame::held_inputs::Setting;
 use crate::scenes::{ReadyScene, SceneSource};
 use mariana_field::world::BlendKind;
-use mariana_music::Gain;
+use mariana_music::{Gain, Sound};
 use mariana_player::song::Song;
 
 /// Which still to make.
@@ -34,6 +36,8 @@ pub struct StillRequest {
     pub output: Output,
     /// The scene.
     pub scene: SceneChoice,
+    /// A show instead, of which the moment is seen.
+    pub show: Option<Showing>,
     /// Another scene into which it turns.
     pub blend: Option<Blend>,
     /// Inputs of the scene that are held.
@@ -84,16 +88,15 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
         Output::Standard => (StillFormat::Png, None),
     };
     let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
-    let ready = request.scene.source.ready()?;
-    let ready = match &request.blend {
-        Some(blend) => blend.of(ready)?,
-        None => ready,
+    let rgba = match &request.show {
+        Some(show) => {
+            let programme = show.programme(&request.song, request.at)?;
+            let mut painter = ShowPainter::open(&request.scene, programme, &request.set)?;
+            painter.draw(request.at, sound, request.size)?;
+            painter.easel().read()
+        }
+        None => drawn(request, sound)?,
     };
-    require_inputs(&[&ready.world.scene], &request.set)?;
-    let mut painter = Painter::of_ready(&request.scene, ready)?;
-    painter.hold(&request.set)?;
-    painter.draw(request.at, sound, request.size)?;
-    let rgba = painter.read();
     let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
     let bytes = match format {
         StillFormat::Png => pixels.png(request.size)?,
@@ -104,6 +107,20 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
         Some(file) => Ok(file.write(&bytes)?),
         None => write_standard(&bytes).map(|_| ()),
     }
+}
+
+/// The picture of one scene.
+fn drawn(request: &StillRequest, sound: Sound) -> Result<Vec<u8>, ExportError> {
+    let ready = request.scene.source.ready()?;
+    let ready = match &request.blend {
+        Some(blend) => blend.of(ready)?,
+        None => ready,
+    };
+    require_inputs(&[&ready.world.scene], &request.set)?;
+    let mut painter = Painter::of_ready(&request.scene, ready)?;
+    painter.hold(&request.set)?;
+    painter.draw(request.at, sound, request.size)?;
+    Ok(painter.read())
 }
 
 /// The formats of stills.

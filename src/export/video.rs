@@ -4,12 +4,14 @@ mod encoder;
 mod encoding;
 mod seam;
 mod sink;
-mod timeline;
 mod title_card;
 mod y4m;
 
 use super::error::ExportError;
 use super::output::Output;
+use super::painter::SceneChoice;
+use super::show_painter::ShowPainter;
+use super::showing::Showing;
 use super::song_features::SongFeatures;
 use super::still::refuse_the_song;
 use crate::frame::held_inputs::Setting;
@@ -17,11 +19,8 @@ use mariana_music::Gain;
 use mariana_player::song::Song;
 
 pub use encoding::{Codec, EncodingQuality};
-pub use timeline::TimedScene;
-
 use seam::Seam;
 use sink::{FrameWriter, Sink};
-use timeline::Timeline;
 use title_card::TitleCard;
 
 /// Which video to make.
@@ -46,8 +45,10 @@ pub struct VideoRequest {
     pub output: Output,
     /// Whether the video is transparent where nothing is; the scenes then are, too.
     pub alpha: bool,
-    /// The scenes, and from when on each is shown.
-    pub scenes: Vec<TimedScene>,
+    /// What is shown when.
+    pub showing: Showing,
+    /// How scenes are drawn; its own scene is not read.
+    pub scene: SceneChoice,
     /// Inputs of the scenes that are held.
     pub set: Vec<Setting>,
     /// How the pictures are encoded; none is as the output's name says.
@@ -100,17 +101,20 @@ pub fn write_video(
         return Err(too_long(expected.unwrap_or(0)));
     }
     let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
-    let mut scenes = Timeline::open(request)?;
+    let programme = request.showing.programme(&request.song, request.start)?;
+    let mut painter = ShowPainter::open(&request.scene, programme, &request.set)?;
+    if request.limit_flashes {
+        painter.easel().add_flash_limiter(&request.scene.shaders)?;
+    }
     let writer = FrameWriter::start(Sink::open(request)?)?;
     let (mut drawn, mut written) = (0, 0);
     while asked.is_none_or(|asked| drawn < asked) {
         let time = request.start + drawn as f64 / request.fps;
         let Some(sound) = song.sound_at(time)? else { break };
-        let Some(painter) = scenes.painter_at(time)? else { break };
         painter.draw(time, sound, request.size)?;
-        painter.limit_flashes(1.0 / request.fps)?;
+        painter.easel().limit_flashes(1.0 / request.fps)?;
         drawn += 1;
-        let picture = painter.read();
+        let picture = painter.easel().read();
         let next = match &mut seam {
             Some(seam) => seam.pass(picture)?,
             None => Some(picture),

@@ -77,6 +77,15 @@ impl HeldInputs {
         Ok(true)
     }
 
+    /// Those of two scenes together, for a scene that has the parameters of the second behind the `params` of the first.
+    pub fn followed_by(&self, second: &Self, params: usize) -> Self {
+        let moved = second.0.iter().map(|&(place, value)| match place {
+            Place::Param(number) => (Place::Param(params + number), value),
+            other => (other, value),
+        });
+        Self(self.0.iter().copied().chain(moved).collect())
+    }
+
     /// Puts the values into a frame of the scene.
     pub fn apply(&self, inputs: &mut FrameInputs) {
         for &(place, value) in &self.0 {

@@ -40,6 +40,17 @@ pub struct Frame {
     hand: OrbitControls,
 }
 
+/// What somebody decides about a picture besides its world and its moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Staging<'a> {
+    /// The scene's parameters; missing ones are as the scene's text sets them.
+    pub params: &'a [f32],
+    /// Inputs that are held, whatever the parameters say.
+    pub held: &'a HeldInputs,
+    /// The camera, by its number among those with names; none is the scene's own.
+    pub camera: Option<usize>,
+}
+
 impl Frame {
     /// The frame of a world at `time` seconds with the sound that is audible then; its parameters are as the scene's
     /// text sets them.
@@ -58,11 +69,13 @@ impl Frame {
         Self::of_inputs(world, inputs_of(world, time, sound.into(), params), size)
     }
 
-    /// The same as [`Frame::new`] with some inputs held at other values.
-    pub fn holding(world: &World, time: f64, sound: Sound, size: (u32, u32), held: &HeldInputs) -> Self {
-        let mut inputs = inputs_of(world, time, sound, &[]);
-        held.apply(&mut inputs);
-        Self::of_inputs(world, inputs, size)
+    /// The same as [`Frame::new`] as it is staged.
+    pub fn staged(world: &World, time: f64, sound: Sound, size: (u32, u32), staging: &Staging<'_>) -> Self {
+        let mut inputs = inputs_of(world, time, sound, staging.params);
+        staging.held.apply(&mut inputs);
+        let mut frame = Self::of_inputs(world, inputs, size);
+        frame.seen_by(world, staging.camera);
+        frame
     }
 
     fn of_inputs(world: &World, inputs: FrameInputs, size: (u32, u32)) -> Self {
@@ -101,6 +114,14 @@ fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInp
 }
 
 impl Frame {
+    /// The same moment seen by another camera of the scene; none, or one that there is not, is its own.
+    pub fn seen_by(&mut self, world: &World, camera: Option<usize>) {
+        if let Some(camera) = camera.and_then(|camera| self.values.cameras.get(camera)) {
+            self.values.camera = camera.clone();
+            self.see_from(world, aspect(self.size), self.hand);
+        }
+    }
+
     /// The point that the camera looks at, finite.
     pub fn target(&self) -> glam::DVec3 {
         camera::place(self.values.camera.target)

@@ -13,6 +13,12 @@ const BARS_STEP: f64 = 4.0;
 /// A border this close to a drop is the drop, in bars.
 const SAME_BARS: f64 = 1.0;
 
+/// The energy of a song whose sections differ by less than the least range, and of one without sections.
+const EVEN: f32 = 0.5;
+const RANGE_MIN: f32 = 0.08;
+/// What a song's calmest section is told as.
+const CALMEST: f32 = 0.15;
+
 /// Why a scene changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reason {
@@ -42,6 +48,7 @@ pub(super) struct Change<'a> {
 
 /// The changes of a song, in their order; at least that at its start.
 pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Change<'a>> {
+    let spread = Spread::of(song);
     let first = song.sections.first();
     let mut changes = vec![Change {
         when: at(Anchor::Start),
@@ -49,7 +56,7 @@ pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Chan
         reason: Reason::Start,
         letter: first.map(|section| section.letter.as_str()),
         before: 0.0,
-        energy: first.map_or(0.5, |section| section.energy),
+        energy: first.map_or(EVEN, |section| section.energy),
     }];
     let mut of_letter: Vec<&str> = Vec::new();
     for (index, section) in song.sections.iter().enumerate() {
@@ -83,11 +90,37 @@ pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Chan
             kept.push(change);
         }
     }
+    for change in &mut kept {
+        change.energy = spread.over_the_song(change.energy);
+    }
     let energies: Vec<f32> = kept.iter().map(|change| change.energy).collect();
     for (change, before) in kept.iter_mut().skip(1).zip(energies) {
         change.before = before;
     }
     kept
+}
+
+/// Energies of sections brought to a scale that the song uses all of: mastered music hardly gets quiet, and its verses
+/// should still be told from its choruses.
+struct Spread {
+    least: f32,
+    most: f32,
+}
+
+impl Spread {
+    fn of(song: &SongStructure) -> Self {
+        let energies = || song.sections.iter().map(|section| section.energy);
+        Self { least: energies().fold(f32::INFINITY, f32::min), most: energies().fold(0.0, f32::max) }
+    }
+
+    fn over_the_song(&self, energy: f32) -> f32 {
+        let range = self.most - self.least;
+        // A song without contrast is neither calm nor loud.
+        if range < RANGE_MIN || !range.is_finite() {
+            return EVEN;
+        }
+        CALMEST + (1.0 - CALMEST) * ((energy - self.least) / range).clamp(0.0, 1.0)
+    }
 }
 
 fn at(anchor: Anchor) -> When {
@@ -96,7 +129,7 @@ fn at(anchor: Anchor) -> When {
 
 fn change(song: &SongStructure, when: When, time: f64, reason: Reason) -> Change<'_> {
     let section = song.sections.iter().rev().find(|section| section.start <= time + 0.05);
-    let energy = section.map_or(0.5, |section| section.energy);
+    let energy = section.map_or(EVEN, |section| section.energy);
     let letter = section.map(|section| section.letter.as_str());
     Change { when, time, reason, letter, before: energy, energy }
 }

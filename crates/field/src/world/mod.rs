@@ -179,6 +179,22 @@ impl World {
         Self::prepared(name, scene, Surfaces { planes, rest, glow }, None, pictures)
     }
 
+    /// The same world seen by another of its cameras, by its number among [`Scene::cameras`]; unchanged if there is no
+    /// such camera. Its programs are the same.
+    ///
+    /// # Errors
+    /// A camera that takes more clauses than the limits.
+    pub fn seen_by(&self, camera: usize) -> Result<Self, WorldError> {
+        let mut world = self.clone();
+        if let Some((_, camera)) = self.scene.cameras.get(camera) {
+            world.scene.camera = camera.clone();
+            let tape = FrameTape::build(&world.scene, &world.planes);
+            world.frame_tape =
+                tape.map_err(|source| WorldError::Tape { scene: self.name.clone(), source })?;
+        }
+        Ok(world)
+    }
+
     /// The world of a scene of which the surfaces are known, and perhaps how they are traced.
     fn prepared(
         name: &str,

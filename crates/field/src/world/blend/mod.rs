@@ -54,7 +54,9 @@ impl BlendKind {
 #[derive(Debug, thiserror::Error)]
 pub enum BlendError {
     /// Together they have more of something than one scene may have.
-    #[error("together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade")]
+    #[error(
+        "together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade"
+    )]
     OverLimit {
         /// The first scene.
         from: String,
@@ -137,7 +139,13 @@ impl World {
             is_number: true,
             span: Default::default(),
         };
-        let object = Object { name: name.clone(), span: Default::default(), shape: distance, bound: None, material: 0 };
+        let object = Object {
+            name: name.clone(),
+            span: Default::default(),
+            shape: distance,
+            bound: None,
+            material: 0,
+        };
         let scene = Scene {
             graph,
             objects: vec![object],
@@ -303,6 +311,7 @@ fn bounds(from: &World, to: &World) -> Option<Bounds> {
         return None;
     }
     let (a, b) = (from.bounds?, to.bounds?);
-    let corner = |of: fn(f32, f32) -> f32, a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|axis| of(a[axis], b[axis]));
+    let corner =
+        |of: fn(f32, f32) -> f32, a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|axis| of(a[axis], b[axis]));
     Some(Bounds { low: corner(f32::min, a.low, b.low), high: corner(f32::max, a.high, b.high) })
 }

@@ -29,11 +29,7 @@ impl Side {
     ///
     /// # Errors
     /// Those of [`Graph::check`].
-    pub(super) fn of(
-        graph: &mut Graph,
-        world: &World,
-        before: (usize, usize),
-    ) -> Result<Self, GraphError> {
+    pub(super) fn of(graph: &mut Graph, world: &World, before: (usize, usize)) -> Result<Self, GraphError> {
         let mut scene = world.scene.clone();
         let (planes, rest) = planes::split(&mut scene)?;
         let glow = nearby_light::nearby_light(&mut scene)?;

@@ -1,0 +1,68 @@
+//! The subcommand `show`, and the flag `--show` of others.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+
+use super::common::end_by_signals;
+use super::files::{scene_of, song_or_demo};
+use crate::export::output::Output;
+use crate::export::print::print_line;
+use crate::export::show_file::{ShowFileRequest, write_show_file};
+use crate::export::showing::Showing;
+use crate::scenes::{SceneSource, shipped_names};
+use crate::show::ShowSource;
+
+/// What `--show` takes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct ShowChoice(pub(super) ShowSource);
+
+/// The director's name on the command line.
+const AUTO: &str = "auto";
+
+impl FromStr for ShowChoice {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self(if text == AUTO { ShowSource::Auto } else { ShowSource::File(PathBuf::from(text)) }))
+    }
+}
+
+impl ShowChoice {
+    /// The show, for which the director chooses among these scenes, or among the shipped ones if there are none.
+    pub(super) fn showing(self, scenes: Vec<SceneSource>) -> Showing {
+        Showing::Show(self.0, or_shipped(scenes))
+    }
+}
+
+fn or_shipped(scenes: Vec<SceneSource>) -> Vec<SceneSource> {
+    if scenes.is_empty() { shipped_names().into_iter().map(SceneSource::Shipped).collect() } else { scenes }
+}
+
+#[derive(Args)]
+pub(super) struct ShowArguments {
+    /// The song, or '-' for standard input; if none is given, the built-in demo track
+    file: Option<PathBuf>,
+    /// A scene among which to choose; can be given more than once [default: all shipped scenes]
+    #[arg(long, value_name = "SCENE", allow_hyphen_values = true)]
+    scene: Vec<std::ffi::OsString>,
+    /// The show file to write; '-' is standard output
+    #[arg(short, long, value_name = "FILE.show", default_value = "-")]
+    output: PathBuf,
+}
+
+pub(super) fn run(arguments: ShowArguments) -> anyhow::Result<()> {
+    end_by_signals();
+    let scenes = arguments.scene.iter().map(scene_of).collect::<anyhow::Result<Vec<_>>>()?;
+    let request = ShowFileRequest {
+        song: song_or_demo(arguments.file)?,
+        scenes: or_shipped(scenes),
+        output: Output::from(arguments.output),
+    };
+    let entries = write_show_file(&request)?;
+    match &request.output {
+        Output::Standard => Ok(()),
+        Output::Path(path) => Ok(print_line(&format!("{entries} entries in {}", path.display()))?),
+    }
+}

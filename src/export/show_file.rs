@@ -1,0 +1,47 @@
+//! The show that the director makes of a song, as a file to edit.
+
+use super::error::ExportError;
+use super::output::{Output, write_standard};
+use super::still::refuse_the_song;
+use super::structure::{structure_of, summary};
+use crate::atomic_file::AtomicFile;
+use crate::scenes::SceneSource;
+use crate::show::{Programme, ShowSource};
+use mariana_player::song::Song;
+
+/// Which show to write down.
+#[derive(Debug, Clone)]
+pub struct ShowFileRequest {
+    /// The song.
+    pub song: Song,
+    /// The scenes among which the director chooses.
+    pub scenes: Vec<SceneSource>,
+    /// Where it goes.
+    pub output: Output,
+}
+
+/// Writes the show, and tells how many entries it has.
+///
+/// # Errors
+/// The song or the output is refused.
+pub fn write_show_file(request: &ShowFileRequest) -> Result<usize, ExportError> {
+    let file = match &request.output {
+        Output::Path(path) => {
+            refuse_the_song(&request.song, path)?;
+            Some(AtomicFile::create(path)?)
+        }
+        Output::Standard => None,
+    };
+    let (name, structure) = structure_of(&request.song)?;
+    let (programme, _) = Programme::of_song(&ShowSource::Auto, &structure, &request.scenes)?;
+    let comments = [
+        format!("A show for {name}: {}", summary(&structure)),
+        "at WHEN SCENE [camera NAME] [cut | fade, melt or portal over LENGTH]; set PARAMETER = A -> B over LENGTH".to_owned(),
+    ];
+    let text = programme.text(&comments);
+    match file {
+        Some(file) => file.write(text.as_bytes())?,
+        None => write_standard(text.as_bytes()).map(|_| ())?,
+    }
+    Ok(programme.plan().stays().len())
+}

@@ -1,0 +1,205 @@
+//! Draws a show: at each moment the scene that is on, or two scenes of which one becomes the other.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::error::ExportError;
+use super::painter::{Easel, Model, SceneChoice, held_of, require_inputs};
+use crate::frame::held_inputs::{HeldInputs, Setting};
+use crate::frame::{Frame, Staging};
+use crate::scenes::{ReadyScene, SceneSource};
+use crate::show::{Programme, Stay};
+use mariana_field::lang::Way;
+use mariana_field::world::{BlendKind, PortalShape, World, blended_params};
+use mariana_music::Sound;
+
+/// Most scenes and blends that stay on the GPU; those that were drawn longest ago go first.
+const MODELS_MAX: usize = 8;
+
+/// What is drawn: a scene, or a blend of two scenes as two cameras see them.
+#[derive(Debug, Clone, PartialEq)]
+enum Drawn {
+    Scene(String),
+    Blend { from: (String, Option<String>), to: (String, Option<String>), kind: BlendKind },
+}
+
+/// A scene of the show that was read.
+struct Read {
+    name: String,
+    ready: ReadyScene,
+    held: HeldInputs,
+}
+
+/// See the module.
+pub(super) struct ShowPainter {
+    easel: Easel,
+    choice: SceneChoice,
+    programme: Arc<Programme>,
+    scenes: Vec<Read>,
+    /// What is on the GPU, the last drawn at the end.
+    models: VecDeque<(Drawn, Arc<Model>)>,
+    /// Blends that are refused: they fade.
+    refused: Vec<Drawn>,
+}
+
+impl ShowPainter {
+    /// Reads all scenes of the show, so that none is refused in the middle. `choice` says how they are drawn.
+    ///
+    /// # Errors
+    /// A scene, a setting or the driver is refused.
+    pub(super) fn open(
+        choice: &SceneChoice,
+        programme: Arc<Programme>,
+        set: &[Setting],
+    ) -> Result<Self, ExportError> {
+        let mut scenes = Vec::new();
+        let mut names: Vec<&str> = Vec::new();
+        for stay in programme.plan().stays() {
+            if names.contains(&stay.scene.as_str()) {
+                continue;
+            }
+            names.push(&stay.scene);
+            let Some(source) = programme.source(&stay.scene) else { continue };
+            scenes.push((stay.scene.clone(), source.clone(), source.ready()?));
+        }
+        let known: Vec<_> = scenes.iter().map(|(_, _, ready)| &ready.world.scene).collect();
+        require_inputs(&known, set)?;
+        let easel = Easel::open(choice)?;
+        let read = |(name, source, ready): (String, SceneSource, ReadyScene)| {
+            if choice.alpha {
+                super::alpha::require_no_sky(&ready, &source.name())?;
+            }
+            let held = held_of(&ready.world.scene, set)?;
+            Ok(Read { name, ready, held })
+        };
+        let scenes = scenes.into_iter().map(read).collect::<Result<_, ExportError>>()?;
+        let (models, refused) = (VecDeque::new(), Vec::new());
+        Ok(Self { easel, choice: choice.clone(), programme, scenes, models, refused })
+    }
+
+    /// What scenes are drawn on.
+    pub(super) fn easel(&mut self) -> &mut Easel {
+        &mut self.easel
+    }
+
+    /// Draws what is on at `time` seconds with the sound of that moment, `size` pixels large. Nothing is drawn if
+    /// nothing is on.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn draw(&mut self, time: f64, sound: Sound, size: (u32, u32)) -> Result<(), ExportError> {
+        let programme = self.programme.clone();
+        let Some(moment) = programme.plan().at(time) else { return Ok(()) };
+        let Some((leaving, share)) = moment.leaving else {
+            let (model, frame) = self.frame(moment.stay, time, sound, size)?;
+            return self.easel.draw(&model, frame);
+        };
+        if let Some(kind) = kind_of(moment.stay.entrance.way)
+            && let Some(model) = self.blend(leaving, moment.stay, kind)?
+        {
+            let of =
+                |stay: &Stay| self.read(stay).map(|read| (read, params_of(&read.ready.world, stay, time)));
+            let (from, to) = (of(leaving)?, of(moment.stay)?);
+            let scenes = (&from.0.ready.world.scene, &to.0.ready.world.scene);
+            let params = blended_params((scenes.0, &from.1), (scenes.1, &to.1), share);
+            let held = from.0.held.followed_by(&to.0.held, scenes.0.params.len());
+            let staging = Staging { params: &params, held: &held, camera: None };
+            let frame = Frame::staged(model.world(), time, sound, size, &staging);
+            return self.easel.draw(&model, frame);
+        }
+        let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
+        let (over, over_frame) = self.frame(moment.stay, time, sound, size)?;
+        self.easel.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - share)
+    }
+
+    /// A stay's scene at a moment, alone.
+    fn frame(
+        &mut self,
+        stay: &Stay,
+        time: f64,
+        sound: Sound,
+        size: (u32, u32),
+    ) -> Result<(Arc<Model>, Frame), ExportError> {
+        let read = self.read(stay)?;
+        let (ready, held) = (read.ready.clone(), read.held.clone());
+        let params = params_of(&ready.world, stay, time);
+        let camera = camera_of(&ready.world, stay);
+        let model = self.model(Drawn::Scene(stay.scene.clone()), |_| Ok(ready))?;
+        let staging = Staging { params: &params, held: &held, camera };
+        let frame = Frame::staged(model.world(), time, sound, size, &staging);
+        Ok((model, frame))
+    }
+
+    /// The blend of two stays; none if they cannot be blended.
+    fn blend(&mut self, from: &Stay, to: &Stay, kind: BlendKind) -> Result<Option<Arc<Model>>, ExportError> {
+        let seen = |stay: &Stay| (stay.scene.clone(), stay.camera.clone());
+        let drawn = Drawn::Blend { from: seen(from), to: seen(to), kind };
+        if self.refused.contains(&drawn) {
+            return Ok(None);
+        }
+        let made = self.model(drawn.clone(), |this| {
+            let seen = |stay: &Stay| -> Result<ReadyScene, ExportError> {
+                let ready = this.read(stay)?.ready.clone();
+                Ok(match camera_of(&ready.world, stay) {
+                    Some(camera) => ReadyScene { world: Arc::new(ready.world.seen_by(camera)?), ..ready },
+                    None => ready,
+                })
+            };
+            Ok(seen(from)?.blended(&seen(to)?, kind, 0.5)?)
+        });
+        match made {
+            Ok(model) => Ok(Some(model)),
+            Err(ExportError::Blend(refusal)) => {
+                tracing::info!("{refusal}");
+                self.refused.push(drawn);
+                Ok(None)
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// What draws something; made if it is not there.
+    fn model(
+        &mut self,
+        drawn: Drawn,
+        make: impl FnOnce(&Self) -> Result<ReadyScene, ExportError>,
+    ) -> Result<Arc<Model>, ExportError> {
+        let known = self.models.iter().position(|(known, _)| *known == drawn);
+        let model = match known.and_then(|at| self.models.remove(at)) {
+            Some((_, model)) => model,
+            None => Arc::new(self.easel.load(&self.choice, make(self)?)?),
+        };
+        if self.models.len() >= MODELS_MAX {
+            self.models.pop_front();
+        }
+        self.models.push_back((drawn, model.clone()));
+        Ok(model)
+    }
+
+    fn read(&self, stay: &Stay) -> Result<&Read, ExportError> {
+        let read = self.scenes.iter().find(|read| read.name == stay.scene);
+        read.ok_or_else(|| ExportError::NotInShow { scene: stay.scene.clone() })
+    }
+}
+
+/// How worlds are blended in a way that is no mixture of pictures.
+fn kind_of(way: Way) -> Option<BlendKind> {
+    match way {
+        Way::Melt => Some(BlendKind::Melt),
+        Way::Portal => Some(BlendKind::Portal(PortalShape::Ball)),
+        Way::Cut | Way::Fade => None,
+    }
+}
+
+/// The number of a stay's camera in its world.
+fn camera_of(world: &World, stay: &Stay) -> Option<usize> {
+    let wanted = stay.camera.as_ref()?;
+    world.scene.cameras.iter().position(|(name, _)| name == wanted)
+}
+
+/// The parameters of a world as a stay moves them.
+fn params_of(world: &World, stay: &Stay, time: f64) -> Vec<f32> {
+    let moved = stay.params_at(time);
+    let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
+    world.scene.params.iter().map(|param| value(&param.name).unwrap_or(param.default)).collect()
+}
