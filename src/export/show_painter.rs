@@ -7,10 +7,9 @@ use super::error::ExportError;
 use super::painter::{Easel, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::frame::{Frame, Staging};
-use crate::scenes::{ReadyScene, SceneSource};
-use crate::show::{Programme, Stay};
-use mariana_field::lang::Way;
-use mariana_field::world::{BlendKind, PortalShape, World, blended_params};
+use crate::scenes::{ReadyScene, SceneError, SceneSource, camera_number};
+use crate::show::{Programme, Stay, blend_kind};
+use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
 
 /// Most scenes and blends that stay on the GPU; those that were drawn longest ago go first.
@@ -94,7 +93,7 @@ impl ShowPainter {
             let (model, frame) = self.frame(moment.stay, time, sound, size)?;
             return self.easel.draw(&model, frame);
         };
-        if let Some(kind) = kind_of(moment.stay.entrance.way)
+        if let Some(kind) = blend_kind(moment.stay.entrance.way)
             && let Some(model) = self.blend(leaving, moment.stay, kind)?
         {
             let of =
@@ -138,18 +137,14 @@ impl ShowPainter {
             return Ok(None);
         }
         let made = self.model(drawn.clone(), |this| {
-            let seen = |stay: &Stay| -> Result<ReadyScene, ExportError> {
-                let ready = this.read(stay)?.ready.clone();
-                Ok(match camera_of(&ready.world, stay) {
-                    Some(camera) => ReadyScene { world: Arc::new(ready.world.seen_by(camera)?), ..ready },
-                    None => ready,
-                })
-            };
-            Ok(seen(from)?.blended(&seen(to)?, kind, 0.5)?)
+            let ready = |stay: &Stay| this.read(stay).map(|read| read.ready.clone());
+            let blend = this.programme.blend(from, to, kind);
+            let missing = || ExportError::NotInShow { scene: to.scene.clone() };
+            Ok(blend.ok_or_else(missing)?.of(ready(from)?, ready(to)?)?)
         });
         match made {
             Ok(model) => Ok(Some(model)),
-            Err(ExportError::Blend(refusal)) => {
+            Err(ExportError::Scene(SceneError::Blend(refusal))) => {
                 tracing::info!("{refusal}");
                 self.refused.push(drawn);
                 Ok(None)
@@ -182,24 +177,12 @@ impl ShowPainter {
     }
 }
 
-/// How worlds are blended in a way that is no mixture of pictures.
-fn kind_of(way: Way) -> Option<BlendKind> {
-    match way {
-        Way::Melt => Some(BlendKind::Melt),
-        Way::Portal => Some(BlendKind::Portal(PortalShape::Ball)),
-        Way::Cut | Way::Fade => None,
-    }
-}
-
 /// The number of a stay's camera in its world.
 fn camera_of(world: &World, stay: &Stay) -> Option<usize> {
-    let wanted = stay.camera.as_ref()?;
-    world.scene.cameras.iter().position(|(name, _)| name == wanted)
+    camera_number(world, stay.camera.as_deref())
 }
 
 /// The parameters of a world as a stay moves them.
 fn params_of(world: &World, stay: &Stay, time: f64) -> Vec<f32> {
-    let moved = stay.params_at(time);
-    let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
-    world.scene.params.iter().map(|param| value(&param.name).unwrap_or(param.default)).collect()
+    stay.numbers_at(&world.scene, time, |param| param.default)
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use mariana_field::world::WorldError;
+use mariana_field::world::{BlendError, WorldError};
 
 /// A scene that cannot be read. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -60,4 +60,7 @@ pub enum SceneError {
     /// The scene is too large to be drawn.
     #[error(transparent)]
     World(#[from] WorldError),
+    /// Two scenes are too large together.
+    #[error(transparent)]
+    Blend(#[from] BlendError),
 }

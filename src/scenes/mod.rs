@@ -3,6 +3,7 @@
 //! **A scene reads its own folder.** Includes and pictures come from there; pictures that are missing there come from
 //! the shipped ones. The system is asked where a path really leads, so that links do not lead out of the folder.
 
+mod blend;
 mod content;
 mod debounce;
 mod error;
@@ -17,9 +18,11 @@ mod world;
 use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use include_dir::{Dir, include_dir};
 
+pub use blend::{SceneBlend, SeenScene, camera_number};
 pub use error::SceneError;
 pub(crate) use folder::read_at_most;
 pub use loader::{Loaded, Loader};
@@ -46,6 +49,8 @@ pub enum SceneSource {
     File(PathBuf),
     /// A formula in `x`, `y`, `z`, or a whole scene, as text.
     Formula(String),
+    /// A scene on its way into another; its text is that of the other.
+    Blend(Arc<SceneBlend>),
 }
 
 impl SceneSource {
@@ -82,6 +87,7 @@ impl SceneSource {
             Self::Shipped(name) => format!("{name}.{ENDING}"),
             Self::File(path) => path.display().to_string(),
             Self::Formula(_) => "formula".to_owned(),
+            Self::Blend(blend) => format!("{} into {}", blend.from.source.name(), blend.to.source.name()),
         }
     }
 
@@ -90,6 +96,7 @@ impl SceneSource {
         match self {
             Self::File(path) => Some(path),
             Self::Shipped(_) | Self::Formula(_) => None,
+            Self::Blend(blend) => blend.to.source.file(),
         }
     }
 
@@ -118,6 +125,7 @@ impl SceneSource {
                 name.to_string_lossy().replace(char::is_control, " ")
             }
             Self::Formula(_) => "formula".to_owned(),
+            Self::Blend(blend) => blend.to.source.title(),
         }
     }
 
@@ -150,6 +158,7 @@ impl SceneSource {
                 shipped: shipped_names().join(", "),
             }),
             Self::File(path) => read(path).map(Cow::from),
+            Self::Blend(blend) => blend.to.source.text(),
         }
     }
 
@@ -166,6 +175,7 @@ impl SceneSource {
                 };
                 lang::compile(&name, text, &mut include)
             }
+            Self::Blend(blend) => blend.to.source.compile_as(text, edits),
             Self::File(path) => {
                 let changing = edits.follow(self, text);
                 lang::compile_while_changing(&name, text, &mut including(Folder::of(path)), changing)

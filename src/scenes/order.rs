@@ -70,6 +70,7 @@ fn rank(scene: &SceneSource) -> (u8, &OsStr, &OsStr) {
         SceneSource::Formula(text) => (0, OsStr::new(text), OsStr::new("")),
         SceneSource::File(path) => (1, path.file_name().unwrap_or_default(), path.as_os_str()),
         SceneSource::Shipped(name) => (2, OsStr::new(name), OsStr::new("")),
+        SceneSource::Blend(blend) => rank(&blend.to.source),
     }
 }
 

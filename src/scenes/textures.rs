@@ -122,6 +122,7 @@ fn missing(source: &SceneSource, texture: &TextureRef) -> Diagnostic {
             format!("there is no picture `{name}` in the scene's folder"),
             format!("put it there, or use one that is shipped: {}", shipped.join(", ")),
         ),
+        SceneSource::Blend(blend) => return missing(&blend.to.source, texture),
         SceneSource::Shipped(_) | SceneSource::Formula(_) => (
             format!("there is no shipped picture `{name}`"),
             format!("use one of {}, or save the scene as a file next to your pictures", shipped.join(", ")),

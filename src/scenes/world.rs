@@ -67,6 +67,9 @@ impl SceneSource {
         textures: &mut TextureCache,
         edits: &mut NumberEdits,
     ) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
+        if let Self::Blend(blend) = self {
+            return blend.ready_with(textures);
+        }
         match self.compile_following(edits) {
             Ok(compiled) => {
                 let files = self.files(Some(&compiled));

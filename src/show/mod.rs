@@ -21,7 +21,7 @@ mod text;
 pub use bar_lines::BarLines;
 pub use director::{SceneCard, direct};
 pub use parse::{Parsed, parse};
-pub use plan::{Entrance, Moment, Move, Plan, Stay};
+pub use plan::{Entrance, Moment, Move, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, seed_of};
 pub use resolve::{Unresolved, resolve};
 pub use script::{Anchor, Entry, Length, Script, Setting, Transition, When};

@@ -1,6 +1,7 @@
 //! A show in seconds.
 
-use mariana_field::lang::Way;
+use mariana_field::lang::{Param, Scene, Way};
+use mariana_field::world::{BlendKind, PortalShape};
 
 /// What is on when. Stays follow each other in time.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -96,7 +97,23 @@ impl Plan {
     }
 }
 
+/// How worlds are blended in a way that is no mixture of pictures.
+pub fn blend_kind(way: Way) -> Option<BlendKind> {
+    match way {
+        Way::Melt => Some(BlendKind::Melt),
+        Way::Portal => Some(BlendKind::Portal(PortalShape::Ball)),
+        Way::Cut | Way::Fade => None,
+    }
+}
+
 impl Stay {
+    /// The parameters of its scene at `time` seconds of the song; those that it does not move are as `other` says.
+    pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
+        let moved = self.params_at(time);
+        let value = |name: &str| moved.iter().find(|(moved, _)| *moved == name).map(|(_, value)| *value);
+        scene.params.iter().map(|param| value(&param.name).unwrap_or_else(|| other(param))).collect()
+    }
+
     /// The values of the parameters that this stay moves, at `time` seconds of the song, the last word for each.
     pub fn params_at(&self, time: f64) -> Vec<(&str, f32)> {
         let mut values: Vec<(&str, f32)> = Vec::new();

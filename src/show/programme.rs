@@ -9,8 +9,9 @@ use super::resolve::{Unresolved, resolve};
 use super::script::Script;
 use super::{parse, print};
 use crate::limits::LIMITS;
-use crate::scenes::{SceneError, SceneSource};
+use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
 use mariana_field::lang::{About, Sources, Way, render_all};
+use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 
 /// Where a show comes from.
@@ -201,6 +202,14 @@ impl Programme {
         self.scenes.get(scene)
     }
 
+    /// One stay's scene on its way into another's; none if either is not of this show.
+    pub fn blend(&self, from: &Stay, to: &Stay, kind: BlendKind) -> Option<SceneBlend> {
+        let seen = |stay: &Stay| {
+            Some(SeenScene { source: self.source(&stay.scene)?.clone(), camera: stay.camera.clone() })
+        };
+        Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind })
+    }
+
     /// The scenes of the plan in the order in which they are on for the first time.
     pub fn sources(&self) -> Vec<&SceneSource> {
         let mut names: Vec<&str> = Vec::new();
@@ -243,6 +252,7 @@ fn name_of(source: &SceneSource) -> String {
         SceneSource::Shipped(name) => name.clone(),
         SceneSource::File(path) => path.display().to_string(),
         SceneSource::Formula(text) => text.clone(),
+        SceneSource::Blend(blend) => name_of(&blend.to.source),
     }
 }
 

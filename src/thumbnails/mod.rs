@@ -203,6 +203,7 @@ fn draw(source: &SceneSource, wishes: &Wishes) -> Result<Vec<u8>, String> {
     let place = tempfile::tempdir().map_err(cannot)?;
     let file = place.path().join("picture.png");
     let scene = match source {
+        SceneSource::Blend(blend) => return draw(&blend.to.source, wishes),
         SceneSource::Shipped(name) => name.into(),
         SceneSource::File(path) => path.clone().into_os_string(),
         SceneSource::Formula(text) => text.into(),

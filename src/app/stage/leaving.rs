@@ -61,6 +61,7 @@ fn name_of(source: &SceneSource) -> Option<String> {
         SceneSource::Shipped(name) => Some(name.clone()),
         SceneSource::File(path) => std::path::absolute(path).ok()?.to_str().map(str::to_owned),
         SceneSource::Formula(_) => None,
+        SceneSource::Blend(blend) => name_of(&blend.to.source),
     }
 }
 
