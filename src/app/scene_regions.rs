@@ -36,6 +36,17 @@ pub(super) struct Shown {
     pub revision: u64,
 }
 
+/// How a picture is wanted besides its moment and its sound.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wishes<'a> {
+    /// The scene's parameters.
+    pub params: &'a [f32],
+    /// One of its cameras with names; none is its own.
+    pub camera: Option<usize>,
+    /// How the camera was moved by hand.
+    pub hand: OrbitControls,
+}
+
 /// The builder's requests, and whether trees are waited for.
 pub(super) struct SceneRegions {
     wish: CellUse,
@@ -83,12 +94,14 @@ impl SceneRegions {
         scene: &SceneResources,
         wanted: Shown,
         sound: Sound,
-        (params, hand): (&[f32], OrbitControls),
+        wishes: Wishes<'_>,
     ) -> Option<(Frame, Shown)> {
         let cells = self.uses_cells((id, mode), scene);
         scene.set_cells(cells, mode);
-        let frame = Frame::with_params(scene.world(), wanted.moment.song_time, sound, wanted.size, params);
-        let frame = frame.by_hand(scene.world(), hand);
+        let time = wanted.moment.song_time;
+        let mut frame = Frame::with_params(scene.world(), time, sound, wanted.size, wishes.params);
+        frame.seen_by(scene.world(), wishes.camera);
+        let frame = frame.by_hand(scene.world(), wishes.hand);
         let request = scene.region_request(&frame);
         // Inputs that did not change cost nothing, and a tape without cells next to nothing. A scene's first picture
         // waits for its tree, because the picture that was shown belongs to another scene.

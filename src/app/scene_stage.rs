@@ -12,6 +12,7 @@ mod ahead;
 mod casting;
 mod changed_numbers;
 mod context_change;
+mod directed;
 mod drawing;
 mod fading;
 mod kept;
@@ -27,6 +28,7 @@ use std::time::{Duration, Instant};
 
 use ahead::Ahead;
 pub(super) use context_change::{DrawingWays, LoadedScene, SceneLoaders};
+use directed::Directed;
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
 use fading::Fading;
@@ -111,6 +113,7 @@ pub(super) struct SceneStage {
     /// The scene that was on the stage before, until the first picture of the present one is finished.
     before: Option<Cast>,
     ahead: Ahead,
+    directed: Directed,
     fading: Fading,
     edits: Edits,
     /// The picture that is being drawn.
@@ -170,6 +173,7 @@ impl SceneStage {
             coming: None,
             before: None,
             ahead: Ahead::with(loaders.ahead),
+            directed: Directed::default(),
             fading: Fading::of(ways.fade),
             edits: Edits::default(),
             making: None,
@@ -346,7 +350,7 @@ impl SceneStage {
 
     /// Whether the scene on the stage also moves without sound.
     pub(super) fn moves_by_itself(&self) -> bool {
-        self.on_stage.as_ref().is_none_or(|cast| cast.moves)
+        self.is_moved_by_the_show() || self.on_stage.as_ref().is_none_or(|cast| cast.moves)
     }
 }
 

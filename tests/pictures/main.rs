@@ -1,6 +1,7 @@
 //! What is drawn, without a window.
 
 mod agreement;
+mod blends;
 mod fades;
 mod flash_limiter;
 mod flashes;

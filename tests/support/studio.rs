@@ -62,13 +62,18 @@ impl Studio {
 
     /// Another scene and mode, or the counting variant.
     pub(crate) fn of(scene: &SceneSource, mode: Mode, counting: Counting) -> Self {
-        let ReadyScene { world, buffers, plan, .. } = ready(scene);
+        Self::of_ready(ready(scene), mode, counting)
+    }
+
+    /// The same of a scene that is ready.
+    pub(crate) fn of_ready(scene: ReadyScene, mode: Mode, counting: Counting) -> Self {
+        let ReadyScene { world, buffers, plan, .. } = scene;
         let context = Headless::new(false).unwrap();
         let gl = context.gl();
         let renderer =
             Renderer::new(gl, &ShaderLibrary::embedded(), counting).unwrap_or_else(|error| panic!("{error}"));
         let variant = variant_of(&world, &buffers, &plan, mode, gl.info(), counting)
-            .unwrap_or_else(|error| panic!("{}, {mode}: {error}", scene.name()));
+            .unwrap_or_else(|error| panic!("{}, {mode}: {error}", world.name));
         let program = link(&context, &ShaderLibrary::embedded(), &variant);
         let resources = SceneResources::upload(gl, world, buffers, plan).unwrap();
         Self { renderer, program, resources, adjust: |_| {}, context }

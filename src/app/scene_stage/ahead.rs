@@ -28,14 +28,23 @@ const TEXEL_BYTES: u64 = 15;
 pub(super) struct Ahead {
     /// The next scene and the previous one; none if nothing is prepared.
     neighbours: Option<[Neighbour; 2]>,
-    /// The scene whose neighbours these are.
-    of: Option<SceneSource>,
+    /// What decided which they are.
+    of: Option<WantedAhead>,
 }
 
 struct Neighbour {
     loader: SceneLoader,
     source: Option<SceneSource>,
     state: State,
+}
+
+/// Which scenes are prepared.
+#[derive(Debug, PartialEq)]
+pub(super) enum WantedAhead {
+    /// Those beside a scene in the list.
+    Neighbours(SceneSource),
+    /// What a show has next.
+    Upcoming([Option<SceneSource>; 2]),
 }
 
 enum State {
@@ -135,6 +144,30 @@ impl Ahead {
         }
     }
 
+    /// Prepares these from now on, and keeps what of them is there already.
+    fn want(&mut self, wanted: [Option<SceneSource>; 2]) {
+        let Some(neighbours) = &mut self.neighbours else { return };
+        let has = |at: usize, neighbours: &[Neighbour; 2]| {
+            neighbours[at].source.is_some() && neighbours[at].source == wanted[1 - at]
+        };
+        if has(0, neighbours) || has(1, neighbours) {
+            neighbours.swap(0, 1);
+        }
+        for (neighbour, wanted) in neighbours.iter_mut().zip(wanted) {
+            if neighbour.source != wanted {
+                (neighbour.source, neighbour.state) = (wanted, State::Unasked);
+            }
+        }
+    }
+
+    /// Whether a source is prepared and was drawn once.
+    fn has_rehearsed(&self, source: &SceneSource) -> bool {
+        self.all().any(|neighbour| {
+            neighbour.source.as_ref() == Some(source)
+                && matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. })
+        })
+    }
+
     /// Whether there is room for another scene.
     fn has_room_for(&self, world: &World) -> bool {
         let taken: u64 = self.casts().map(|cast| bytes_of(cast.resources.world())).sum();
@@ -185,20 +218,25 @@ impl SceneStage {
         self.ahead.take(to, from, &mut self.loader)
     }
 
+    /// Whether a source can be shown in the next picture.
+    pub(super) fn has_ready(&self, source: &SceneSource) -> bool {
+        self.ahead.has_rehearsed(source)
+    }
+
     /// Goes on preparing the neighbours of the scene on the stage.
     pub(super) fn prepare_neighbours(&mut self) {
         self.take_loaded_neighbours();
         if self.ahead.neighbours.is_none() || !self.is_complete() {
             return;
         }
-        if self.ahead.of.as_ref() != Some(&self.source) {
-            self.ahead.of = Some(self.source.clone());
-            let wanted = [self.list.next(&self.source), self.list.previous(&self.source)];
-            for (neighbour, wanted) in self.ahead.all_mut().zip(wanted) {
-                if neighbour.source.as_ref() != Some(&wanted) {
-                    (neighbour.source, neighbour.state) = (Some(wanted), State::Unasked);
-                }
-            }
+        let wanted = self.wanted_ahead();
+        if self.ahead.of.as_ref() != Some(&wanted) {
+            let sources = match &wanted {
+                WantedAhead::Neighbours(of) => [Some(self.list.next(of)), Some(self.list.previous(of))],
+                WantedAhead::Upcoming(sources) => sources.clone(),
+            };
+            self.ahead.of = Some(wanted);
+            self.ahead.want(sources);
             self.forget_obsolete();
         }
         let mut begun = None;

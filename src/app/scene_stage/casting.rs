@@ -147,8 +147,10 @@ impl SceneStage {
             self.awaited = None;
             if is_another {
                 self.fade_if_it_can();
-                let words = self.shown_source().map(|source| self.placed_name(source));
-                self.tell(words.unwrap_or_default());
+                if !self.is_as_directed() {
+                    let words = self.shown_source().map(|source| self.placed_name(source));
+                    self.tell(words.unwrap_or_default());
+                }
                 self.hand = OrbitControls::OFF;
             }
         }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::dynamic_resolution::Level;
-use crate::app::scene_regions::Shown;
+use crate::app::scene_regions::{Shown, Wishes};
 use crate::config::SdfChoice;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
@@ -77,8 +77,8 @@ impl SceneStage {
         if !self.making.as_ref().is_some_and(is_of_use) {
             self.making = None;
             let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
-            let params: Vec<f32> = cast.sliders.iter().map(|slider| slider.value).collect();
-            let wishes = (params.as_slice(), self.hand);
+            let (params, camera) = self.staged(cast, moment.song_time);
+            let wishes = Wishes { params: &params, camera, hand: self.hand };
             let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
             let Some((frame, shown)) = drawable else { return Ok(None) };
             let frame = frame.in_window(cast.resources.world(), aspect, level.quality);

@@ -15,6 +15,10 @@ const STEP_MAX: Duration = Duration::from_millis(125);
 pub(super) struct Fading {
     /// How long a fade takes; zero is a cut.
     length: Duration,
+    /// How long the next one takes instead.
+    next: Option<Duration>,
+    /// How long the one takes that goes on.
+    going: Duration,
     state: State,
     /// When the last picture was begun.
     begun: Option<Instant>,
@@ -32,7 +36,8 @@ enum State {
 impl Fading {
     /// Fades take this many seconds; 0 is a cut.
     pub(super) fn of(seconds: f64) -> Self {
-        Self { length: Duration::from_secs_f64(seconds), state: State::None, begun: None }
+        let length = Duration::from_secs_f64(seconds);
+        Self { length, next: None, going: length, state: State::None, begun: None }
     }
 
     /// How many seconds a fade takes.
@@ -42,9 +47,18 @@ impl Fading {
 
     /// The next picture shows another scene.
     pub(super) fn want(&mut self) {
-        if !self.length.is_zero() {
-            self.state = State::Wanted;
-        }
+        self.going = self.next.take().unwrap_or(self.length);
+        self.state = if self.going.is_zero() { State::None } else { State::Wanted };
+    }
+
+    /// The next change takes this many seconds instead.
+    pub(super) fn next_takes(&mut self, seconds: f64) {
+        self.next = Some(Duration::try_from_secs_f64(seconds).unwrap_or_default());
+    }
+
+    /// The next change takes as long as changes take.
+    pub(super) fn next_takes_the_usual(&mut self) {
+        self.next = None;
     }
 
     /// What comes next does not fade.
@@ -79,13 +93,13 @@ impl Fading {
             self.begun.replace(now).map_or(Duration::ZERO, |last| now.saturating_duration_since(last));
         let State::Going(gone) = self.state else { return None };
         let gone = gone + since.min(STEP_MAX);
-        if gone >= self.length {
+        if gone >= self.going {
             self.state = State::None;
             tracing::info!("a fade ends");
             return None;
         }
         self.state = State::Going(gone);
-        Some((1.0 - gone.as_secs_f64() / self.length.as_secs_f64()) as f32)
+        Some((1.0 - gone.as_secs_f64() / self.going.as_secs_f64()) as f32)
     }
 }
 

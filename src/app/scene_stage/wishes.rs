@@ -51,8 +51,14 @@ impl SceneStage {
         self.show_source(next);
     }
 
-    /// Asks for a scene. One that is prepared needs no loader.
+    /// Asks for a scene because the user wants it.
     pub(crate) fn show_source(&mut self, source: SceneSource) {
+        self.overrule();
+        self.ask_for_source(source);
+    }
+
+    /// Asks for a scene. One that is prepared needs no loader.
+    pub(super) fn ask_for_source(&mut self, source: SceneSource) {
         let prepared = self.take_neighbour(&source);
         self.source = source.clone();
         self.await_scene();

@@ -23,6 +23,19 @@ impl Bounds {
         (0..3).all(|axis| self.low[axis] <= place[axis] && place[axis] <= self.high[axis])
     }
 
+    /// Half of its largest extent.
+    pub fn half(&self) -> f32 {
+        (0..3).map(|axis| 0.5 * (self.high[axis] - self.low[axis])).fold(0.0, f32::max)
+    }
+
+    /// The box around this and another one, and so much larger on each side.
+    pub fn hull(&self, other: &Self, margin: f32) -> Self {
+        Self {
+            low: [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis]) - margin),
+            high: [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis]) + margin),
+        }
+    }
+
     /// The cube that reaches `reach` from a place along each axis.
     pub fn around(place: [f32; 3], reach: f32) -> Self {
         Self { low: place.map(|v| v - reach), high: place.map(|v| v + reach) }

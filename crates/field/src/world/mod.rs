@@ -40,6 +40,7 @@ use image::RgbaImage;
 use crate::graph::{FrameInputs, Graph, GraphError, NodeId};
 use crate::lang::{Material, Scene, compile, no_includes};
 use crate::tape::{Tape, TapeError, TapeOptions};
+use steepness::Tamed;
 
 /// Why a scene cannot be prepared.
 #[derive(Debug, thiserror::Error)]
@@ -143,14 +144,16 @@ pub struct World {
     /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
     /// surfaces. Rays then need to know how steep it is where they are.
     pub steep: bool,
-    /// How steep the value of the rest is at its surfaces, as a rule; 1 for a distance.
-    pub slope: f32,
+    /// What makes that value like a distance.
+    tamed: Option<Tamed>,
     /// The parts of the shaders that it needs.
     pub traits: SceneFeatures,
     /// The expressions that the shader evaluates.
     pub roots: Roots,
     /// The values that the CPU computes once per frame.
     pub frame_tape: FrameTape,
+    /// For a world that is a blend: how many of its parameters are those of the scene that goes.
+    pub blended: Option<usize>,
     /// The pictures of [`Scene::textures`].
     pub pictures: Vec<Arc<RgbaImage>>,
 }
@@ -209,10 +212,10 @@ impl World {
         let roots = roots(&mut scene, rest.as_ref(), glow);
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, steep, slope } = match (traced, &rest) {
+        let Traced { bounds, steep, tamed } = match (traced, &rest) {
             (Some(traced), _) => traced,
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
-            (None, None) => Traced { bounds: None, steep: false, slope: 1.0 },
+            (None, None) => Traced { bounds: None, steep: false, tamed: None },
         };
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
@@ -220,7 +223,7 @@ impl World {
             has_rest: rest.is_some(),
             bounds,
             steep,
-            slope,
+            tamed,
             traits,
             roots,
             graph,
@@ -228,6 +231,7 @@ impl World {
             frame_tape,
             planes,
             scene,
+            blended: None,
             pictures,
         })
     }
@@ -241,11 +245,16 @@ struct Surfaces {
     glow: Option<[NodeId; 4]>,
 }
 
+/// How far from its surfaces a value that is no distance grows: this share of half the size of their bounds.
+const TAMED_SHARE: f32 = 0.25;
+/// The same in a scene without bounds.
+const TAMED_REACH: f32 = 8.0;
+
 /// What is known of the rest of a scene before it is traced: see the fields of [`World`].
 struct Traced {
     bounds: Option<Bounds>,
     steep: bool,
-    slope: f32,
+    tamed: Option<Tamed>,
 }
 
 impl Traced {
@@ -259,8 +268,9 @@ impl Traced {
             None => steepness::around(frame_tape.values(inputs).camera.target),
         };
         let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
-        let slope = steepness::steep_slope(&tape, frames);
-        Ok(Self { bounds, steep: slope.is_some(), slope: slope.unwrap_or(1.0) })
+        let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
+        let tamed = steepness::tamed(&tape, frames, reach);
+        Ok(Self { bounds, steep: tamed.is_some(), tamed })
     }
 }
 

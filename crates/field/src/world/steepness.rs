@@ -20,6 +20,9 @@ const STEEP_SHARE: f32 = 0.01;
 /// If half of the surface is flatter than this, steps by the value are far too short, and the points that count as a
 /// hit form a fat block around the surface.
 const FLATTEST: f32 = 0.2;
+/// How much larger each scale is that is tried to tame a value, and how many there are: up to 1 / [`FLATTEST`].
+const SCALE_STEP: f32 = 1.1;
+const SCALES: i32 = 18;
 /// Distances from the camera's target within which a scene without bounds is sampled, in turn: what is small in a world
 /// without end is hardly met by samples from all over it.
 const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
@@ -36,25 +39,48 @@ const CLAUSES_MAX: usize = 1 << 18;
 /// Slopes that were sampled.
 #[derive(Debug, Clone, Default)]
 struct Slopes {
-    /// Slopes outside of solids and on surfaces.
-    outside: Vec<f32>,
+    /// Values outside of solids and on surfaces, and the slopes there.
+    outside: Vec<(f32, f32)>,
     /// Slopes on surfaces.
     surface: Vec<f32>,
 }
 
-/// The usual slope at its surfaces if the value of the tape's first output is not a distance: it is steeper than 1 in
-/// too many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which
-/// its points begin in turn.
-pub(super) fn steep_slope(
+/// A value that is no distance, made like one: divided by `scale` and then by 1 + |value| / `reach`. It is 0 where it was
+/// 0, and away from surfaces it grows less and less.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Tamed {
+    pub(super) scale: f32,
+    pub(super) reach: f32,
+    /// Whether rays may step by it: it is as good as a distance.
+    pub(super) is_distance: bool,
+}
+
+/// None if the value of the tape's first output is a distance; else what makes it like one: it is steeper than 1 in too
+/// many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
+/// points begin in turn; a tamed value grows up to `reach`.
+pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
-) -> Option<f32> {
+    reach: f32,
+) -> Option<Tamed> {
     let Slopes { outside, mut surface } = slopes(tape, frames);
-    let steep = outside.iter().filter(|slope| **slope > STEEPEST).count();
+    let too_steep = |slopes: &mut dyn Iterator<Item = f32>| {
+        slopes.filter(|slope| *slope > STEEPEST).count() as f32 > STEEP_SHARE * outside.len() as f32
+    };
     let flat = surface.iter().filter(|slope| **slope < FLATTEST).count();
-    let is_steep = steep as f32 > STEEP_SHARE * outside.len() as f32 || 2 * flat > surface.len();
+    if !too_steep(&mut outside.iter().map(|(_, slope)| *slope)) && 2 * flat <= surface.len() {
+        return None;
+    }
     surface.sort_by(f32::total_cmp);
-    is_steep.then(|| surface.get(surface.len() / 2).copied().unwrap_or(1.0))
+    let usual = surface.get(surface.len() / 2).copied().unwrap_or(1.0);
+    let gentle = (0..SCALES).map(|step| usual * SCALE_STEP.powi(step)).find(|scale| {
+        let slopes = outside.iter().map(|(value, slope)| {
+            let grown = 1.0 + (value / scale).abs() / reach;
+            slope / scale / (grown * grown)
+        });
+        !too_steep(&mut { slopes }) && usual / scale > FLATTEST
+    });
+    Some(Tamed { scale: gentle.unwrap_or(usual), reach, is_distance: gentle.is_some() })
 }
 
 /// The boxes in which a scene without bounds is sampled around the camera's target.
@@ -85,7 +111,7 @@ fn slopes(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>)
                 }
                 let away = value.abs() / slope;
                 if value >= 0.0 || away < 1e-2 * size {
-                    found.outside.push(slope);
+                    found.outside.push((value, slope));
                 }
                 if step == STEPS && away < 1e-3 * size {
                     found.surface.push(slope);

@@ -54,9 +54,7 @@ impl BlendKind {
 #[derive(Debug, thiserror::Error)]
 pub enum BlendError {
     /// Together they have more of something than one scene may have.
-    #[error(
-        "together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade"
-    )]
+    #[error("together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade")]
     OverLimit {
         /// The first scene.
         from: String,
@@ -139,13 +137,7 @@ impl World {
             is_number: true,
             span: Default::default(),
         };
-        let object = Object {
-            name: name.clone(),
-            span: Default::default(),
-            shape: distance,
-            bound: None,
-            material: 0,
-        };
+        let object = Object { name: name.clone(), span: Default::default(), shape: distance, bound: None, material: 0 };
         let scene = Scene {
             graph,
             objects: vec![object],
@@ -162,14 +154,18 @@ impl World {
             textures: from.scene.textures.iter().chain(&to.scene.textures).cloned().collect(),
             includes: Vec::new(),
         };
+        let has_planes = [&a, &b].iter().any(|side| !side.planes.is_empty());
+        // Planes that are traced have no end.
+        let bounds = if has_planes && planes.is_empty() { None } else { bounds(&a, &b) };
         let surfaces = Surfaces {
             planes: planes.into_iter().map(|shape| Plane { shape, object: 0 }).collect(),
             rest: rest.map(|[bound, estimate]| Rest { bound, estimate, object: nothing }),
             glow,
         };
-        let traced = Traced { bounds: bounds(from, to), steep: from.steep || to.steep, slope: 1.0 };
+        let traced = Traced { bounds, steep: a.steep || b.steep, tamed: None };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
-        Ok(Self::prepared(&name, scene, surfaces, Some(traced), pictures)?)
+        let world = Self::prepared(&name, scene, surfaces, Some(traced), pictures)?;
+        Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }
 }
 
@@ -304,14 +300,29 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
 }
 
 /// The box around the surfaces of both: where neither has any, their mixture has none, and neither has any choice
-/// between them. With planes, something of the mixture may lie outside of it.
-fn bounds(from: &World, to: &World) -> Option<Bounds> {
-    let plain = |world: &World| world.planes.is_empty() && world.has_rest;
-    if !plain(from) || !plain(to) {
-        return None;
+/// between them.
+///
+/// Between planes there is more. Below a plane of one side its value is negative, so that surfaces of the other side
+/// swell there, down to the mixed plane; farther below nobody sees them. If the planes are parallel and `apart` from each
+/// other, what swells is at most that thick.
+fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
+    let apart = match (&a.still_planes, &b.still_planes) {
+        (Some(a), Some(b)) if a.is_empty() && b.is_empty() => 0.0,
+        (Some(a), Some(b)) => {
+            let least = |plane: &[f32; 4], others: &[[f32; 4]]| {
+                let parallel = others.iter().filter(|other| plane[..3] == other[..3]);
+                parallel.map(|other| (plane[3] - other[3]).abs()).reduce(f32::min)
+            };
+            let of_a = a.iter().map(|plane| least(plane, b));
+            let of_b = b.iter().map(|plane| least(plane, a));
+            of_a.chain(of_b).try_fold(0.0, |most: f32, apart| apart.map(|apart| most.max(apart)))?
+        }
+        _ => return None,
+    };
+    match (a.rest.is_some(), b.rest.is_some()) {
+        (true, true) => Some(a.bounds?.hull(&b.bounds?, apart)),
+        (true, false) => Some(a.bounds?.hull(&a.bounds?, apart)),
+        (false, true) => Some(b.bounds?.hull(&b.bounds?, apart)),
+        (false, false) => None,
     }
-    let (a, b) = (from.bounds?, to.bounds?);
-    let corner =
-        |of: fn(f32, f32) -> f32, a: [f32; 3], b: [f32; 3]| [0, 1, 2].map(|axis| of(a[axis], b[axis]));
-    Some(Bounds { low: corner(f32::min, a.low, b.low), high: corner(f32::max, a.high, b.high) })
 }

@@ -1,6 +1,7 @@
 //! One of the two worlds of a blend, in the graph of both.
 
-use super::super::{nearby_light, planes};
+use super::super::steepness::Tamed;
+use super::super::{Bounds, nearby_light, planes};
 use super::{Steps, World};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
@@ -9,6 +10,12 @@ use crate::lang::{Camera, Light, Picture, Scene, Sky};
 pub(super) struct Side {
     /// Planes of slope 1.
     pub(super) planes: Vec<NodeId>,
+    /// `[a, b, c, d]` of those planes, `a*x + b*y + c*z + d`, if all of them stay where they are.
+    pub(super) still_planes: Option<Vec<[f32; 4]>>,
+    /// Whether rays may not step by the values.
+    pub(super) steep: bool,
+    /// The box around everything but planes, if it is known. Away from it the rest is no less than the distance to it.
+    pub(super) bounds: Option<Bounds>,
     /// Everything else.
     pub(super) rest: Option<Steps>,
     /// The numbers of the material of the nearest object.
@@ -20,9 +27,6 @@ pub(super) struct Side {
     pub(super) sky: Sky,
     pub(super) picture: Picture,
 }
-
-/// How far from its surfaces a value that is no distance still grows, in a scene without bounds.
-const REACH: f32 = 8.0;
 
 impl Side {
     /// Takes a world into the graph. So many pictures and parameters come before its own.
@@ -36,18 +40,34 @@ impl Side {
         let moved = copied(graph, &scene.graph, before);
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
-        let reach = world.bounds.map_or(REACH, |bounds| {
-            (0..3).map(|axis| 0.5 * (bounds.high[axis] - bounds.low[axis])).fold(0.0, f32::max)
-        });
         let mut of_slope_1 = Vec::with_capacity(planes.len());
+        let mut still_planes = Some(Vec::new());
         for plane in &planes {
-            of_slope_1.push(plane_of_slope_1(graph, at(plane.shape))?);
+            let plane = Plane::of(graph, at(plane.shape))?;
+            let numbers = plane.numbers(graph);
+            still_planes = still_planes.zip(numbers).map(|(mut all, numbers)| {
+                all.push(numbers);
+                all
+            });
+            of_slope_1.push(plane.value);
         }
         let rest = rest.map(|rest| {
-            [rest.bound, rest.estimate].map(|value| like_a_distance(graph, at(value), world.slope, reach))
+            [rest.bound, rest.estimate].map(|value| {
+                let value = world.tamed.map_or(at(value), |tamed| like_a_distance(graph, at(value), tamed));
+                match world.bounds {
+                    Some(bounds) => {
+                        let outside = outside(graph, &bounds);
+                        graph.max(value, outside)
+                    }
+                    None => value,
+                }
+            })
         });
         Ok(Self {
             planes: of_slope_1,
+            still_planes,
+            steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
+            bounds: world.bounds,
             rest,
             material: material_of_the_nearest(graph, &scene, at),
             glow: glow.map(|glow| glow.map(at)),
@@ -125,32 +145,64 @@ fn at_index(moved: &[NodeId], id: NodeId) -> NodeId {
 }
 
 /// A plane divided by its slope, so that it weighs as much as a distance.
-fn plane_of_slope_1(graph: &mut Graph, plane: NodeId) -> Result<NodeId, GraphError> {
-    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
-    let origin = at(graph, plane, [zero; 3])?;
-    let mut slopes = [zero; 3];
-    for (axis, slope) in slopes.iter_mut().enumerate() {
-        let mut place = [zero; 3];
-        place[axis] = one;
-        let there = at(graph, plane, place)?;
-        *slope = graph.sub(there, origin);
-    }
-    let slope = graph.length(&slopes);
-    Ok(graph.div(plane, slope))
+struct Plane {
+    value: NodeId,
+    /// Its slopes and its value at the origin, before that.
+    parts: [NodeId; 4],
+    slope: NodeId,
 }
 
-/// A value that is no distance, divided by the slope that it has at its surfaces. Away from them it grows less and
-/// less, because a polynomial's value there is so large that nothing would be left of the other scene.
-fn like_a_distance(graph: &mut Graph, value: NodeId, slope: f32, reach: f32) -> NodeId {
-    if slope == 1.0 {
-        return value;
+impl Plane {
+    fn of(graph: &mut Graph, plane: NodeId) -> Result<Self, GraphError> {
+        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+        let origin = at(graph, plane, [zero; 3])?;
+        let mut slopes = [zero; 3];
+        for (axis, slope) in slopes.iter_mut().enumerate() {
+            let mut place = [zero; 3];
+            if let Some(part) = place.get_mut(axis) {
+                *part = one;
+            }
+            let there = at(graph, plane, place)?;
+            *slope = graph.sub(there, origin);
+        }
+        let slope = graph.length(&slopes);
+        let [x, y, z] = slopes;
+        Ok(Self { value: graph.div(plane, slope), parts: [x, y, z, origin], slope })
     }
-    let (slope, reach, one) = (graph.constant(slope), graph.constant(reach), graph.constant(1.0));
-    let value = graph.div(value, slope);
+
+    /// The numbers of its equation, if it stays where it is.
+    fn numbers(&self, graph: &Graph) -> Option<[f32; 4]> {
+        let slope = graph.as_constant(self.slope)?;
+        let mut numbers = [0.0; 4];
+        for (number, part) in numbers.iter_mut().zip(self.parts) {
+            *number = graph.as_constant(part)? / slope;
+        }
+        Some(numbers)
+    }
+}
+
+/// See [`Tamed`].
+fn like_a_distance(graph: &mut Graph, value: NodeId, tamed: Tamed) -> NodeId {
+    let [scale, reach, one] = [tamed.scale, tamed.reach, 1.0].map(|number| graph.constant(number));
+    let value = graph.div(value, scale);
     let size = graph.abs(value);
     let grown = graph.div(size, reach);
     let grown = graph.add(grown, one);
     graph.div(value, grown)
+}
+
+/// How far a point is from a box along the axis on which it is farthest; negative inside.
+fn outside(graph: &mut Graph, bounds: &Bounds) -> NodeId {
+    let p = position(graph);
+    let [x, y, z] = [0, 1, 2].map(|axis| {
+        let middle = graph.constant(0.5 * (bounds.low[axis] + bounds.high[axis]));
+        let half = graph.constant(0.5 * (bounds.high[axis] - bounds.low[axis]));
+        let off = graph.sub(p[axis], middle);
+        let off = graph.abs(off);
+        graph.sub(off, half)
+    });
+    let farthest = graph.max(x, y);
+    graph.max(farthest, z)
 }
 
 /// The numbers of the material that the nearest object has.

@@ -1,0 +1,180 @@
+//! Follows a show: which scene is asked for at a moment, what is prepared for the next one, and how parameters move.
+//!
+//! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. Where
+//! it was not ready in time, or the machine cannot draw it, the scenes fade instead.
+
+use std::sync::Arc;
+
+use super::ahead::WantedAhead;
+use super::{Cast, SceneStage};
+use crate::scenes::{SceneSource, camera_number};
+use crate::show::{Programme, Stay, blend_kind};
+
+/// What the stage knows of the show.
+#[derive(Default)]
+pub(super) struct Directed {
+    programme: Option<Arc<Programme>>,
+    /// The stay in which the user went somewhere else.
+    overruled: Option<usize>,
+    /// Whether the scene stays until the user says otherwise.
+    is_locked: bool,
+    /// The stay that was entered last, and whether its transition mixes worlds.
+    entered: Option<(usize, bool)>,
+    /// What the show asked for last.
+    pub(super) asked: Option<SceneSource>,
+    /// What comes next.
+    upcoming: [Option<SceneSource>; 2],
+}
+
+impl SceneStage {
+    /// Follows a show from now on, or none.
+    pub(in crate::app) fn set_programme(&mut self, programme: Option<Arc<Programme>>) {
+        let is_locked = self.directed.is_locked && programme.is_some();
+        self.directed = Directed { programme, is_locked, ..Directed::default() };
+        self.revision += 1;
+    }
+
+    /// Whether there is a show.
+    pub(in crate::app) fn is_directed(&self) -> bool {
+        self.directed.programme.is_some()
+    }
+
+    /// Lets the scene stay until this is called again; tells whether it does.
+    pub(in crate::app) fn toggle_lock(&mut self) -> bool {
+        self.directed.is_locked = !self.directed.is_locked;
+        self.directed.overruled = None;
+        self.directed.is_locked
+    }
+
+    /// The user goes somewhere else: the show comes back with its next scene.
+    pub(super) fn overrule(&mut self) {
+        self.directed.overruled = self.directed.entered.map(|(index, _)| index);
+        (self.directed.asked, self.directed.upcoming) = (None, [None, None]);
+        self.fading.next_takes_the_usual();
+    }
+
+    /// Asks for what the show has on at `time` seconds of the song.
+    pub(in crate::app) fn follow(&mut self, time: f64) {
+        let Some(programme) = self.directed.programme.clone().filter(|_| !self.directed.is_locked) else { return };
+        let Some(moment) = programme.plan().at(time) else { return };
+        let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
+        if self.directed.overruled.is_some() && self.directed.overruled == Some(moment.index) {
+            return;
+        }
+        self.directed.overruled = None;
+        let Some(scene) = programme.source(&moment.stay.scene).cloned() else { return };
+        let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
+        if is_new {
+            let mixes = blended.as_ref().is_some_and(|blend| self.has_ready(blend));
+            self.directed.entered = Some((moment.index, mixes));
+        }
+        let mixes = self.directed.entered.is_some_and(|(_, mixes)| mixes);
+        let wanted = blended.filter(|_| mixes).unwrap_or_else(|| scene.clone());
+        self.directed.upcoming = upcoming(&programme, moment.index, &wanted);
+        if wanted == self.source {
+            self.directed.asked = Some(wanted);
+            return;
+        }
+        if self.directed.asked.as_ref() == Some(&wanted) && !is_new {
+            // It was asked for and could not be shown, or is on its way.
+            return;
+        }
+        let is_cut = mixes || moment.leaving.is_none();
+        let left = moment.stay.start + moment.stay.entrance.seconds - time;
+        self.fading.next_takes(if is_cut { 0.0 } else { left });
+        self.directed.asked = Some(wanted.clone());
+        self.ask_for_source(wanted);
+    }
+
+    /// What is prepared ahead: what the show has next, or else the neighbours in the list.
+    pub(super) fn wanted_ahead(&self) -> WantedAhead {
+        if self.directed.asked.is_some() {
+            WantedAhead::Upcoming(self.directed.upcoming.clone())
+        } else {
+            WantedAhead::Neighbours(self.source.clone())
+        }
+    }
+
+    /// Whether what is on the stage was asked for by the show.
+    pub(super) fn is_as_directed(&self) -> bool {
+        self.directed.asked.is_some() && self.directed.asked.as_ref() == Some(&self.source)
+    }
+
+    /// The parameters of a scene at `time` seconds of the song, and its camera's number: as the show moves them, and
+    /// else, or where the user moved a slider, as the sliders stand.
+    pub(super) fn staged(&self, cast: &Cast, time: f64) -> (Vec<f32>, Option<usize>) {
+        let world = cast.resources.world();
+        let mut sliders = cast.sliders.iter();
+        let mut numbers: Vec<f32> = (world.scene.params.iter())
+            .map(|param| if param.is_number { param.default } else { sliders.next().map_or(param.default, |one| one.value) })
+            .collect();
+        let Some(programme) = &self.directed.programme else { return (numbers, None) };
+        let Some(moment) = programme.plan().at(time) else { return (numbers, None) };
+        let is_moved = |name: &str| self.moved.contains_key(name);
+        let mut put = |range: std::ops::Range<usize>, stay: &Stay| {
+            let moved = stay.params_at(time);
+            let params = world.scene.params.iter().zip(&mut numbers);
+            for (param, number) in params.skip(range.start).take(range.len()) {
+                let value = moved.iter().find(|(name, _)| *name == param.name && !is_moved(name));
+                if let Some((_, value)) = value {
+                    *number = *value;
+                }
+            }
+        };
+        let (SceneSource::Blend(_), Some(split)) = (&cast.source, world.blended) else {
+            if programme.source(&moment.stay.scene) != Some(&cast.source) {
+                return (numbers, None);
+            }
+            put(0..world.scene.params.len(), moment.stay);
+            return (numbers, camera_number(world, moment.stay.camera.as_deref()));
+        };
+        let last = world.scene.params.len().saturating_sub(1);
+        let share = match moment.leaving {
+            Some((from, share)) => {
+                put(0..split, from);
+                put(split..last, moment.stay);
+                share
+            }
+            None => 1.0,
+        };
+        if let Some(number) = numbers.last_mut() {
+            *number = share;
+        }
+        (numbers, None)
+    }
+
+    /// Whether the same scene looks different from moment to moment, whatever is heard.
+    pub(super) fn is_moved_by_the_show(&self) -> bool {
+        let of_blend = self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
+        of_blend || self.directed.programme.is_some()
+    }
+}
+
+/// The source of a transition that mixes the worlds of two stays.
+fn blend_of(programme: &Programme, from: &Stay, to: &Stay) -> Option<SceneSource> {
+    if from.scene == to.scene {
+        return None;
+    }
+    programme.blend(from, to, blend_kind(to.entrance.way)?).map(|blend| SceneSource::Blend(Arc::new(blend)))
+}
+
+/// The next two sources behind the one that is wanted now, in a stay.
+fn upcoming(programme: &Programme, index: usize, wanted: &SceneSource) -> [Option<SceneSource>; 2] {
+    let stays = programme.plan().stays();
+    let mut found: Vec<SceneSource> = Vec::new();
+    let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
+        let is_new = |source: &SceneSource| source != wanted && !found.contains(source);
+        found.extend(source.filter(is_new));
+    };
+    add(&mut found, stays.get(index).and_then(|stay| programme.source(&stay.scene).cloned()));
+    for pair in stays.get(index..).unwrap_or_default().windows(2) {
+        let [from, to] = pair else { break };
+        if found.len() >= 2 {
+            break;
+        }
+        add(&mut found, blend_of(programme, from, to).filter(|_| to.entrance.seconds > 0.0));
+        add(&mut found, programme.source(&to.scene).cloned());
+    }
+    let mut found = found.into_iter();
+    [found.next(), found.next()]
+}

@@ -1,0 +1,180 @@
+//! Two scenes in one: that nothing is missing of what is between them, and that both modes show the same.
+//!
+//! A few pairs of the shipped scenes are drawn. `MARIANA_PAIRS=all` draws every pair at three shares and prints a table;
+//! `MARIANA_PAIRS=orb,city` draws those with one of these names, and `MARIANA_BLEND` names the kind.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::collections::BTreeMap;
+
+use crate::support::compare::{LOOSE, difference};
+use crate::support::studio::{Studio, loud_sound, ready};
+use cpu_time::ProcessTime;
+use image::RgbaImage;
+use mariana::frame::Frame;
+use mariana::gpu::program::Program;
+use mariana::gpu::renderer::{Counting, Evaluations};
+use mariana::gpu::scene_program::Mode;
+use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
+use mariana_field::world::{BlendKind, PortalShape, World, blended_params};
+
+const SIZE: (u32, u32) = (96, 54);
+const TIME: f64 = 20.0;
+
+/// What is drawn always: a melt with planes on both sides, of what is no distance into what is one, out of a closed
+/// place, of what has bounds into what has none; and portals.
+const SLICE: [(&str, &str, BlendKind, f32); 6] = [
+    ("speakers", "first_steps", BlendKind::Melt, 0.5),
+    ("heart", "terrain", BlendKind::Melt, 0.25),
+    ("tunnel", "city", BlendKind::Melt, 0.5),
+    ("orb", "letters", BlendKind::Melt, 0.75),
+    ("metaballs", "moonrise", BlendKind::Portal(PortalShape::Ball), 0.4),
+    ("first_steps", "gyroid", BlendKind::Portal(PortalShape::Plane), 0.6),
+];
+
+/// The most rays that may end at their cap, as a share of the pixels.
+const CAPPED_MAX: f64 = 0.001;
+
+/// A picture and what it took.
+struct Drawn {
+    picture: RgbaImage,
+    evaluations: Evaluations,
+    /// Numbers of the picture's light that are none.
+    not_finite: usize,
+    /// CPU milliseconds.
+    cpu_ms: f64,
+}
+
+fn draw(studio: &mut Studio, program: &Program, params: &[f32]) -> Drawn {
+    let frame = Frame::with_params(studio.world(), TIME, loud_sound(), SIZE, params);
+    let start = ProcessTime::now();
+    studio.renderer.draw(&frame, &studio.resources, program).unwrap();
+    let picture = RgbaImage::from_raw(SIZE.0, SIZE.1, studio.renderer.read()).unwrap();
+    let cpu_ms = start.elapsed().as_secs_f64() * 1e3;
+    let light = studio.renderer.read_light().unwrap();
+    Drawn {
+        picture,
+        evaluations: studio.renderer.evaluations(),
+        not_finite: light.iter().filter(|part| !part.is_finite()).count(),
+        cpu_ms,
+    }
+}
+
+/// What is wrong with a picture of a blend; empty if nothing is.
+fn faults(compiled: &Drawn, interpreted: &Drawn) -> Vec<String> {
+    let mut faults = Vec::new();
+    let pixels = f64::from(SIZE.0 * SIZE.1);
+    for (mode, drawn) in [("compiled", compiled), ("interpreted", interpreted)] {
+        let capped = drawn.evaluations.capped_rays / pixels;
+        if capped > CAPPED_MAX {
+            faults.push(format!("{mode}: {:.2} % of the rays at the cap", 100.0 * capped));
+        }
+        if drawn.not_finite > 0 {
+            faults.push(format!("{mode}: {} numbers are none", drawn.not_finite));
+        }
+    }
+    let found = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
+    if found.mean > LOOSE.mean_max || found.share > LOOSE.share_max {
+        faults.push(format!("modes differ in {:.2} %", 100.0 * found.share));
+    }
+    faults
+}
+
+fn shipped(name: &str) -> ReadyScene {
+    ready(&SceneSource::Shipped(name.to_owned()))
+}
+
+/// A blend, ready to be drawn in both modes.
+fn studio_of(from: &ReadyScene, to: &ReadyScene, kind: BlendKind) -> (Studio, [Program; 2], [f64; 2]) {
+    let blended = from.blended(to, kind, 0.5).unwrap();
+    let start = ProcessTime::now();
+    let studio = Studio::of_ready(blended, Mode::Compiled, Counting::On);
+    let compiled_ms = start.elapsed().as_secs_f64() * 1e3;
+    studio.resources.set_cells(true, Mode::Interpreted);
+    let programs = [Mode::Compiled, Mode::Interpreted].map(|mode| studio.program_of(mode, Counting::On));
+    let clauses = studio.resources.buffers().cost.total as f64;
+    (studio, programs, [compiled_ms, clauses])
+}
+
+fn params(from: &World, to: &World, share: f32) -> Vec<f32> {
+    blended_params((&from.scene, &[]), (&to.scene, &[]), share)
+}
+
+#[test]
+fn between_two_scenes_nothing_is_missing_and_both_modes_show_the_same() {
+    let mut wrong = Vec::new();
+    for (from, to, kind, share) in SLICE {
+        let [a, b] = [from, to].map(shipped);
+        let (mut studio, programs, _) = studio_of(&a, &b, kind);
+        let params = params(&a.world, &b.world, share);
+        let [compiled, interpreted] = [0, 1].map(|mode| draw(&mut studio, &programs[mode], &params));
+        let faults = faults(&compiled, &interpreted);
+        if !faults.is_empty() {
+            wrong.push(format!("{from} into {to} at {share}: {}", faults.join(", ")));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn all_pairs() {
+    let Ok(wanted) = std::env::var("MARIANA_PAIRS") else { return };
+    let kind = std::env::var("MARIANA_BLEND").ok();
+    let kind = kind.map_or(BlendKind::Melt, |name| BlendKind::named(&name).unwrap());
+    let names = shipped_names();
+    let wanted = |from: &str, to: &str| {
+        wanted == "all" || wanted.split(',').any(|one| one == from || one == format!("{from}:{to}"))
+    };
+    let scenes: BTreeMap<&str, ReadyScene> =
+        names.iter().map(|name| (name.as_str(), shipped(name))).collect();
+    let alone: BTreeMap<&str, [Drawn; 2]> = scenes
+        .iter()
+        .map(|(name, scene)| {
+            let mut studio = Studio::of_ready(scene.clone(), Mode::Compiled, Counting::On);
+            studio.resources.set_cells(true, Mode::Interpreted);
+            let both = [Mode::Compiled, Mode::Interpreted].map(|mode| {
+                let program = studio.program_of(mode, Counting::On);
+                draw(&mut studio, &program, &[]);
+                draw(&mut studio, &program, &[])
+            });
+            (*name, both)
+        })
+        .collect();
+    println!("pair share | capped compiled, interpreted % | modes differ % | evaluations, clauses, CPU ms compiled and interpreted, each with its ratio to the sum | compiling ms, clauses");
+    for (from, a) in &scenes {
+        for (to, b) in &scenes {
+            if from == to || !wanted(from, to) {
+                continue;
+            }
+            let (mut studio, programs, [compiling, clauses]) = studio_of(a, b, kind);
+            for share in [0.25, 0.5, 0.75] {
+                let params = params(&a.world, &b.world, share);
+                let [compiled, interpreted] = [0, 1].map(|mode| {
+                    if share == 0.25 {
+                        draw(&mut studio, &programs[mode], &params);
+                    }
+                    draw(&mut studio, &programs[mode], &params)
+                });
+                if let Some(folder) = std::env::var_os("MARIANA_PICTURES") {
+                    let name = format!("{from}-{to}-{share}.png");
+                    compiled.picture.save(std::path::Path::new(&folder).join(name)).unwrap();
+                }
+                let pixels = f64::from(SIZE.0 * SIZE.1);
+                let sum = |of: &dyn Fn(&[Drawn; 2]) -> f64| of(&alone[from]) + of(&alone[to]);
+                let evaluations = compiled.evaluations.total() / sum(&|both| both[0].evaluations.total());
+                let clauses_of = |e: &Evaluations| e.clauses + e.surface_clauses;
+                let run = clauses_of(&interpreted.evaluations) / sum(&|both| clauses_of(&both[1].evaluations));
+                let cpu = [&compiled, &interpreted].map(|drawn| drawn.cpu_ms);
+                let cpu_ratio = [cpu[0] / sum(&|both| both[0].cpu_ms), cpu[1] / sum(&|both| both[1].cpu_ms)];
+                let capped = [&compiled, &interpreted].map(|d| 100.0 * d.evaluations.capped_rays / pixels);
+                let modes = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
+                println!(
+                    "{from}:{to} {share} | {:.3} {:.3} | {:.2} | {:.1} {evaluations:.2} {run:.2} {:.0} {:.2} {:.0} {:.2} | {compiling:.0} {clauses} | {}",
+                    capped[0], capped[1], 100.0 * modes.share,
+                    compiled.evaluations.total() / pixels, cpu[0], cpu_ratio[0], cpu[1], cpu_ratio[1],
+                    faults(&compiled, &interpreted).join(", ")
+                );
+            }
+        }
+    }
+}
