@@ -19,6 +19,7 @@ pub mod limits;
 pub mod program_cache;
 pub mod reading_order;
 pub mod scenes;
+pub mod song_structures;
 pub mod srgb;
 pub mod system_fonts;
 pub mod thumbnails;

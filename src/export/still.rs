@@ -54,8 +54,13 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
         }
         Output::Standard => (StillFormat::Png, None),
     };
-    let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
+    let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
+    let mut sound = song.require(request.at)?;
     let ready = request.scene.source.ready()?;
+    if ready.world.scene.graph.reads_song() {
+        song.know_song();
+        sound.song = song.place_in_song(request.at);
+    }
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready)?;
     painter.hold(&request.set)?;

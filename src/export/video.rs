@@ -101,6 +101,9 @@ pub fn write_video(
     }
     let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
     let mut scenes = Timeline::open(request)?;
+    if scenes.read_song() {
+        song.know_song();
+    }
     let writer = FrameWriter::start(Sink::open(request)?)?;
     let (mut drawn, mut written) = (0, 0);
     while asked.is_none_or(|asked| drawn < asked) {

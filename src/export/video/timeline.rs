@@ -23,6 +23,8 @@ pub(super) struct Timeline<'a> {
     request: &'a VideoRequest,
     /// None while one scene takes another's place.
     painter: Option<Painter>,
+    /// Whether one of them reads numbers of the whole song.
+    read_song: bool,
     coming: VecDeque<(&'a TimedScene, ReadyScene)>,
 }
 
@@ -42,11 +44,17 @@ impl<'a> Timeline<'a> {
             }
             coming.push_back((scene, ready));
         }
+        let read_song = coming.iter().any(|(_, ready)| ready.world.scene.graph.reads_song());
         let known: Vec<_> = coming.iter().map(|(_, ready)| &ready.world.scene).collect();
         require_inputs(&known, &request.set)?;
-        let mut timeline = Self { request, painter: None, coming };
+        let mut timeline = Self { request, painter: None, read_song, coming };
         timeline.advance(request.start)?;
         Ok(timeline)
+    }
+
+    /// Whether one of the scenes reads numbers of the whole song.
+    pub(super) fn read_song(&self) -> bool {
+        self.read_song
     }
 
     /// The painter of the scene that is shown at `time` seconds, which never steps back; none if there is no scene.
