@@ -17,7 +17,8 @@ pub use reader::SongReader;
 
 /// The structure of a song, at once: the one that is kept, or a new one.
 pub fn structure_of(song: &Song, cache: &StructureCache) -> SongStructure {
-    let open = || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
+    let open =
+        || Some(song.open().map(|decoder| Box::new(decoder) as Box<dyn FrameSource>).map_err(Into::into));
     let content = Content { song: song.clone(), cut: None };
     find(Some(&content), open, cache, &|| true).flatten().unwrap_or_default()
 }

@@ -187,8 +187,7 @@ impl Live {
         self.heard_at = if shift > 0.0 { now - shift } else { newest };
         let features = self.track.at(self.heard_at);
         let segment = self.latest.as_ref().map_or(0, |heard| heard.stream);
-        self.moment =
-            Moment { song_time: now - self.paused_for, features, segment, ..Moment::default() };
+        self.moment = Moment { song_time: now - self.paused_for, features, segment, ..Moment::default() };
         self.moment
     }
 

@@ -138,7 +138,8 @@ impl Lowering<'_> {
     }
 
     fn band(&mut self, index: Vector, span: Span) -> Value {
-        match self.number_among("band", index, (BAND_COUNT, "there are 32 bands, 0 to 31, low to high"), span) {
+        match self.number_among("band", index, (BAND_COUNT, "there are 32 bands, 0 to 31, low to high"), span)
+        {
             Some(Number::Known(band)) => Value::scalar(self.graph.input(Input::Band(band as u8))),
             Some(Number::Computed(part)) => Value::scalar(self.graph.unary(Op::Band, part)),
             None => Value::Unknown,
@@ -156,7 +157,8 @@ impl Lowering<'_> {
                 None => Value::Unknown,
             },
             Some(Number::Computed(part)) => {
-                let (first, last) = (self.graph.constant(0.0), self.graph.constant(classes.len() as f32 - 1.0));
+                let (first, last) =
+                    (self.graph.constant(0.0), self.graph.constant(classes.len() as f32 - 1.0));
                 let clamped = self.graph.clamp(part, first, last);
                 let chosen = self.graph.unary(Op::Floor, clamped);
                 let mut value = first;
