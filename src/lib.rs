@@ -20,6 +20,7 @@ pub mod program_cache;
 pub mod reading_order;
 pub mod scenes;
 pub mod show;
+pub mod song_structures;
 pub mod srgb;
 pub mod system_fonts;
 pub mod thumbnails;

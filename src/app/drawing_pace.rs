@@ -236,7 +236,7 @@ mod tests {
 
     fn moment(song_time: f64, volume: f32) -> Moment {
         let features = Features { volume: [volume; 2], ..Features::SILENCE };
-        Moment { song_time, features, segment: 1, lap: 0 }
+        Moment { song_time, features, segment: 1, ..Moment::default() }
     }
 
     /// A pace whose last picture showed `moment`, drawn as it is drawn at `now`.

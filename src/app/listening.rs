@@ -8,7 +8,8 @@ use super::overlay::OverlayContent;
 use super::settings_panel::Facts;
 use super::sound::Sound;
 use crate::config::{Choices, Settings};
-use mariana_music::{Gain, Tables, TapTempo};
+use crate::song_structures::SongReader;
+use mariana_music::{Gain, LiveEnergy, SongMoment, Tables, TapTempo};
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
 
@@ -18,6 +19,10 @@ const NO_SONG: &str = "this show listens to an input: start Mariana without --mi
 /// See the module. What it returns in words is for the user to read.
 pub(super) struct Listening {
     sound: Sound,
+    /// What listens to whole tracks; none without a thread for it.
+    songs: Option<SongReader>,
+    /// The energy of what is not known as a whole.
+    energy: LiveEnergy,
     /// The tempo tapped by hand.
     taps: TapTempo,
     /// What the user wants; until the first picture the player waits in any case.
@@ -28,8 +33,9 @@ pub(super) struct Listening {
 
 impl Listening {
     /// Begins with a sound that waits for the first picture.
-    pub(super) fn new(sound: Sound) -> Self {
-        Self { sound, taps: TapTempo::default(), paused: false, level: 0.0 }
+    pub(super) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
+        let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
+        Self { sound, songs, energy, taps, paused: false, level: 0.0 }
     }
 
     /// Whether the user wants a pause.
@@ -154,9 +160,18 @@ impl Listening {
         self.sound.take_complaints()
     }
 
-    /// What is heard now, with the tapped tempo.
+    /// What is heard now, with its place in the song, and with the tapped tempo. Of an input, and of a track that was not
+    /// listened to yet, only the energy is known.
     pub(super) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
+        let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
+        now.song = match songs.and_then(|songs| songs.get(now.track)) {
+            Some(structure) => structure.moment(now.song_time),
+            None => {
+                let energy = self.energy.at(now.song_time, now.features.level_db);
+                SongMoment { energy, ..SongMoment::UNKNOWN }
+            }
+        };
         self.taps.apply(now.song_time, &mut now.features);
         let [left, right] = now.features.volume;
         self.level = left.max(right).clamp(0.0, 1.0);
@@ -188,9 +203,12 @@ impl Listening {
         self.sound.remember(change);
     }
 
-    /// The state of the song, if it is what is listened to.
+    /// The state of the song, if it is what is listened to. What plays and what follows will be known.
     pub(super) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.sound.song_status()?;
+        if let Some(songs) = &self.songs {
+            songs.want([&status.track].into_iter().chain(&status.next));
+        }
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 

@@ -114,6 +114,11 @@ impl Sound {
         self.player.as_mut().filter(|_| self.live.is_none())
     }
 
+    /// Whether the song is what is listened to.
+    pub(super) fn plays_song(&self) -> bool {
+        self.live.is_none() && self.player.is_some()
+    }
+
     /// Pauses or goes on.
     pub(super) fn set_paused(&mut self, paused: bool) {
         self.paused = paused;

@@ -24,6 +24,9 @@ pub(super) struct AnalyzeArguments {
     /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma
     #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["gain", "fps", "start", "duration"])]
     plot: Option<PathBuf>,
+    /// Print what is known of the whole song at each moment, too: bar, section, energy, build, drop, ...
+    #[arg(long, conflicts_with_all = ["structure", "plot"])]
+    song: bool,
     /// One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...; with --structure one object
     #[arg(long)]
     json: bool,
@@ -58,6 +61,7 @@ pub(super) fn run(arguments: AnalyzeArguments) -> anyhow::Result<()> {
         start: arguments.start,
         duration: arguments.duration,
         gain: arguments.gain,
+        song_too: arguments.song,
         json: arguments.json,
     };
     print_features(&request, &mut BufWriter::new(std::io::stdout().lock()))?;

@@ -10,7 +10,7 @@ use super::common::colors;
 use super::files::scene_of;
 use crate::export::print::print_line;
 use crate::scenes::{SceneError, SceneSource};
-use mariana_field::graph::{Graph, Input, NodeId, Op};
+use mariana_field::graph::{Graph, Input, NodeId, Op, SoundInput};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, Sources, render_all};
 use mariana_field::tape::{Tape, TapeOptions};
 
@@ -178,6 +178,12 @@ fn inputs(scene: &Scene, graph: &Graph, roots: &[NodeId]) -> anyhow::Result<Stri
         .filter(|input| input.of_point().is_none())
         .map(|input| name_of(scene, *input))
         .collect();
+    // All of them are read where one is computed.
+    let classes = SoundInput::CHROMA.map(|class| name_of(scene, Input::Sound(class)));
+    if classes.iter().all(|class| names.contains(class)) {
+        names.retain(|name| !classes.contains(name));
+        names.push("chroma".to_owned());
+    }
     // Tables that are read at a computed index.
     names.extend(used.tables.iter().map(|table| match table {
         Op::Band => "bands".to_owned(),

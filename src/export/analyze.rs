@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::error::ExportError;
 use super::song_features::SongFeatures;
-use mariana_music::{Features, Gain};
+use mariana_music::{Features, Gain, SongMoment};
 use mariana_player::song::Song;
 
 /// What to analyse.
@@ -22,6 +22,8 @@ pub struct AnalyzeRequest {
     pub duration: Option<f64>,
     /// Whether quiet and loud sound give the same values of 0..1.
     pub gain: Gain,
+    /// Whether the numbers of the whole song are printed, too.
+    pub song_too: bool,
     /// JSON objects instead of columns.
     pub json: bool,
 }
@@ -31,6 +33,8 @@ struct Line<'a> {
     t: f64,
     #[serde(flatten)]
     features: &'a Features,
+    #[serde(flatten)]
+    song: Option<&'a SongMoment>,
 }
 
 /// Prints a line for each frame to `out`.
@@ -41,6 +45,9 @@ struct Line<'a> {
 pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(), ExportError> {
     let mut song = SongFeatures::open_with(&request.song, request.start, request.gain)?;
     song.require(request.start)?;
+    if request.song_too {
+        song.know_song();
+    }
     for index in 0u64.. {
         let offset = index as f64 / request.fps;
         if request.duration.is_some_and(|duration| offset >= duration) {
@@ -48,11 +55,12 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
         }
         let t = request.start + offset;
         let Some(features) = song.at(t)? else { break };
+        let place = request.song_too.then(|| song.place_in_song(t));
         let line = if request.json {
-            serde_json::to_string(&Line { t, features: &features })
+            serde_json::to_string(&Line { t, features: &features, song: place.as_ref() })
                 .map_err(|error| ExportError::Print(error.into()))?
         } else {
-            columns(t, &features)
+            columns(t, &features) + &place.map_or_else(String::new, |place| song_columns(&place))
         };
         match writeln!(out, "{line}") {
             Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => return Ok(()),
@@ -63,6 +71,15 @@ pub fn print_features(request: &AnalyzeRequest, out: &mut dyn Write) -> Result<(
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         other => other.map_err(ExportError::Print),
     }
+}
+
+/// The place in the song.
+fn song_columns(place: &SongMoment) -> String {
+    let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, progress, .. } = place;
+    format!(
+        "  bar {bar:.3}  beat {beat_in_bar}  section {section}  {section_phase:.3}  energy {energy:.3}  \
+         build {build:.3}  drop {drop:.3}  progress {progress:.3}"
+    )
 }
 
 /// Time, volumes, and the bands as bars of eight heights.

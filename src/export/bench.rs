@@ -56,10 +56,15 @@ pub struct BenchRequest {
 /// # Errors
 /// The song cannot be decoded, the scene has mistakes, or the driver refuses.
 pub fn measure(request: &BenchRequest) -> Result<BenchReport, ExportError> {
-    let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
+    let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
+    let mut sound = song.require(request.at)?;
     let start = Instant::now();
     let ReadyScene { world, buffers, plan, .. } = request.scene.source.ready()?;
     let scene_ms = milliseconds(start.elapsed());
+    if world.scene.graph.reads_song() {
+        song.know_song();
+        sound.song = song.place_in_song(request.at);
+    }
     let frame = Frame::new(&world, request.at, sound.clone(), request.size);
 
     let start = Instant::now();

@@ -76,6 +76,11 @@ impl ShowPainter {
         Ok(Self { easel, choice: choice.clone(), programme, scenes, models, refused })
     }
 
+    /// Whether one of the scenes reads numbers of the whole song.
+    pub(super) fn reads_song(&self) -> bool {
+        self.scenes.iter().any(|read| read.ready.world.scene.graph.reads_song())
+    }
+
     /// What scenes are drawn on.
     pub(super) fn easel(&mut self) -> &mut Easel {
         &mut self.easel

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use super::error::ExportError;
-use super::structure::structure_of;
+use super::song_features::SongFeatures;
 use crate::scenes::SceneSource;
 use crate::show::{Programme, ShowSource};
-use mariana_player::song::Song;
 
 /// See the module.
 #[derive(Debug, Clone)]
@@ -23,7 +22,7 @@ impl Showing {
     ///
     /// # Errors
     /// The song or the show is refused, or no scene is on at the start.
-    pub(super) fn programme(&self, song: &Song, start: f64) -> Result<Arc<Programme>, ExportError> {
+    pub(super) fn programme(&self, song: &mut SongFeatures, start: f64) -> Result<Arc<Programme>, ExportError> {
         let programme = match self {
             Self::Scenes(scenes) => {
                 let first = scenes.iter().map(|(from, _)| *from).fold(f64::INFINITY, f64::min);
@@ -33,8 +32,7 @@ impl Showing {
                 Programme::of_cuts(scenes.iter().cloned())
             }
             Self::Show(source, scenes) => {
-                let (_, structure) = structure_of(song)?;
-                let (programme, left_out) = Programme::of_song(source, &structure, scenes)?;
+                let (programme, left_out) = Programme::of_song(source, song.structure(), scenes)?;
                 if let Some(left_out) = left_out {
                     tracing::warn!("parts of the show do not fit the song:\n{left_out}");
                 }

@@ -1,12 +1,16 @@
 //! The features of a song at given times, by decoding it: the same analysis that runs beside playback.
 
-use mariana_music::{Alignment, Analyzer, FeatureTrack, Features, Gain, Sound, StereoFrame, TimedFeatures};
+use mariana_music::{
+    Alignment, Analyzer, FeatureTrack, Features, Gain, SongMoment, SongStructure, Sound, StereoFrame,
+    TimedFeatures,
+};
 use mariana_player::decode::{DecodeError, Decoder};
 use mariana_player::song::{Song, display_name};
 use mariana_player::source::FrameSource;
 use mariana_player::track::scale;
 
 use super::error::ExportError;
+use crate::song_structures::{StructureCache, structure_of};
 
 /// Sound analysed before the first requested time, in seconds: long enough for the smoothing to settle.
 const PRE_ROLL: f64 = 20.0;
@@ -24,6 +28,9 @@ pub struct SongFeatures {
     block: Vec<StereoFrame>,
     frames: u64,
     ended: bool,
+    song: Song,
+    /// What the whole song is made of, for who asked for it.
+    structure: Option<SongStructure>,
 }
 
 impl SongFeatures {
@@ -50,7 +57,25 @@ impl SongFeatures {
             analyzer.restart(frames);
         }
         let track = FeatureTrack::new(TRACK_SECONDS);
-        Ok(Self { decoder, name, analyzer, track, block: Vec::new(), frames, ended: false })
+        let (block, song) = (Vec::new(), song.clone());
+        Ok(Self { decoder, name, analyzer, track, block, frames, ended: false, song, structure: None })
+    }
+
+    /// From now on sounds come with their places in the whole song, which is listened to first, unless it is known from
+    /// an earlier run. Without this nothing of that is known.
+    pub fn know_song(&mut self) {
+        self.structure();
+    }
+
+    /// What the whole song is made of; see [`SongFeatures::know_song`].
+    pub fn structure(&mut self) -> &SongStructure {
+        let song = &self.song;
+        self.structure.get_or_insert_with(|| structure_of(song, &StructureCache::of_user()))
+    }
+
+    /// The place of `time` in the whole song, as far as it is known.
+    pub fn place_in_song(&self, time: f64) -> SongMoment {
+        self.structure.as_ref().map_or(SongMoment::UNKNOWN, |structure| structure.moment(time))
     }
 
     /// What the song is called.
@@ -79,7 +104,8 @@ impl SongFeatures {
     /// What the decoder says about a damaged file.
     pub fn sound_at(&mut self, time: f64) -> Result<Option<Sound>, DecodeError> {
         self.decode_to(time)?;
-        Ok((!self.is_over(time)).then(|| self.track.sound_at(time)))
+        let sound = || Sound { song: self.place_in_song(time), ..self.track.sound_at(time) };
+        Ok((!self.is_over(time)).then(sound))
     }
 
     /// Whether the song is known to end at or before a time.

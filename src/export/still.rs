@@ -87,15 +87,20 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
         }
         Output::Standard => (StillFormat::Png, None),
     };
-    let sound = SongFeatures::open_with(&request.song, request.at, request.gain)?.require(request.at)?;
+    let mut song = SongFeatures::open_with(&request.song, request.at, request.gain)?;
+    let sound = song.require(request.at)?;
     let rgba = match &request.show {
         Some(show) => {
-            let programme = show.programme(&request.song, request.at)?;
+            let programme = show.programme(&mut song, request.at)?;
             let mut painter = ShowPainter::open(&request.scene, programme, &request.set)?;
+            if painter.reads_song() {
+                song.know_song();
+            }
+            let sound = Sound { song: song.place_in_song(request.at), ..sound };
             painter.draw(request.at, sound, request.size)?;
             painter.easel().read()
         }
-        None => drawn(request, sound)?,
+        None => drawn(request, &mut song, sound)?,
     };
     let pixels = if request.scene.alpha { Pixels::transparent(&rgba) } else { Pixels::opaque(&rgba) };
     let bytes = match format {
@@ -110,12 +115,16 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
 }
 
 /// The picture of one scene.
-fn drawn(request: &StillRequest, sound: Sound) -> Result<Vec<u8>, ExportError> {
+fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
         Some(blend) => blend.of(ready)?,
         None => ready,
     };
+    if ready.world.scene.graph.reads_song() {
+        song.know_song();
+        sound.song = song.place_in_song(request.at);
+    }
     require_inputs(&[&ready.world.scene], &request.set)?;
     let mut painter = Painter::of_ready(&request.scene, ready)?;
     painter.hold(&request.set)?;

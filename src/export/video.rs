@@ -101,10 +101,13 @@ pub fn write_video(
         return Err(too_long(expected.unwrap_or(0)));
     }
     let card = request.title_card.then(|| TitleCard::of(&request.song, request.size)).transpose()?;
-    let programme = request.showing.programme(&request.song, request.start)?;
+    let programme = request.showing.programme(&mut song, request.start)?;
     let mut painter = ShowPainter::open(&request.scene, programme, &request.set)?;
     if request.limit_flashes {
         painter.easel().add_flash_limiter(&request.scene.shaders)?;
+    }
+    if painter.reads_song() {
+        song.know_song();
     }
     let writer = FrameWriter::start(Sink::open(request)?)?;
     let (mut drawn, mut written) = (0, 0);

@@ -102,10 +102,14 @@ impl HeldInputs {
     }
 }
 
-/// A parameter of a scene may have the name of no input.
+/// A parameter of a scene may hide a number of the song, and has the name of no other input.
 fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if name == "t" {
         return Some(Place::Time);
+    }
+    let param = scene.params.iter().position(|param| !param.is_number && param.name == name);
+    if param.is_some() {
+        return param.map(Place::Param);
     }
     if let Some(input) = SoundInput::named(name) {
         return Some(Place::Sound(input));
@@ -113,7 +117,7 @@ fn place_of(scene: &Scene, name: &str) -> Option<Place> {
     if let Some(number) = name.strip_prefix("band(").and_then(|rest| rest.strip_suffix(')')) {
         return number.trim().parse().ok().filter(|number| *number < BAND_COUNT).map(Place::Band);
     }
-    scene.params.iter().position(|param| !param.is_number && param.name == name).map(Place::Param)
+    None
 }
 
 /// The names of the inputs of scenes, for a sentence.
@@ -127,8 +131,9 @@ impl fmt::Display for InputNames<'_> {
                 params.push(&param.name);
             }
         }
-        let sounds = SoundInput::ALL.map(SoundInput::name).join(", ");
-        write!(f, "t, {sounds}, band(0) to band({})", BAND_COUNT - 1)?;
+        let named = SoundInput::ALL.into_iter().filter(|input| !SoundInput::CHROMA.contains(input));
+        let sounds = named.map(SoundInput::name).collect::<Vec<_>>().join(", ");
+        write!(f, "t, {sounds}, chroma(0) to chroma(11), band(0) to band({})", BAND_COUNT - 1)?;
         if params.is_empty() { Ok(()) } else { write!(f, ", {}", params.join(", ")) }
     }
 }
@@ -148,23 +153,25 @@ mod tests {
 
     #[test]
     fn what_a_scene_lacks_is_not_held_and_nothing_leaves_its_range() {
-        let text = "param size = 2 in 0.5 .. 3\nobject ball { shape = length(p) - size }\n";
+        let text = "param size = 2 in 0.5 .. 3\nparam key = 20 in 0 .. 30\nobject ball { shape = length(p) - size }\n";
         let scene =
             mariana_field::lang::compile("own", text, &mut mariana_field::lang::no_includes).scene.unwrap();
         let mut held = HeldInputs::default();
         let mut hold = |text: &str| held.hold(&scene, &text.parse().unwrap());
-        for text in ["size=3", "t=-4", "volume.y=0.25", "band(31)=1"] {
+        for text in ["size=3", "key=25", "t=-4", "volume.y=0.25", "drop=0.5", "chroma(11)=1", "band(31)=1"] {
             assert_eq!(hold(text), Ok(true), "{text}");
         }
-        for text in ["depth=1", "band(32)=0", "band(x)=0"] {
+        for text in ["depth=1", "band(32)=0", "band(x)=0", "chroma(12)=0"] {
             assert_eq!(hold(text), Ok(false), "{text}");
         }
         for text in ["size=3.1", "volume.x=-1", "band(0)=2"] {
             assert!(hold(text).is_err(), "{text}");
         }
-        let mut inputs = FrameInputs { params: vec![2.0], ..FrameInputs::default() };
+        let mut inputs = FrameInputs { params: vec![2.0, 20.0], ..FrameInputs::default() };
         held.apply(&mut inputs);
         assert_eq!((inputs.time, inputs.params[0], inputs.bands[31]), (-4.0, 3.0, 1.0));
-        assert_eq!(inputs.sound[SoundInput::VolumeRight], 0.25);
+        assert_eq!(inputs.params[1], 25.0, "the scene's own key");
+        let sound = [SoundInput::VolumeRight, SoundInput::Drop, SoundInput::ChromaB, SoundInput::Key];
+        assert_eq!(sound.map(|input| inputs.sound[input]), [0.25, 0.5, 1.0, 0.0]);
     }
 }

@@ -92,11 +92,12 @@ impl Frame {
 
 /// What a world's expressions read; missing parameters are as the scene's text sets them.
 fn inputs_of(world: &World, time: f64, sound: Sound, params: &[f32]) -> FrameInputs {
-    let Sound { features, tables } = sound;
+    let Sound { features, tables, song } = sound;
+    let number = |name: &str| features.number(name).or_else(|| song.number(name)).unwrap_or(0.0);
     let declared = world.scene.params.iter().enumerate();
     FrameInputs {
         time: finite(time as f32),
-        sound: SoundInputs::each(|input| input.clamp(features.number(input.name()).unwrap_or(0.0))),
+        sound: SoundInputs::each(|input| input.clamp(number(input.name()))),
         bands: features.bands.map(unit),
         spectrum: tables.spectrum.map_or(TableData::EMPTY, TableData::row),
         waveform: tables.waveform.map_or(TableData::EMPTY, TableData::row),
@@ -183,13 +184,16 @@ fn unit(value: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use mariana_field::graph::SoundInput;
-    use mariana_music::Features;
+    use mariana_music::{Features, SongMoment};
 
     /// An input that the analysis does not know would silently read 0.
     #[test]
     fn every_number_of_the_sound_that_scenes_read_is_heard() {
         for input in SoundInput::ALL {
-            assert!(Features::SILENCE.number(input.name()).is_some(), "nothing hears `{}`", input.name());
+            let (name, of_song) = (input.name(), input.is_of_song());
+            let heard = Features::SILENCE.number(name).is_some();
+            let known = SongMoment::UNKNOWN.number(name).is_some();
+            assert_eq!((heard, known), (!of_song, of_song), "who hears `{name}`?");
         }
         assert_eq!(mariana_field::graph::BAND_COUNT, mariana_music::BAND_COUNT);
     }

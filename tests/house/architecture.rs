@@ -59,6 +59,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("gpu", &["frame", "view", "flash", "faults", "srgb", "limits", "program_cache"]),
     ("program_cache", &["atomic_file", "ending", "limits"]),
     ("thumbnails", &["atomic_file", "limits", "scenes"]),
+    ("song_structures", &["atomic_file", "limits"]),
     ("scenes", &["limits"]),
     (
         "app",
@@ -72,13 +73,28 @@ const ROOMS: &[(&str, &[&str])] = &[
             "flash",
             "program_cache",
             "reading_order",
+            "song_structures",
             "thumbnails",
             "system_fonts",
             "ending",
             "limits",
         ],
     ),
-    ("export", &["scenes", "frame", "view", "flash", "gpu", "config", "atomic_file", "ending", "limits"]),
+    (
+        "export",
+        &[
+            "scenes",
+            "frame",
+            "view",
+            "flash",
+            "gpu",
+            "config",
+            "atomic_file",
+            "ending",
+            "limits",
+            "song_structures",
+        ],
+    ),
     ("config", &["atomic_file", "program_cache", "limits"]),
 ];
 
@@ -97,7 +113,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("signal_hook", &["ending"]),
     ("notify", &["scenes"]),
     // Whoever draws knows features of the sound, not where it comes from.
-    ("mariana_player", &["app", "export", "cli", "config", "demo_track"]),
+    ("mariana_player", &["app", "export", "cli", "config", "demo_track", "song_structures"]),
 ];
 
 /// Folders without I/O, clocks and threads: the same input gives the same output.

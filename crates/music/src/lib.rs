@@ -37,6 +37,7 @@ mod features;
 mod gain;
 pub mod limits;
 mod lines;
+mod live_energy;
 mod onset;
 mod pitch;
 mod resolution;
@@ -54,9 +55,10 @@ pub use bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ, band_edge};
 pub use features::{BAND_COUNT, Features, LEVEL_FLOOR_DB, TimedFeatures};
 pub use gain::Gain;
 pub use lines::{SPECTRUM_POINTS, spectrum_hz, spectrum_place};
+pub use live_energy::LiveEnergy;
 pub use song::{
-    Chord, Meter, Mode, PITCH_CLASSES, PitchShares, Section, SongBeat, SongListener, SongStructure, Stretch,
-    Tonality,
+    Chord, Meter, Mode, PITCH_CLASSES, PitchShares, STRUCTURE_VERSION, Section, SongBeat, SongListener,
+    SongMoment, SongStructure, Stretch, Tonality,
 };
 pub use tables::{HISTORY_POINTS, HISTORY_SECONDS, Sound, Tables, WAVE_PER_HOP, WAVEFORM_POINTS};
 pub use tap::TapTempo;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::features::Features;
 use super::lines::SPECTRUM_POINTS;
+use super::song::SongMoment;
 
 /// Samples of the waveform for each hop (11.6 to 12.3 kHz at 44.1, 48 and their multiples).
 pub const WAVE_PER_HOP: usize = 128;
@@ -47,11 +48,13 @@ pub struct Sound {
     pub features: Features,
     /// Curves.
     pub tables: Tables,
+    /// What is known of the whole song.
+    pub song: SongMoment,
 }
 
 impl From<Features> for Sound {
-    /// Without curves.
+    /// Without curves, of a song that is not known.
     fn from(features: Features) -> Self {
-        Self { features, tables: Tables::default() }
+        Self { features, ..Self::default() }
     }
 }

@@ -102,7 +102,7 @@ impl FeatureTrack {
             history_offset,
             history_span,
         };
-        Sound { features, tables }
+        Sound { features, tables, ..Sound::default() }
     }
 
     /// The moment at or before `time`, the one after it, and the position between them, 0..1; outside of what is

@@ -31,7 +31,7 @@ use super::listed::{Edit, ListedTrack, ListedTracks, SharedListing};
 pub use super::output::OutputChoice;
 use super::output::{Controls, Counters, OutputRequest, Supervisor};
 use super::source::FrameSource;
-use super::timeline::SharedTimeline;
+use super::timeline::{SharedTimeline, SongPlace};
 use super::track::{OneTrack, Repeat, Track, TrackInfo, TrackList};
 use super::worker::Worker;
 use crate::limits::LIMITS;
@@ -39,7 +39,7 @@ use decoding::{Command, Decoding};
 pub use listing::Troubles;
 use listing::{Request, SharedTroubles};
 use mariana_music::limits::LIMITS as MUSIC_LIMITS;
-use mariana_music::{Features, Gain, Sound};
+use mariana_music::{Features, Gain, SongMoment, Sound};
 pub use shape::LoudnessShape;
 use shape::Shapes;
 pub use unheard::Unheard;
@@ -89,7 +89,10 @@ impl Default for PlayerOptions {
 pub struct PlayerStatus {
     /// The audible track.
     pub track: Arc<TrackInfo>,
-    /// The audible position in it, in seconds.
+    /// The track that was opened to follow the one that is decoded; none if it is not open yet, or nothing follows but
+    /// the same track again.
+    pub next: Option<Arc<TrackInfo>>,
+    /// The audible position in the track, in seconds.
     pub position: f64,
     /// What follows the last track, and each one.
     pub repeat: Repeat,
@@ -126,12 +129,16 @@ pub struct PlayerStatus {
 }
 
 /// What is audible at a moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Moment {
     /// Position in the track, in seconds.
     pub song_time: f64,
     /// Its features.
     pub features: Features,
+    /// Its place in the whole song, for who adds it: nothing is known of that here.
+    pub song: SongMoment,
+    /// The number of the track ([`TrackInfo::id`]); 0 for an input.
+    pub track: u64,
     /// Grows with each seek and each change of device; the song time goes on through a change of device.
     pub segment: u64,
     /// How often a track has begun earlier within the segment.
@@ -187,6 +194,7 @@ impl Player {
             return Err(PlayerError::SampleRate { rate, min, max });
         }
         let track = first.info.clone();
+        let track_id = track.id;
         let listing = SharedListing::default();
         listing.tell(std::iter::once((track.id, ListedTrack::from(&*track))));
         list.share(listing.clone());
@@ -230,7 +238,7 @@ impl Player {
             picture_clock: Clock::default(),
             unheard: UnheardWatch::default(),
             position: 0.0,
-            moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
+            moment: Moment { track: track_id, ..Moment::default() },
             heard: None,
             shift: 0.0,
         })
@@ -359,10 +367,12 @@ impl Player {
             self.position = timeline.place(audible, 0.0).map_or(self.position, |place| place.song_time);
             self.track = timeline.track(audible).unwrap_or_else(|| self.track.clone());
         }
+        let next = timeline.next();
         drop(timeline);
         self.find_place();
         PlayerStatus {
             track: self.track.clone(),
+            next,
             position: self.position,
             repeat: self.repeat,
             shuffled: self.shuffled,
@@ -397,8 +407,8 @@ impl Player {
             && let Some(place) = timeline.place(audible, (-shift).max(0.0))
         {
             let segment = audible.segment;
-            self.moment =
-                Moment { song_time: place.song_time, features: place.features, segment, lap: place.lap };
+            let SongPlace { song_time, lap, track, features, .. } = place;
+            self.moment = Moment { song_time, features, track, segment, lap, ..Moment::default() };
             self.heard = Some((audible, (-shift).max(0.0)));
         }
         drop(timeline);

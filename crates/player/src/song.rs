@@ -1,9 +1,14 @@
 //! What is played: a file of the user's, or a track inside the program.
 
+use std::fs::{self, File};
+use std::io::{self, Read as _};
 use std::path::PathBuf;
 
 use super::decode::{DecodeError, Decoder};
 use super::limits::LIMITS;
+
+/// Bytes of a file that are read at once.
+const PIECE_BYTES: usize = 1 << 16;
 
 /// A song that can be opened any number of times.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,6 +34,31 @@ impl Song {
             Song::Embedded { name, bytes } => Decoder::from_bytes(name, bytes),
             Song::File(path) => Decoder::open(path),
         }
+    }
+
+    /// Gives its encoded bytes to `take`, piece by piece, until that returns false.
+    ///
+    /// # Errors
+    /// It cannot be read, or is no file: opening a pipe would wait for its writer, and take away what comes.
+    pub fn read(&self, mut take: impl FnMut(&[u8]) -> bool) -> io::Result<()> {
+        match self {
+            Song::Embedded { bytes, .. } => {
+                take(bytes);
+            }
+            Song::File(path) => {
+                if !fs::metadata(path)?.is_file() {
+                    return Err(io::ErrorKind::InvalidInput.into());
+                }
+                let (mut file, mut piece) = (File::open(path)?, vec![0; PIECE_BYTES]);
+                loop {
+                    let count = file.read(&mut piece)?;
+                    if count == 0 || !take(piece.get(..count).unwrap_or_default()) {
+                        break;
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 }
 

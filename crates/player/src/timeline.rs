@@ -64,6 +64,8 @@ pub struct SongPlace {
     pub lap: u32,
     /// The passage that it is in.
     pub passage: u64,
+    /// The number of its track ([`TrackInfo::id`]).
+    pub track: u64,
     /// The features of that place.
     pub features: Features,
 }
@@ -72,6 +74,8 @@ pub struct SongPlace {
 #[derive(Default)]
 pub struct Timeline {
     segments: VecDeque<SegmentNotes>,
+    /// What follows the track that is decoded, once it is open.
+    next: Option<Arc<TrackInfo>>,
 }
 
 /// A [`Timeline`] shared by threads.
@@ -170,6 +174,16 @@ impl Timeline {
         }
     }
 
+    /// Notes what follows the track that is decoded, if that is known and another one.
+    pub fn set_next(&mut self, next: Option<Arc<TrackInfo>>) {
+        self.next = next;
+    }
+
+    /// What was noted last.
+    pub fn next(&self) -> Option<Arc<TrackInfo>> {
+        self.next.clone()
+    }
+
     /// Where `audible` is in its track, `ahead` seconds later (never after the segment's end). None for a segment
     /// that is not remembered.
     pub fn place(&self, audible: Audible, ahead: f64) -> Option<SongPlace> {
@@ -180,6 +194,7 @@ impl Timeline {
             song_time: (anchor.song_time + time - anchor.segment_time).max(0.0),
             lap: anchor.lap,
             passage: passage.id,
+            track: passage.track.id,
             features: passage.features.at(passage.start + time - passage.segment_time),
         })
     }

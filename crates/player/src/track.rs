@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use super::decode::Decoder;
 use super::listed::{Edit, Edited, SharedListing};
-use super::song::display_name;
+use super::playlist::Cut;
+use super::song::{Song, display_name};
 use super::source::{FrameSource, SourceError};
 use mariana_music::StereoFrame;
 
@@ -40,25 +41,52 @@ pub struct TrackInfo {
 
 type Opening = dyn Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync;
 
+/// Where a track's frames are: all of a song or a part of it. The same bytes and the same part are the same frames.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Content {
+    /// The song.
+    pub song: Song,
+    /// The part of it that is played; none is all of it.
+    pub cut: Option<Cut>,
+}
+
 /// A way to open a track again, if there is one.
 #[derive(Clone, Default)]
-pub struct Reopen(Option<Arc<Opening>>);
+pub struct Reopen {
+    open: Option<Arc<Opening>>,
+    content: Option<Arc<Content>>,
+}
 
 impl Reopen {
     /// By calling this.
     pub fn by(open: impl Fn() -> Result<Box<dyn FrameSource>, SourceError> + Send + Sync + 'static) -> Self {
-        Self(Some(Arc::new(open)))
+        Self { open: Some(Arc::new(open)), content: None }
+    }
+
+    /// The same for a track whose frames are those of `content`.
+    pub(super) fn of(self, content: Content) -> Self {
+        Self { content: Some(Arc::new(content)), ..self }
     }
 
     /// Opens the track; none if there is no way. This may take its time.
     pub fn open(&self) -> Option<Result<Box<dyn FrameSource>, SourceError>> {
-        self.0.as_ref().map(|open| open())
+        self.open.as_ref().map(|open| open())
+    }
+
+    /// Whether there is a way.
+    pub fn is_possible(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// Where the frames are, if that is known.
+    pub fn content(&self) -> Option<&Content> {
+        self.content.as_deref()
     }
 }
 
 impl PartialEq for Reopen {
     fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
+        match (&self.open, &other.open) {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
             (one, other) => one.is_none() && other.is_none(),
         }
@@ -67,7 +95,7 @@ impl PartialEq for Reopen {
 
 impl fmt::Debug for Reopen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if self.0.is_some() { "Reopen(by a function)" } else { "Reopen(not at all)" })
+        f.write_str(if self.is_possible() { "Reopen(by a function)" } else { "Reopen(not at all)" })
     }
 }
 

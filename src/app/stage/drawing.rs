@@ -48,7 +48,8 @@ impl Stage {
             // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
             // them.
             let curves = if self.scene.hears_curves() { self.listening.curves() } else { Default::default() };
-            let sound = mariana_music::Sound { features: moment.features, tables: curves };
+            let Moment { features, song, .. } = moment;
+            let sound = mariana_music::Sound { features, tables: curves, song };
             let aspect = f64::from(size.0) / f64::from(size.1.max(1));
             let picture = WantedPicture { moment, sound, size: drawn, aspect, level };
             let drawn = self.scene.draw(&mut self.renderer, picture);

@@ -30,6 +30,7 @@ use crate::export::print::tell;
 use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
+use crate::song_structures::{SongReader, StructureCache};
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions, Target};
 
@@ -65,6 +66,11 @@ impl Opening<'_> {
         let Self { tracks, settings, scene, memory, loaders, first, controls } = self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
+        // First of all, so that the song is known before its first picture.
+        let songs = start_song_reader(waker);
+        if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
+            songs.want([&tracks.first.info]);
+        }
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -126,7 +132,7 @@ impl Opening<'_> {
         let now = Instant::now();
         let of_controls = waker.clone();
         Ok(Stage {
-            listening: Listening::new(sound),
+            listening: Listening::new(sound, songs),
             renderer,
             scene,
             pace: DrawingPace::new(choices.quality, fps, now),
@@ -149,6 +155,13 @@ impl Opening<'_> {
             window,
         })
     }
+}
+
+/// What listens to whole songs. Without it their numbers stay unknown.
+fn start_song_reader(waker: &Waker) -> Option<SongReader> {
+    let waker = waker.clone();
+    let started = SongReader::start(StructureCache::of_user(), move || waker.wake());
+    started.inspect_err(|error| tracing::warn!("whole songs are not listened to: {error}")).ok()
 }
 
 /// The output that songs play on at the start.

@@ -122,14 +122,19 @@ impl Graph {
         self.nodes.iter().copied()
     }
 
-    /// Whether any expression built so far, used or not, reads the time or a table of the sound: both may change
-    /// while the sound's features stay the same.
+    /// Whether any expression built so far, used or not, reads the time, a number of the song or a table of the sound:
+    /// all of them may change while the sound's features stay the same.
     pub fn moves_by_itself(&self) -> bool {
         self.nodes.iter().any(|node| match node {
-            Node::Input(input) => *input == Input::T,
+            Node::Input(input) => *input == Input::T || input.is_of_song(),
             Node::Unary(op, _) | Node::Binary(op, _, _) => op.properties().has(op::Properties::READS_FRAME),
             _ => false,
         })
+    }
+
+    /// Whether any expression built so far, used or not, reads a number of the whole song.
+    pub fn reads_song(&self) -> bool {
+        self.nodes.iter().any(|node| matches!(node, Node::Input(input) if input.is_of_song()))
     }
 
     /// Whether any expression built so far, used or not, reads one of [`Op::CURVES`].

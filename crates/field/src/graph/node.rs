@@ -67,6 +67,11 @@ impl Input {
         }
     }
 
+    /// Whether it is a number of the whole song.
+    pub const fn is_of_song(self) -> bool {
+        matches!(self, Input::Sound(input) if input.is_of_song())
+    }
+
     /// A number of its own for every input.
     const fn code(self) -> u32 {
         match self {
@@ -80,7 +85,7 @@ impl Input {
             Input::EyeX => 7,
             Input::EyeY => 8,
             Input::EyeZ => 9,
-            Input::Sound(input) => 0x10 | input as u32,
+            Input::Sound(input) => 0x10 + input as u32,
             Input::Band(i) => 0x100 | i as u32,
             Input::Param(i) => 0x1_0000 | i as u32,
             Input::Hoisted(i) => 0x2_0000 | i as u32,

@@ -2,8 +2,9 @@
 //! rows: the names of the language and their documentation, tapes, GLSL, the frame's block for the shaders, the
 //! bounds that hold for any sound, the frames with which a scene is tried, and `mariana eval --set`.
 //!
-//! Bands and tables (`band(i)`, `spectrum(u)`) are read by functions; they stand in
-//! [`FrameInputs`](super::FrameInputs).
+//! From `bar` on they are of the whole song ([`SoundInput::is_of_song`]). Bands and tables (`band(i)`, `spectrum(u)`) are
+//! read by functions; they stand in [`FrameInputs`](super::FrameInputs). So is `chroma(i)`, but its twelve numbers are
+//! rows here, because a function of twelve numbers needs no operator of its own.
 
 use std::ops::{Index, IndexMut};
 
@@ -54,6 +55,50 @@ sound_inputs! {
     Brightness, "brightness", 0.0..1.0, "where the middle of the sound lies, 0 low .. 1 high: the spectral centroid";
     /// Where the strongest tone lies in the spectrum.
     Pitch, "pitch", 0.0..1.0, "where the strongest tone lies, 0..1 as in spectrum(u)";
+    /// Position in the bar.
+    Bar, "bar", 0.0..1.0, "way through the bar, 0 up to 1";
+    /// Number of the beat in its bar.
+    BeatInBar, "beat_in_bar", 0.0..4.0, "which beat of its bar it is, 1 to 4; 0 while unknown";
+    /// Number of the section's letter.
+    Section, "section", 0.0..26.0, "the part of the song: 1 for A, 2 for B, ..; what returns has its number again; 0 while unknown";
+    /// Position in the section.
+    SectionPhase, "section_phase", 0.0..1.0, "way through the section, 0..1";
+    /// Loudness of a second relative to the loudest one.
+    Energy, "energy", 0.0..1.0, "how loud a second of the song is: 1 like its loudest, 0 if 36 dB below that or less";
+    /// Tension that rises.
+    Build, "build", 0.0..1.0, "0 up to 1 over a build, and 0 elsewhere";
+    /// Tension that was released.
+    Drop, "drop", 0.0..1.0, "1 where a drop begins, falling to 0 over two bars";
+    /// Root of the key.
+    Key, "key", 0.0..11.0, "root of the song's key in semitones above C, 0..11; 0 while unknown";
+    /// Whether the key is minor.
+    Minor, "minor", 0.0..1.0, "1 if the song's key is minor, else 0";
+    /// Position in the song.
+    Progress, "progress", 0.0..1.0, "way through the song, 0..1";
+    /// Share of C.
+    ChromaC, "chroma(0)", 0.0..1.0, "how much C sounds, 0..1";
+    /// Share of C sharp.
+    ChromaCSharp, "chroma(1)", 0.0..1.0, "how much C sharp sounds, 0..1";
+    /// Share of D.
+    ChromaD, "chroma(2)", 0.0..1.0, "how much D sounds, 0..1";
+    /// Share of E flat.
+    ChromaEFlat, "chroma(3)", 0.0..1.0, "how much E flat sounds, 0..1";
+    /// Share of E.
+    ChromaE, "chroma(4)", 0.0..1.0, "how much E sounds, 0..1";
+    /// Share of F.
+    ChromaF, "chroma(5)", 0.0..1.0, "how much F sounds, 0..1";
+    /// Share of F sharp.
+    ChromaFSharp, "chroma(6)", 0.0..1.0, "how much F sharp sounds, 0..1";
+    /// Share of G.
+    ChromaG, "chroma(7)", 0.0..1.0, "how much G sounds, 0..1";
+    /// Share of G sharp.
+    ChromaGSharp, "chroma(8)", 0.0..1.0, "how much G sharp sounds, 0..1";
+    /// Share of A.
+    ChromaA, "chroma(9)", 0.0..1.0, "how much A sounds, 0..1";
+    /// Share of B flat.
+    ChromaBFlat, "chroma(10)", 0.0..1.0, "how much B flat sounds, 0..1";
+    /// Share of B.
+    ChromaB, "chroma(11)", 0.0..1.0, "how much B sounds, 0..1";
 }
 
 impl SoundInput {
@@ -72,6 +117,28 @@ impl SoundInput {
         ROWS[self as usize].3
     }
 
+    /// How much each pitch class sounds, C first: what `chroma(i)` reads.
+    pub const CHROMA: [Self; 12] = [
+        Self::ChromaC,
+        Self::ChromaCSharp,
+        Self::ChromaD,
+        Self::ChromaEFlat,
+        Self::ChromaE,
+        Self::ChromaF,
+        Self::ChromaFSharp,
+        Self::ChromaG,
+        Self::ChromaGSharp,
+        Self::ChromaA,
+        Self::ChromaBFlat,
+        Self::ChromaB,
+    ];
+
+    /// Whether it is a number of the whole song: known only to who has heard all of it, else 0. Scenes may have values
+    /// of the same name, which hide it.
+    pub const fn is_of_song(self) -> bool {
+        self as usize >= Self::Bar as usize
+    }
+
     /// The number with that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|input| input.name() == name)
@@ -85,8 +152,14 @@ impl SoundInput {
 }
 
 /// A value for each [`SoundInput`]; silence by default.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SoundInputs([f32; ROWS.len()]);
+
+impl Default for SoundInputs {
+    fn default() -> Self {
+        Self::SILENCE
+    }
+}
 
 impl SoundInputs {
     /// Silence.
@@ -142,6 +215,9 @@ mod tests {
                     .iter()
                     .all(|v| (least..=most).contains(&input.clamp(*v)))
             );
+        }
+        for (class, input) in SoundInput::CHROMA.into_iter().enumerate() {
+            assert_eq!(input.name(), format!("chroma({class})"));
         }
     }
 }

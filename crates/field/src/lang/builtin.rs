@@ -102,10 +102,10 @@ pub(super) const INPUTS: &[InputRow] = &{
     rows
 };
 
-/// Whether the number is read as a component of a vector.
+/// Whether the number is read as a component of a vector, or by a function.
 const fn is_component(input: SoundInput) -> bool {
     let name = input.name().as_bytes();
-    name.len() > 2 && name[name.len() - 2] == b'.'
+    name.len() > 2 && (name[name.len() - 2] == b'.' || name[name.len() - 1] == b')')
 }
 
 const fn named_sounds() -> usize {
@@ -144,6 +144,7 @@ pub(super) enum Builtin {
     /// A vector with this number of components.
     Construct(u8),
     Band,
+    Chroma,
     /// A table that is read at a coordinate.
     Table(Op),
     History,
@@ -173,7 +174,7 @@ const fn each(name: &'static str, op: Op, doc: &'static str) -> BuiltinRow {
     function(name, "a", Builtin::Each(op), (1, 1), doc)
 }
 
-use Builtin::{Atan, Band, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
+use Builtin::{Atan, Band, Chroma, Construct, Dot, History, Length, Pair, Pow, Round, Table, Texture};
 
 /// Every built-in function.
 pub(super) const BUILTINS: &[BuiltinRow] = &[
@@ -251,6 +252,13 @@ pub(super) const BUILTINS: &[BuiltinRow] = &[
         "a random-looking number in 0..1 of the cell (floor(a), floor(b))",
     ),
     function("band", "i", Band, (1, 1), "the level of one of the 32 frequency bands, low to high, 0..1"),
+    function(
+        "chroma",
+        "i",
+        Chroma,
+        (1, 1),
+        "how much a pitch class of the song sounds, 0 for C up to 11 for B: 1 is the strongest of a beat",
+    ),
     function(
         "spectrum",
         "u",

@@ -5,13 +5,13 @@
 //! likelier at a bar's start, snares in between (Goto 2001). The likeliest path through positions in the bar is decoded
 //! over the whole song, so that a beat too many costs one bar and not the rest of the song.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::listener::Heard;
 use super::units::{Unit, distance, standardised};
 
 /// How beats make bars.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Meter {
     /// Four beats.
     #[serde(rename = "4/4")]

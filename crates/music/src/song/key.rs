@@ -1,6 +1,6 @@
 //! Key, mode and chords, from the shares of the pitch classes.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::units::Unit;
 
@@ -8,7 +8,7 @@ use super::units::Unit;
 pub const PITCH_CLASSES: [&str; 12] = ["C", "C#", "D", "Eb", "E", "F", "F#", "G", "G#", "A", "Bb", "B"];
 
 /// Major or minor, of keys and of triads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// With a major third.
@@ -28,7 +28,7 @@ impl Mode {
 }
 
 /// A key, or a triad: its root and its mode.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Tonality {
     /// Pitch class, 0 for C up to 11 for B.
     pub root: u8,

@@ -8,12 +8,16 @@
 //!
 //! Everything that needs the whole song runs at its end, over the little that was kept of it.
 
+/// Goes up when the same samples give another structure, so that a structure that was kept is not taken for it.
+pub const STRUCTURE_VERSION: u32 = 1;
+
 mod bars;
 mod beats;
 mod chroma;
 mod energy;
 mod key;
 mod listener;
+mod moment;
 mod sections;
 mod structure;
 mod units;
@@ -21,4 +25,5 @@ mod units;
 pub use bars::Meter;
 pub use key::{Mode, PITCH_CLASSES, Tonality};
 pub use listener::SongListener;
+pub use moment::SongMoment;
 pub use structure::{Chord, PitchShares, Section, SongBeat, SongStructure, Stretch};

@@ -1,6 +1,6 @@
 //! What is known of a song when all of it was heard.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::bars::{Meter, bars};
 use super::beats::{beats, onset_strengths};
@@ -16,7 +16,7 @@ const STEP_WITHOUT_BEATS: f64 = 2.0;
 const SILENT: f32 = 1e-8;
 
 /// A beat.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct SongBeat {
     /// When, in seconds.
     pub time: f64,
@@ -27,7 +27,7 @@ pub struct SongBeat {
 }
 
 /// A stretch of time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Stretch {
     /// Its start, in seconds.
     pub start: f64,
@@ -36,7 +36,7 @@ pub struct Stretch {
 }
 
 /// A section: a stretch that is alike in itself.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Section {
     /// Its start, in seconds.
     pub start: f64,
@@ -49,7 +49,7 @@ pub struct Section {
 }
 
 /// A stretch with one chord.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Chord {
     /// Its start, in seconds.
     pub start: f64,
@@ -60,7 +60,7 @@ pub struct Chord {
 }
 
 /// What sounds from one beat to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub struct PitchShares {
     /// Its start, in seconds.
     pub start: f64,
@@ -69,7 +69,7 @@ pub struct PitchShares {
 }
 
 /// The structure of a song. Times are seconds from its start; all numbers are finite.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct SongStructure {
     /// How much was listened to.
     pub seconds: f64,

@@ -25,7 +25,7 @@ use crate::limits::LIMITS;
 use crate::player::Moment;
 use crate::supervisor::Supervisor;
 use crate::worker::Worker;
-use mariana_music::{FeatureTrack, Features, Gain, Sound};
+use mariana_music::{FeatureTrack, Gain, Sound};
 
 /// Moments that may wait for the window: some 2 s.
 const MOMENTS: usize = 256;
@@ -130,7 +130,7 @@ impl Live {
             paused_for: 0.0,
             heard_at: 0.0,
             paused_at: Sound::default(),
-            moment: Moment { song_time: 0.0, features: Features::default(), segment: 0, lap: 0 },
+            moment: Moment::default(),
         })
     }
 
@@ -187,7 +187,7 @@ impl Live {
         self.heard_at = if shift > 0.0 { now - shift } else { newest };
         let features = self.track.at(self.heard_at);
         let segment = self.latest.as_ref().map_or(0, |heard| heard.stream);
-        self.moment = Moment { song_time: now - self.paused_for, features, segment, lap: 0 };
+        self.moment = Moment { song_time: now - self.paused_for, features, segment, ..Moment::default() };
         self.moment
     }
 

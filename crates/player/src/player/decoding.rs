@@ -18,6 +18,7 @@ mod place;
 mod segment;
 mod track_queue;
 
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError};
 use std::time::{Duration, Instant};
 
@@ -26,7 +27,7 @@ use super::listing::{Request, SharedTroubles};
 use crate::resample::Resampler;
 use crate::source::SourceError;
 use crate::timeline::SharedTimeline;
-use crate::track::Track;
+use crate::track::{Track, TrackInfo};
 pub(crate) use command::Command;
 use mariana_music::StereoFrame;
 use place::{Goal, Place};
@@ -57,6 +58,8 @@ pub(crate) struct Decoding {
     analysis: SyncSender<AnalysisInput>,
     troubles: SharedTroubles,
     scratch: Vec<StereoFrame>,
+    /// What was last told to follow.
+    told_next: Option<Arc<TrackInfo>>,
 }
 
 enum Step {
@@ -78,6 +81,7 @@ impl Decoding {
             analysis,
             troubles,
             scratch: Vec::new(),
+            told_next: None,
         }
     }
 
@@ -107,6 +111,16 @@ impl Decoding {
             self.segment.clean_up();
             self.let_go();
             next = self.fill();
+            self.tell_next();
+        }
+    }
+
+    /// Notes what follows, for who wants to know it before it is heard.
+    fn tell_next(&mut self) {
+        let next = self.queue.opened_ahead();
+        if self.told_next.as_ref().map(|told| told.id) != next.map(|next| next.id) {
+            self.told_next = next.cloned();
+            self.segment.timeline().lock().set_next(next.cloned());
         }
     }
 

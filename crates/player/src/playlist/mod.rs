@@ -40,7 +40,7 @@ pub use text::Reference;
 use super::listed::{Edit, Edited, ListedTrack, SharedListing};
 use super::song::{Song, one_line, track_name};
 use super::source::SourceError;
-use super::track::{Found, Reopen, Repeat, Track, TrackList, Wanted};
+use super::track::{Content, Found, Reopen, Repeat, Track, TrackList, Wanted};
 
 /// Most messages that are kept about entries before the first playable track, besides the last one.
 const TROUBLES_KEPT: usize = 20;
@@ -254,8 +254,8 @@ impl Entry {
             about.name = track_name(artist.as_deref(), title.as_deref(), &about.name);
             (about.title, about.artist) = (title, artist);
         }
-        let entry = self.clone();
-        about.reopen = Reopen::by(move || Ok(entry.open(0, 1)?.source));
+        let (entry, content) = (self.clone(), Content { song: self.song.clone(), cut: self.cut });
+        about.reopen = Reopen::by(move || Ok(entry.open(0, 1)?.source)).of(content);
         Ok(Track { source, info })
     }
 }

@@ -8,7 +8,15 @@ use super::super::source::Span;
 use super::super::symbol::Symbol;
 use super::super::value::{Value, Vector};
 use super::Lowering;
-use crate::graph::{BAND_COUNT, Input, Op};
+use crate::graph::{BAND_COUNT, Input, NodeId, Op, SoundInput};
+
+/// With which number a function reads one of several numbers of the sound.
+enum Number {
+    /// This one.
+    Known(usize),
+    /// One that is computed.
+    Computed(NodeId),
+}
 
 impl Lowering<'_> {
     /// Calls a function with the arguments from `mark` on.
@@ -58,6 +66,7 @@ impl Lowering<'_> {
             }
             (Builtin::Construct(len), _) => self.construct(row.name, len, &vectors, span),
             (Builtin::Band, [Some(a), ..]) => self.band(a, span),
+            (Builtin::Chroma, [Some(a), ..]) => self.chroma(a, span),
             (Builtin::Table(op), [Some(a), ..]) => {
                 self.used_frame(row.name, span);
                 Value::Vector(a.map(|part| self.graph.unary(op, part)))
@@ -129,21 +138,67 @@ impl Lowering<'_> {
     }
 
     fn band(&mut self, index: Vector, span: Span) -> Value {
-        self.used_frame("band", span);
+        match self.number_among("band", index, (BAND_COUNT, "there are 32 bands, 0 to 31, low to high"), span)
+        {
+            Some(Number::Known(band)) => Value::scalar(self.graph.input(Input::Band(band as u8))),
+            Some(Number::Computed(part)) => Value::scalar(self.graph.unary(Op::Band, part)),
+            None => Value::Unknown,
+        }
+    }
+
+    /// A computed number chooses among the twelve by comparing, clamped and rounded down as a band's is. The largest of
+    /// those that are not chosen is 0, so that an interval over several of them is as wide as they are.
+    fn chroma(&mut self, index: Vector, span: Span) -> Value {
+        let classes = SoundInput::CHROMA;
+        let hint = "there are 12 pitch classes, 0 for C to 11 for B";
+        match self.number_among("chroma", index, (classes.len(), hint), span) {
+            Some(Number::Known(class)) => match classes.get(class) {
+                Some(input) => Value::scalar(self.graph.input(Input::Sound(*input))),
+                None => Value::Unknown,
+            },
+            Some(Number::Computed(part)) => {
+                let (first, last) =
+                    (self.graph.constant(0.0), self.graph.constant(classes.len() as f32 - 1.0));
+                let clamped = self.graph.clamp(part, first, last);
+                let chosen = self.graph.unary(Op::Floor, clamped);
+                let mut value = first;
+                for (class, input) in classes.into_iter().enumerate() {
+                    let (class, input) =
+                        (self.graph.constant(class as f32), self.graph.input(Input::Sound(input)));
+                    let is_it = self.graph.binary(Op::Equal, chosen, class);
+                    let share = self.graph.binary(Op::Mul, is_it, input);
+                    value = self.graph.binary(Op::Max, value, share);
+                }
+                Value::scalar(value)
+            }
+            None => Value::Unknown,
+        }
+    }
+
+    /// The number with which the function `name` reads one of `count` numbers of the sound; reports one that there is
+    /// not.
+    fn number_among(
+        &mut self,
+        name: &'static str,
+        index: Vector,
+        (count, hint): (usize, &'static str),
+        span: Span,
+    ) -> Option<Number> {
+        self.used_frame(name, span);
         if index.len() != 1 {
-            let message = format!("`band` takes a number, not {}", Value::Vector(index).described());
-            return self.report(Diagnostic::new(span, message));
+            let message = format!("`{name}` takes a number, not {}", Value::Vector(index).described());
+            self.report(Diagnostic::new(span, message));
+            return None;
         }
         let part = index.first();
-        let Some(number) = self.known(part) else {
-            return Value::scalar(self.graph.unary(Op::Band, part));
-        };
-        if number < 0.0 || number >= BAND_COUNT as f32 || number.fract() != 0.0 {
-            let message = format!("there is no band {number}");
-            return self
-                .report(Diagnostic::new(span, message).hint("there are 32 bands, 0 to 31, low to high"));
+        let Some(number) = self.known(part) else { return Some(Number::Computed(part)) };
+        if number < 0.0 || number >= count as f32 || number.fract() != 0.0 {
+            let what = if name == "band" { "band" } else { "pitch class" };
+            let message = format!("there is no {what} {number}");
+            self.report(Diagnostic::new(span, message).hint(hint));
+            return None;
         }
-        Value::scalar(self.graph.input(Input::Band(number as u8)))
+        Some(Number::Known(number as usize))
     }
 
     fn texture(&mut self, mark: usize, first: u32, span: Span) -> Value {

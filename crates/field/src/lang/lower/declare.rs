@@ -2,7 +2,7 @@
 
 use super::super::about::About;
 use super::super::ast::{ExprId, Item, Name, Section};
-use super::super::builtin::uses;
+use super::super::builtin::{INPUTS, InputRow, InputValue, uses};
 use super::super::diagnostic::Diagnostic;
 use super::super::library;
 use super::super::material::Material;
@@ -241,9 +241,12 @@ impl<'a> Lowering<'a> {
         self.report(wrong.hint("give one of them another name"));
     }
 
-    /// Whether a value of the scene can have this name; reports it if not.
+    /// Whether a value of the scene can have this name; reports it if not. It may hide a number of the song: those have
+    /// names that scenes gave to values of their own before there was such a number.
     fn may_declare(&mut self, name: Name) -> bool {
-        if library::input_index(name.symbol).is_some() {
+        let input = library::input_index(name.symbol).and_then(|index| INPUTS.get(index));
+        let may_hide = |row: &InputRow| matches!(row.value, InputValue::One(input) if input.is_of_song());
+        if input.is_some_and(|row| !may_hide(row)) {
             let message = format!("`{}` is an input of every scene", self.name(name.symbol));
             self.report(Diagnostic::new(name.span, message).hint("choose another name"));
             return false;

@@ -52,6 +52,11 @@ fn expressions_mean_what_they_mean_in_glsl() {
         ("volume.y", 0.5),
         ("band(3)", 0.03),
         ("band(z)", 0.03),
+        ("chroma(3)", 0.3),
+        // Computed, clamped, and between two.
+        ("chroma(z) + chroma(z + 0.9)", 0.6),
+        ("chroma(z - 50) + chroma(z + 50) + chroma(z + 1)", 1.1),
+        ("energy + section", 0.75),
         ("t", 2.0),
         ("round(2.5)", 3.0),
         ("round(x, 0.25)", 0.25),
@@ -61,6 +66,24 @@ fn expressions_mean_what_they_mean_in_glsl() {
     ] {
         let got = value(text, at);
         assert!((got - expected).abs() < 1e-5, "{text} is {got}, not {expected}");
+    }
+}
+
+#[test]
+fn a_scenes_own_names_hide_the_numbers_of_the_song() {
+    for text in [
+        "param energy = 3 in 0 .. 4\nenergy + key",
+        "let energy = 3\nenergy + key",
+        "fn f(energy) = energy\nf(3) + key",
+        "{ let energy = 3  energy + key }",
+        "fn chroma(i) = i\nchroma(3) + key",
+    ] {
+        assert_eq!(value(text, [0.0; 3]), 3.0, "{text}");
+    }
+    let scene = |text: &str| compile("s", text, &mut super::no_includes).scene.unwrap();
+    assert!(!scene("let energy = 3\nlength(p) - energy").graph.reads_song());
+    for text in ["length(p) - energy", "length(p) - chroma(3)", "length(p) - chroma(x)"] {
+        assert!(scene(text).graph.reads_song() && scene(text).graph.moves_by_itself(), "{text}");
     }
 }
 

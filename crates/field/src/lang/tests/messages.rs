@@ -132,6 +132,8 @@ const MISTAKES: &[(&str, &str, &str, &str)] = &[
     // Inputs.
     ("band(32)", "there is no band 32", "band(32)", "0 to 31"),
     ("band(0.5)", "there is no band 0.5", "band(0.5)", "0 to 31"),
+    ("chroma(12)", "there is no pitch class 12", "chroma(12)", "11 for B"),
+    ("chroma(p)", "`chroma` takes a number, not a vec3", "chroma(p)", ""),
     (
         "length(p - eye) - 1",
         "a shape does not depend on who looks, so `eye` has no value here",

@@ -39,7 +39,14 @@ pub(super) fn broken(text: &str) -> Compiled {
 pub(super) fn frame(scene: &Scene) -> FrameInputs {
     FrameInputs {
         time: 2.0,
-        sound: SoundInputs::with(&[(SoundInput::VolumeLeft, 0.25), (SoundInput::VolumeRight, 0.5)]),
+        sound: SoundInputs::with(&[
+            (SoundInput::VolumeLeft, 0.25),
+            (SoundInput::VolumeRight, 0.5),
+            (SoundInput::Energy, 0.75),
+            (SoundInput::ChromaC, 0.1),
+            (SoundInput::ChromaEFlat, 0.3),
+            (SoundInput::ChromaB, 1.0),
+        ]),
         bands: std::array::from_fn(|index| index as f32 / 100.0),
         params: scene.params.iter().map(|param| param.default).collect(),
         ..FrameInputs::default()

@@ -1,12 +1,13 @@
 //! What plays and what comes next: the decoding thread's side of its talk with the list thread.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::Sender;
 
 use super::passages::Passages;
 use crate::listed::{Edit, Edited};
 use crate::player::listing::{Request, SharedTroubles};
-use crate::track::{Found, Repeat, Track, Wanted};
+use crate::track::{Found, Repeat, Track, TrackInfo, Wanted};
 
 /// After this many tracks in a row without a frame, silence is played.
 const EMPTY_TRACKS_MAX: u32 = 64;
@@ -61,6 +62,14 @@ impl TrackQueue {
             list,
             last_request: 0,
             troubles,
+        }
+    }
+
+    /// What is known about the track that was opened to follow the current one.
+    pub(super) fn opened_ahead(&self) -> Option<&Arc<TrackInfo>> {
+        match &self.next {
+            Next::Track(track) => Some(&track.info),
+            _ => None,
         }
     }
 

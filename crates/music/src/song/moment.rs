@@ -1,0 +1,229 @@
+//! What a scene reads of a song's structure at a moment: a pure function of the structure and the time, cheap enough to
+//! be asked for each picture.
+
+use serde::Serialize;
+
+use super::structure::{Section, SongStructure};
+use super::{Mode, PITCH_CLASSES};
+
+/// Bars in which a drop fades.
+const DROP_BARS: f64 = 2.0;
+/// Seconds in which a drop fades if there are no bars.
+const DROP_SECONDS: f64 = 4.0;
+/// Sections after Z count as Z.
+const LETTERS: u8 = 26;
+
+/// The place of a moment in its song. Every number is finite; those that are unknown are 0.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
+pub struct SongMoment {
+    /// Way through the bar, 0 up to 1. Before the first beat and after the last one bars go on at their tempo.
+    pub bar: f32,
+    /// Which beat of its bar, from 1 on; 0 if there is no steady beat.
+    pub beat_in_bar: f32,
+    /// The section's letter: 1 for A up to 26 for Z and all that follow; 0 if there are no sections.
+    pub section: f32,
+    /// Way through the section, 0..1.
+    pub section_phase: f32,
+    /// How loud it is within about a second: 0 is 36 dB below the song's loudest or less, 1 the loudest.
+    pub energy: f32,
+    /// Rises from 0 to 1 over a build, and is 0 elsewhere.
+    pub build: f32,
+    /// 1 where a drop begins, falling to 0 over two bars.
+    pub drop: f32,
+    /// Root of the song's key, 0 for C up to 11 for B; 0 if no key fits.
+    pub key: f32,
+    /// 1 if that key is minor.
+    pub minor: f32,
+    /// Way through the song, 0..1.
+    pub progress: f32,
+    /// How much each pitch class sounds, C first: 1 is the strongest of a beat. From the middle of a beat to that of
+    /// the next they change linearly.
+    pub chroma: [f32; PITCH_CLASSES.len()],
+}
+
+impl SongMoment {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self {
+        bar: 0.0,
+        beat_in_bar: 0.0,
+        section: 0.0,
+        section_phase: 0.0,
+        energy: 0.0,
+        build: 0.0,
+        drop: 0.0,
+        key: 0.0,
+        minor: 0.0,
+        progress: 0.0,
+        chroma: [0.0; PITCH_CLASSES.len()],
+    };
+
+    /// The number that scenes read by this name, such as `bar` or `chroma(3)`. None if there is no such number.
+    pub fn number(&self, name: &str) -> Option<f32> {
+        Some(match name {
+            "bar" => self.bar,
+            "beat_in_bar" => self.beat_in_bar,
+            "section" => self.section,
+            "section_phase" => self.section_phase,
+            "energy" => self.energy,
+            "build" => self.build,
+            "drop" => self.drop,
+            "key" => self.key,
+            "minor" => self.minor,
+            "progress" => self.progress,
+            _ => {
+                let class: usize = name.strip_prefix("chroma(")?.strip_suffix(')')?.parse().ok()?;
+                *self.chroma.get(class)?
+            }
+        })
+    }
+}
+
+impl SongStructure {
+    /// What scenes read at `time` in seconds. Before the song it is as at its start, after it as at its end; nothing is
+    /// known at a time that is not a number.
+    pub fn moment(&self, time: f64) -> SongMoment {
+        if time.is_nan() {
+            return SongMoment::UNKNOWN;
+        }
+        let time = time.clamp(0.0, positive(self.seconds));
+        let (bar, beat_in_bar) = self.place_in_bar(time).unwrap_or_default();
+        let (section, section_phase) = self.place_in_section(time).unwrap_or_default();
+        SongMoment {
+            bar,
+            beat_in_bar,
+            section,
+            section_phase,
+            energy: self.energy_at(time),
+            build: self.build_at(time),
+            drop: self.drop_at(time),
+            key: self.key.map_or(0.0, |key| f32::from(key.root.min(11))),
+            minor: self.key.map_or(0.0, |key| if key.mode == Mode::Minor { 1.0 } else { 0.0 }),
+            progress: share(time, 0.0, self.seconds),
+            chroma: self.chroma_at(time),
+        }
+    }
+
+    /// The way through the bar, and the number of the beat.
+    fn place_in_bar(&self, time: f64) -> Option<(f32, f32)> {
+        let in_bar = self.meter?.beats();
+        let beats = &self.beats;
+        // The last beat at or before the time; before the first one it is that.
+        let index = beats.partition_point(|beat| beat.time <= time).saturating_sub(1);
+        let (beat, next) = (beats.get(index)?, beats.get(index + 1));
+        let period = match next {
+            Some(next) if time >= beat.time => next.time - beat.time,
+            _ => 60.0 / f64::from(beat.tempo),
+        };
+        // Where beats lie as close as this, a bar is no more than a number.
+        let passed = (time - beat.time) / if period > 1e-3 { period } else { 1.0 };
+        // The next beat is at most a beat away: beyond the last and before the first one they are counted on.
+        let counted = f64::from(beat.of_bar) - 1.0 + if passed.is_finite() { passed } else { 0.0 };
+        let place = counted.rem_euclid(in_bar as f64);
+        let number = (place.floor() + 1.0).min(in_bar as f64);
+        Some((below_one(place / in_bar as f64), number as f32))
+    }
+
+    /// The number of the section, and the way through it.
+    fn place_in_section(&self, time: f64) -> Option<(f32, f32)> {
+        let after = self.sections.partition_point(|section| section.start <= time);
+        let section = self.sections.get(after.saturating_sub(1))?;
+        Some((number_of(section), share(time, section.start, section.end)))
+    }
+
+    /// Linear between the middles of the steps, because each is a mean.
+    fn energy_at(&self, time: f64) -> f32 {
+        let step = positive(self.energy_step).max(1e-3);
+        let place = (time / step - 0.5).max(0.0);
+        let first = (place as usize).min(self.energy.len().saturating_sub(1));
+        let at = |index: usize| self.energy.get(index).copied().map(unit);
+        let Some(from) = at(first) else { return 0.0 };
+        mixed(from, at(first + 1).unwrap_or(from), unit((place - first as f64) as f32))
+    }
+
+    fn build_at(&self, time: f64) -> f32 {
+        let after = self.builds.partition_point(|build| build.start <= time);
+        let build = after.checked_sub(1).and_then(|index| self.builds.get(index));
+        build.filter(|build| time < build.end).map_or(0.0, |build| share(time, build.start, build.end))
+    }
+
+    fn drop_at(&self, time: f64) -> f32 {
+        let after = self.drops.partition_point(|drop| *drop <= time);
+        let Some(drop) = after.checked_sub(1).and_then(|index| self.drops.get(index)) else { return 0.0 };
+        1.0 - share(time, *drop, drop + self.seconds_of_drop(*drop))
+    }
+
+    /// How long a drop fades.
+    fn seconds_of_drop(&self, drop: f64) -> f64 {
+        let Some(meter) = self.meter else { return DROP_SECONDS };
+        let beats = DROP_BARS * meter.beats() as f64;
+        let first = self.beats.partition_point(|beat| beat.time < drop - 1e-3);
+        let last = self.beats.get(first + beats as usize).map(|beat| beat.time - drop);
+        let by_tempo = || self.tempo.map(|tempo| 60.0 * beats / f64::from(tempo));
+        last.or_else(by_tempo).filter(|seconds| *seconds > 0.0 && seconds.is_finite()).unwrap_or(DROP_SECONDS)
+    }
+
+    fn chroma_at(&self, time: f64) -> [f32; PITCH_CLASSES.len()] {
+        let start = |index: usize| self.chroma.get(index).map(|unit| unit.start);
+        let index = self.chroma.partition_point(|unit| unit.start <= time).saturating_sub(1);
+        let middle_of = |index: usize| {
+            let (from, to) = (start(index)?, start(index + 1).unwrap_or(self.seconds));
+            Some(0.5 * (from + to))
+        };
+        let Some(middle) = middle_of(index) else { return SongMoment::UNKNOWN.chroma };
+        let other = if time < middle { index.checked_sub(1) } else { Some(index + 1) };
+        let heights = self.heights_of(index);
+        let Some((other, its_middle)) = other.and_then(|other| Some((other, middle_of(other)?))) else {
+            return heights;
+        };
+        let amount = share(time, middle.min(its_middle), middle.max(its_middle));
+        let (from, to) =
+            if other < index { (self.heights_of(other), heights) } else { (heights, self.heights_of(other)) };
+        std::array::from_fn(|class| mixed(from[class], to[class], amount))
+    }
+
+    /// The pitch classes of a beat, the strongest 1.
+    fn heights_of(&self, index: usize) -> [f32; PITCH_CLASSES.len()] {
+        let Some(unit_of) = self.chroma.get(index) else { return SongMoment::UNKNOWN.chroma };
+        let strongest = unit_of.shares.iter().copied().fold(0.0, f32::max);
+        unit_of.shares.map(|share| if strongest > 0.0 { unit(share / strongest) } else { 0.0 })
+    }
+}
+
+/// 1 for A, 2 for B, ...; see [`LETTERS`].
+fn number_of(section: &Section) -> f32 {
+    let number = match section.letter.as_bytes() {
+        [letter] if letter.is_ascii_uppercase() => letter - b'A' + 1,
+        _ => LETTERS,
+    };
+    f32::from(number)
+}
+
+/// Where from `start` to `end` a time lies, 0..1.
+fn share(time: f64, start: f64, end: f64) -> f32 {
+    let length = end - start;
+    if length > 0.0 { unit(((time - start) / length) as f32) } else { 0.0 }
+}
+
+/// Linear from `a` to `b`; never beyond them, however it is rounded.
+fn mixed(a: f32, b: f32, amount: f32) -> f32 {
+    (a * (1.0 - amount) + b * amount).clamp(a.min(b), a.max(b))
+}
+
+/// Clamped to 0..1; 0 for a NaN.
+fn unit(value: f32) -> f32 {
+    if value > 0.0 { value.min(1.0) } else { 0.0 }
+}
+
+/// 0 or more; 0 for a NaN.
+fn positive(value: f64) -> f64 {
+    value.max(0.0)
+}
+
+/// Rounded to a number below 1.
+fn below_one(value: f64) -> f32 {
+    unit(value as f32).min(1.0 - f32::EPSILON)
+}
+
+#[cfg(test)]
+#[path = "moment_tests.rs"]
+mod tests;

@@ -1,0 +1,192 @@
+//! Moments of structures that are made by hand, and of any.
+
+use proptest::prelude::*;
+
+use super::super::{Meter, Mode, PitchShares, Section, SongBeat, SongStructure, Stretch, Tonality};
+use super::SongMoment;
+
+/// 32 s in 4/4 at 120 beats per minute, of which the first bar begins at 1 s: A, then B with a drop at 17 s.
+fn song() -> SongStructure {
+    let section = |start, end, letter: &str| Section { start, end, letter: letter.into(), energy: 0.5 };
+    let chroma = |index: usize| {
+        let mut shares = [0.0; 12];
+        (shares[0], shares[7]) = if index.is_multiple_of(2) { (0.8, 0.2) } else { (0.2, 0.8) };
+        PitchShares { start: 0.5 * index as f64, shares }
+    };
+    SongStructure {
+        seconds: 32.0,
+        tempo: Some(120.0),
+        meter: Some(Meter::FourFour),
+        beats: (0..60)
+            .map(|index| SongBeat {
+                time: 1.0 + 0.5 * f64::from(index),
+                of_bar: (index % 4) as u8 + 1,
+                tempo: 120.0,
+            })
+            .collect(),
+        sections: vec![section(0.0, 17.0, "A"), section(17.0, 32.0, "B")],
+        energy_step: 0.25,
+        energy: (0..128).map(|step| step as f32 / 127.0).collect(),
+        builds: vec![Stretch { start: 9.0, end: 17.0 }],
+        drops: vec![17.0],
+        key: Some(Tonality { root: 9, mode: Mode::Minor }),
+        chroma: (0..64).map(chroma).collect(),
+        ..SongStructure::default()
+    }
+}
+
+fn close(a: f32, b: f32) -> bool {
+    (a - b).abs() < 1e-5
+}
+
+#[test]
+fn bars_and_beats_are_counted_on_beyond_the_beats() {
+    let song = song();
+    let told = |time: f64| {
+        let moment = song.moment(time);
+        (moment.bar, moment.beat_in_bar)
+    };
+    for (time, bar, beat) in [
+        (1.0, 0.0, 1.0),
+        (1.25, 0.125, 1.0),
+        (1.5, 0.25, 2.0),
+        (2.75, 0.875, 4.0),
+        (3.0, 0.0, 1.0),
+        // The bar before the first beat.
+        (0.75, 0.875, 4.0),
+        (0.0, 0.5, 3.0),
+        // The last beat is at 30.5 s.
+        (30.75, 0.875, 4.0),
+        (31.25, 0.125, 1.0),
+    ] {
+        let found = told(time);
+        assert!(close(found.0, bar) && found.1 == beat, "{time} s: {found:?}, not {bar}, {beat}");
+    }
+}
+
+#[test]
+fn sections_builds_and_drops_are_where_they_are() {
+    let song = song();
+    for (time, section, phase, build, drop) in [
+        (0.0, 1.0, 0.0, 0.0, 0.0),
+        (8.5, 1.0, 0.5, 0.0, 0.0),
+        (13.0, 1.0, 13.0 / 17.0, 0.5, 0.0),
+        (16.999_999, 1.0, 1.0, 1.0, 0.0),
+        (17.0, 2.0, 0.0, 0.0, 1.0),
+        // Two bars are 4 s.
+        (19.0, 2.0, 2.0 / 15.0, 0.0, 0.5),
+        (21.0, 2.0, 4.0 / 15.0, 0.0, 0.0),
+        (99.0, 2.0, 1.0, 0.0, 0.0),
+    ] {
+        let moment = song.moment(time);
+        assert_eq!(moment.section, section, "{time} s");
+        for (found, wanted) in [(moment.section_phase, phase), (moment.build, build), (moment.drop, drop)] {
+            assert!(close(found, wanted), "{time} s: {moment:?}");
+        }
+    }
+}
+
+#[test]
+fn energy_chroma_and_progress_have_no_steps() {
+    let song = song();
+    let mut before = song.moment(0.0);
+    for step in 1..3200 {
+        let moment = song.moment(f64::from(step) / 100.0);
+        let changes = before.chroma.iter().zip(moment.chroma).map(|(a, b)| (a - b).abs());
+        assert!(changes.fold(0.0, f32::max) < 0.03, "chroma at {step}");
+        assert!((moment.energy - before.energy).abs() < 1e-3, "energy at {step}");
+        assert!((moment.progress - before.progress).abs() < 1e-3, "progress at {step}");
+        before = moment;
+    }
+    // The middles of the first two beats.
+    assert_eq!((song.moment(0.25).chroma[0], song.moment(0.25).chroma[7]), (1.0, 0.25));
+    assert_eq!((song.moment(0.75).chroma[0], song.moment(0.75).chroma[7]), (0.25, 1.0));
+    assert!(close(song.moment(16.0).progress, 0.5) && close(song.moment(16.0).energy, 63.5 / 127.0));
+    assert_eq!((song.moment(5.0).key, song.moment(5.0).minor), (9.0, 1.0));
+}
+
+#[test]
+fn what_is_unknown_is_zero() {
+    assert_eq!(SongStructure::default().moment(3.0), SongMoment::UNKNOWN);
+    assert_eq!(song().moment(f64::NAN), SongMoment::UNKNOWN);
+    assert_eq!(SongMoment::default(), SongMoment::UNKNOWN);
+    let no_beat = SongStructure { meter: None, beats: Vec::new(), tempo: None, ..song() };
+    let moment = no_beat.moment(18.0);
+    assert_eq!((moment.bar, moment.beat_in_bar, moment.drop), (0.0, 0.0, 0.75));
+}
+
+#[test]
+fn numbers_have_names() {
+    let moment = song().moment(19.3);
+    assert_eq!(moment.number("section_phase"), Some(moment.section_phase));
+    assert_eq!(moment.number("chroma(11)"), Some(moment.chroma[11]));
+    for name in ["chroma(12)", "chroma(x)", "chroma(", "volume.x", ""] {
+        assert_eq!(moment.number(name), None, "{name}");
+    }
+}
+
+/// Any number: of songs, beyond them, and none at all.
+fn any_number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        -5.0..400.0_f64,
+        any::<f64>(),
+        Just(f64::NAN),
+        Just(f64::INFINITY),
+        Just(f64::NEG_INFINITY),
+        Just(0.0)
+    ]
+}
+
+fn any_share() -> impl Strategy<Value = f32> {
+    prop_oneof![0.0..1.0_f32, any::<f32>(), Just(f32::NAN)]
+}
+
+prop_compose! {
+    /// Any structure, in any order and with any gap.
+    fn any_song()(
+        seconds in any_number(),
+        tempo in proptest::option::of(any_share()),
+        meter in prop_oneof![Just(None), Just(Some(Meter::FourFour)), Just(Some(Meter::ThreeFour)), Just(Some(Meter::SixEight))],
+        beats in prop::collection::vec((any_number(), any::<u8>(), any_share()), 0..20),
+        sections in prop::collection::vec((any_number(), any_number(), "[A-Z]{0,3}|[a-zé]"), 0..6),
+        energy_step in any_number(),
+        energy in prop::collection::vec(any_share(), 0..20),
+        builds in prop::collection::vec((any_number(), any_number()), 0..4),
+        drops in prop::collection::vec(any_number(), 0..4),
+        root in proptest::option::of(any::<u8>()),
+        chroma in prop::collection::vec((any_number(), prop::array::uniform12(any_share())), 0..8),
+    ) -> SongStructure {
+        SongStructure {
+            seconds,
+            tempo,
+            meter,
+            beats: beats.into_iter().map(|(time, of_bar, tempo)| SongBeat { time, of_bar, tempo }).collect(),
+            sections: sections
+                .into_iter()
+                .map(|(start, end, letter)| Section { start, end, letter, energy: 0.0 })
+                .collect(),
+            energy_step,
+            energy,
+            builds: builds.into_iter().map(|(start, end)| Stretch { start, end }).collect(),
+            drops,
+            key: root.map(|root| Tonality { root, mode: Mode::Minor }),
+            chroma: chroma.into_iter().map(|(start, shares)| PitchShares { start, shares }).collect(),
+            ..SongStructure::default()
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_structure_and_no_time_leads_out_of_range(song in any_song(), time in any_number()) {
+        let moment = song.moment(time);
+        let SongMoment { bar, beat_in_bar, section, section_phase, energy, build, drop, key, minor, progress, chroma } = moment;
+        prop_assert!((0.0..1.0).contains(&bar), "{:?}", moment);
+        for value in [section_phase, energy, build, drop, minor, progress].into_iter().chain(chroma) {
+            prop_assert!((0.0..=1.0).contains(&value), "{:?}", moment);
+        }
+        prop_assert!((0.0..=4.0).contains(&beat_in_bar) && (0.0..=26.0).contains(&section), "{:?}", moment);
+        prop_assert!((0.0..=11.0).contains(&key), "{:?}", moment);
+        prop_assert_eq!(song.moment(time), moment);
+    }
+}

@@ -1,0 +1,149 @@
+//! Structures in the user's folder for caches, each in a file that is named by what the song is: its bytes, the part of
+//! it that is played, and the version of the analysis.
+//!
+//! A file is a line with the checksum of the rest, and then JSON. Everything in the folder may be deleted at any time; a
+//! file that is damaged is made anew. What was used last is kept longest.
+
+use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use directories::ProjectDirs;
+
+use crate::atomic_file::AtomicFile;
+use crate::limits::LIMITS;
+use mariana_music::{STRUCTURE_VERSION, SongStructure};
+use mariana_player::track::Content;
+
+/// The ending of the files.
+const ENDING: &str = "song";
+
+/// What a structure is known by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct StructureKey(u128);
+
+/// The kept structures.
+#[derive(Debug, Clone)]
+pub struct StructureCache {
+    /// None if nothing is kept.
+    folder: Option<PathBuf>,
+}
+
+impl StructureCache {
+    /// In the user's folder for caches, if the system has one.
+    pub fn of_user() -> Self {
+        let places = ProjectDirs::from("", "", "mariana");
+        Self { folder: places.map(|places| places.cache_dir().join("songs")) }
+    }
+
+    /// In this folder, which is made when something is written.
+    pub fn in_folder(path: PathBuf) -> Self {
+        Self { folder: Some(path) }
+    }
+
+    /// What the structure of `content` is known by; none if nothing is kept, the content cannot be read, or `go_on`
+    /// ends it.
+    pub(super) fn key(&self, content: &Content, go_on: &dyn Fn() -> bool) -> Option<StructureKey> {
+        self.folder.as_ref()?;
+        // Two hashes of 64 bits. Another version of Rust may hash otherwise, which costs listening once.
+        let mut hashers = [0_u8, 1].map(|first| {
+            let mut hasher = DefaultHasher::new();
+            (first, STRUCTURE_VERSION, content.cut.map(|cut| (cut.start, cut.end))).hash(&mut hasher);
+            hasher
+        });
+        let mut whole = true;
+        let read = content.song.read(|piece| {
+            hashers.iter_mut().for_each(|hasher| hasher.write(piece));
+            whole = go_on();
+            whole
+        });
+        read.ok().filter(|()| whole)?;
+        let [a, b] = hashers.map(|hasher| hasher.finish());
+        Some(StructureKey((u128::from(a) << 64) | u128::from(b)))
+    }
+
+    /// The structure of this key, if there is one that is whole.
+    pub(super) fn load(&self, key: StructureKey) -> Option<SongStructure> {
+        let path = self.path(key)?;
+        let bytes = read_file(&path).ok()?;
+        let structure = decode(&bytes);
+        if structure.is_none() {
+            tracing::info!("{} is damaged and made anew", path.display());
+        } else {
+            // Noted as used now; if that cannot be, it goes a little sooner.
+            let _ = File::options().write(true).open(path).and_then(|it| it.set_modified(SystemTime::now()));
+        }
+        structure
+    }
+
+    /// Keeps a structure. One that cannot be kept is found again in the next run.
+    pub(super) fn save(&self, key: StructureKey, structure: &SongStructure) {
+        let (Some(path), Ok(text)) = (self.path(key), serde_json::to_string(structure)) else { return };
+        if text.len() > LIMITS.structure_bytes_max {
+            return;
+        }
+        let bytes = encode(&text);
+        let written = path.parent().map_or(Ok(()), fs::create_dir_all).map_err(|error| error.to_string());
+        let written = written.and_then(|()| {
+            AtomicFile::create(&path)
+                .and_then(|file| file.write(bytes.as_bytes()))
+                .map_err(|error| error.to_string())
+        });
+        match written {
+            Ok(()) => forget_oldest(path.parent(), LIMITS.structures_kept_max),
+            Err(reason) => tracing::debug!("the structure of a song cannot be kept: {reason}"),
+        }
+    }
+
+    fn path(&self, StructureKey(key): StructureKey) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.join(format!("{key:032x}.{ENDING}")))
+    }
+}
+
+/// The bytes of a file, if there are no more than a structure may have.
+fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    // No device, no pipe: opening one may block for ever.
+    if !fs::symlink_metadata(path)?.is_file() {
+        return Err(io::ErrorKind::InvalidInput.into());
+    }
+    let (limit, mut bytes) = (LIMITS.structure_bytes_max + CHECKSUM_LINE, Vec::new());
+    File::open(path)?.take(limit as u64 + 1).read_to_end(&mut bytes)?;
+    if bytes.len() > limit { Err(io::ErrorKind::FileTooLarge.into()) } else { Ok(bytes) }
+}
+
+/// Bytes of the first line, with its end.
+const CHECKSUM_LINE: usize = 17;
+
+fn encode(text: &str) -> String {
+    format!("{:016x}\n{text}", checksum(text.as_bytes()))
+}
+
+fn decode(bytes: &[u8]) -> Option<SongStructure> {
+    let (line, text) = bytes.split_at_checked(CHECKSUM_LINE)?;
+    let line = std::str::from_utf8(line).ok()?.strip_suffix('\n')?;
+    let is_whole = u64::from_str_radix(line, 16).ok()? == checksum(text);
+    if is_whole { serde_json::from_slice(text).ok() } else { None }
+}
+
+fn checksum(bytes: &[u8]) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    hasher.write(bytes);
+    hasher.finish()
+}
+
+/// Removes the structures that were used longest ago until no more than `kept` are left.
+pub(super) fn forget_oldest(folder: Option<&Path>, kept: usize) {
+    let Some(listing) = folder.and_then(|folder| fs::read_dir(folder).ok()) else { return };
+    let mut files: Vec<(SystemTime, PathBuf)> = listing
+        .flatten()
+        .filter(|entry| entry.path().extension().is_some_and(|ending| ending == ENDING))
+        .filter_map(|entry| Some((entry.metadata().ok()?.modified().ok()?, entry.path())))
+        .collect();
+    files.sort();
+    let surplus = files.len().saturating_sub(kept);
+    for (_, path) in files.into_iter().take(surplus) {
+        let _ = fs::remove_file(path);
+    }
+}

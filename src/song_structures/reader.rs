@@ -1,0 +1,135 @@
+//! Listens to whole songs beside the show, on a thread with the lowest priority: the track that plays, and then the one
+//! that follows it. A track that is wanted no more is left at once.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use super::{StructureCache, find};
+use mariana_music::SongStructure;
+use mariana_player::track::TrackInfo;
+
+/// Structures of earlier tracks that are kept in memory.
+const KNOWN_MAX: usize = 16;
+
+/// See the module. Dropping it ends the thread.
+#[derive(Debug)]
+pub struct SongReader {
+    shared: Arc<Shared>,
+}
+
+#[derive(Debug, Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// The tracks to be known, the most urgent first.
+    wanted: Vec<Arc<TrackInfo>>,
+    /// By the tracks' numbers, the newest last. None is of a track that cannot be decoded.
+    known: VecDeque<(u64, Option<Arc<SongStructure>>)>,
+    over: bool,
+}
+
+impl State {
+    fn find(&self, track: u64) -> Option<&Option<Arc<SongStructure>>> {
+        self.known.iter().find(|(known, _)| *known == track).map(|(_, structure)| structure)
+    }
+
+    /// The track to be listened to.
+    fn next(&self) -> Option<&Arc<TrackInfo>> {
+        self.wanted.iter().find(|track| self.find(track.id).is_none())
+    }
+}
+
+impl SongReader {
+    /// Starts the thread, which has nothing to do yet; `wake` is called when a structure has become known.
+    ///
+    /// # Errors
+    /// There is no thread.
+    pub fn start(cache: StructureCache, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let shared = Arc::new(Shared::default());
+        let of_thread = shared.clone();
+        std::thread::Builder::new().name("songs".into()).spawn(move || {
+            lower_priority();
+            while let Some(track) = of_thread.next() {
+                let go_on = || of_thread.wants_most(&track);
+                let reopen = &track.reopen;
+                if let Some(found) = find(reopen.content(), || reopen.open(), &cache, &go_on) {
+                    of_thread.tell(track.id, found);
+                    wake();
+                }
+            }
+        })?;
+        Ok(Self { shared })
+    }
+
+    /// Wants to know these tracks, the first one first, and no others any more.
+    pub fn want<'a>(&self, tracks: impl IntoIterator<Item = &'a Arc<TrackInfo>>) {
+        let mut state = self.shared.lock();
+        state.wanted.clear();
+        for track in tracks {
+            if track.reopen.is_possible() {
+                state.wanted.push(track.clone());
+            } else {
+                // Silence has the number of the track in whose place it is.
+                state.known.retain(|(known, _)| *known != track.id);
+            }
+        }
+        drop(state);
+        self.shared.changed.notify_one();
+    }
+
+    /// The structure of the track with this number ([`TrackInfo::id`]), once it is known.
+    pub fn get(&self, track: u64) -> Option<Arc<SongStructure>> {
+        self.shared.lock().find(track).cloned().flatten()
+    }
+}
+
+impl Drop for SongReader {
+    fn drop(&mut self) {
+        self.shared.lock().over = true;
+        self.shared.changed.notify_one();
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The track to be listened to, once there is one; none at the end.
+    fn next(&self) -> Option<Arc<TrackInfo>> {
+        let nothing_to_do = |state: &mut State| !state.over && state.next().is_none();
+        let state = self.changed.wait_while(self.lock(), nothing_to_do);
+        let state = state.unwrap_or_else(PoisonError::into_inner);
+        if state.over { None } else { state.next().cloned() }
+    }
+
+    /// Whether this track is still the one to be listened to.
+    fn wants_most(&self, track: &TrackInfo) -> bool {
+        let state = self.lock();
+        !state.over && state.next().is_some_and(|next| next.id == track.id)
+    }
+
+    fn tell(&self, track: u64, structure: Option<SongStructure>) {
+        let structure = structure.map(Arc::new);
+        let mut state = self.lock();
+        if state.known.len() == KNOWN_MAX {
+            state.known.pop_front();
+        }
+        state.known.push_back((track, structure));
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn lower_priority() {
+    if let Err(error) = rustix::process::setpriority_process(None, 19) {
+        tracing::debug!("the thread for songs keeps its priority: {error}");
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn lower_priority() {}

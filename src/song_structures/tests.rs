@@ -1,0 +1,211 @@
+//! What is kept, what is not taken, and what is left.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use super::*;
+use mariana_player::playlist::{Cut, Playlist};
+use mariana_player::track::{Repeat, TrackInfo};
+use mariana_testing::wave::write_wav;
+
+/// Clicks, `seconds` long, that tell songs apart by their rate.
+fn write_song(path: &Path, seconds: usize, per_second: usize) {
+    let frames = (0..seconds * 48_000).map(|frame| {
+        let since = frame % (48_000 / per_second);
+        let sample = if since < 400 { 0.6 * (0.4 * since as f32).sin() } else { 0.0 };
+        [sample; 2]
+    });
+    write_wav(path, 48_000, 2, frames.flatten());
+}
+
+fn whole(path: &Path) -> Content {
+    Content { song: Song::File(path.to_owned()), cut: None }
+}
+
+fn kept_files(folder: &Path) -> Vec<std::path::PathBuf> {
+    let listing = fs::read_dir(folder).into_iter().flatten();
+    listing.map(|entry| entry.unwrap().path()).collect()
+}
+
+#[test]
+fn a_structure_that_was_kept_is_the_same_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, kept) = (folder.path().join("a.wav"), folder.path().join("kept"));
+    write_song(&path, 12, 2);
+    let cache = StructureCache::in_folder(kept.clone());
+    let song = Song::File(path);
+    let first = structure_of(&song, &cache);
+    assert!(first.seconds > 11.0 && !first.energy.is_empty() && !first.beats.is_empty(), "{first:?}");
+    let files = kept_files(&kept);
+    assert_eq!(files.len(), 1);
+    // Only the file can have said this.
+    let told = fs::read_to_string(&files[0]).unwrap();
+    let changed = SongStructure { tuning_hz: 432.1, ..first.clone() };
+    let key = cache.key(&Content { song: song.clone(), cut: None }, &|| true).unwrap();
+    cache.save(key, &changed);
+    assert_eq!(structure_of(&song, &cache), changed);
+    fs::write(&files[0], told).unwrap();
+    assert_eq!(structure_of(&song, &cache), first);
+}
+
+#[test]
+fn a_damaged_file_is_made_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, kept) = (folder.path().join("a.wav"), folder.path().join("kept"));
+    write_song(&path, 8, 2);
+    let (cache, song) = (StructureCache::in_folder(kept.clone()), Song::File(path));
+    let first = structure_of(&song, &cache);
+    let file = kept_files(&kept).remove(0);
+    let whole = fs::read(&file).unwrap();
+    let mut flipped = whole.clone();
+    *flipped.last_mut().unwrap() ^= 1;
+    for damaged in [&whole[..0], &whole[..10], &whole[..17], &whole[..whole.len() - 1], &flipped, b"null"] {
+        fs::write(&file, damaged).unwrap();
+        assert_eq!(structure_of(&song, &cache), first);
+        assert_eq!(fs::read(&file).unwrap(), whole, "it is whole again");
+    }
+}
+
+#[test]
+fn songs_are_known_by_their_bytes_and_their_part() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    write_song(&path("a.wav"), 2, 2);
+    fs::copy(path("a.wav"), path("same.wav")).unwrap();
+    write_song(&path("other.wav"), 2, 3);
+    let cache = StructureCache::in_folder(path("kept"));
+    let key = |content: &Content| cache.key(content, &|| true).unwrap();
+    let first = key(&whole(&path("a.wav")));
+    assert_eq!(first, key(&whole(&path("same.wav"))));
+    assert_ne!(first, key(&whole(&path("other.wav"))));
+    let part = Content { cut: Some(Cut { start: 0, end: Some(75) }), ..whole(&path("a.wav")) };
+    assert_ne!(first, key(&part));
+    assert_eq!(cache.key(&whole(&path("missing.wav")), &|| true), None);
+    assert_eq!(cache.key(&whole(&path("a.wav")), &|| false), None, "it was told to stop");
+}
+
+#[test]
+fn what_cannot_be_decoded_and_what_is_silent_is_neutral() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = StructureCache::in_folder(folder.path().join("kept"));
+    let path = folder.path().join("noise.wav");
+    fs::write(&path, b"this is no song").unwrap();
+    assert_eq!(structure_of(&Song::File(path.clone()), &cache), SongStructure::default());
+    assert_eq!(
+        structure_of(&Song::File(folder.path().join("missing.wav")), &cache),
+        SongStructure::default()
+    );
+    write_wav(&path, 48_000, 2, std::iter::repeat_n(0.0, 2 * 96_000));
+    let moment = structure_of(&Song::File(path.clone()), &cache).moment(1.0);
+    assert_eq!((moment.section, moment.energy, moment.beat_in_bar, moment.progress), (0.0, 0.0, 0.0, 0.5));
+    // A file that is cut in the middle is the song to there.
+    write_song(&path, 20, 2);
+    let bytes = fs::read(&path).unwrap();
+    fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let structure = structure_of(&Song::File(path), &cache);
+    assert!((9.0..11.0).contains(&structure.seconds), "{} s", structure.seconds);
+}
+
+#[test]
+fn only_the_oldest_beyond_the_limit_are_forgotten() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.song", "b.song", "c.song", "other.txt"] {
+        fs::write(folder.path().join(name), name).unwrap();
+    }
+    cache::forget_oldest(Some(folder.path()), 1);
+    let left = kept_files(folder.path());
+    assert_eq!(left.len(), 2, "{left:?}");
+    assert!(left.iter().any(|path| path.ends_with("other.txt")));
+}
+
+/// What is known about the only track of a list.
+fn track_of(path: &Path) -> Arc<TrackInfo> {
+    Playlist::open(&[path.to_owned()], Repeat::All, false).unwrap().first.info
+}
+
+fn numbered(track: &Arc<TrackInfo>, id: u64) -> Arc<TrackInfo> {
+    Arc::new(TrackInfo { id, ..(**track).clone() })
+}
+
+#[test]
+fn the_reader_tells_what_plays_and_what_follows() {
+    const PATIENCE: Duration = Duration::from_secs(60);
+    let folder = tempfile::tempdir().unwrap();
+    let (first, second) = (folder.path().join("a.wav"), folder.path().join("b.wav"));
+    write_song(&first, 12, 2);
+    write_song(&second, 9, 3);
+    let cache = StructureCache::in_folder(folder.path().join("kept"));
+    let (wake, woken) = channel();
+    let reader = SongReader::start(cache.clone(), move || wake.send(()).unwrap_or_default()).unwrap();
+    let tracks = [numbered(&track_of(&first), 3), numbered(&track_of(&second), 7)];
+    assert_eq!(reader.get(3), None);
+    reader.want(&tracks);
+    (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
+    for (track, path) in tracks.iter().zip([&first, &second]) {
+        let known = reader.get(track.id).expect("it was read");
+        let at_once =
+            structure_of(&Song::File(path.clone()), &StructureCache::in_folder("/missing/x".into()));
+        assert_eq!(*known, at_once, "the window and a still read the same");
+    }
+    // One that cannot be decoded is looked at once, and the thread goes on.
+    fs::remove_file(&second).unwrap();
+    reader.want(&[numbered(&track_of(&first), 8), numbered(&tracks[1], 9)]);
+    (0..2).for_each(|_| woken.recv_timeout(PATIENCE).unwrap());
+    assert!(reader.get(8).is_some() && reader.get(9).is_none());
+    // What plays in place of a removed track has its number, and is not that song.
+    let silence = mariana_player::track::Track::silence(0, 1).with_id(3).info;
+    reader.want(&[silence]);
+    assert_eq!(reader.get(3), None);
+    drop(reader);
+    assert_eq!(woken.recv_timeout(PATIENCE), Err(RecvTimeoutError::Disconnected), "the thread ends");
+}
+
+/// Frames without an end, of which each tells that it is asked for.
+struct Endless(std::sync::mpsc::Sender<()>);
+
+impl FrameSource for Endless {
+    fn sample_rate(&self) -> u32 {
+        48_000
+    }
+
+    fn duration(&self) -> Option<f64> {
+        None
+    }
+
+    fn next_block(&mut self, out: &mut Vec<[f32; 2]>) -> Result<usize, SourceError> {
+        let _ = self.0.send(());
+        out.push([0.1; 2]);
+        Ok(1)
+    }
+
+    fn seek(&mut self, _: f64) -> Result<f64, SourceError> {
+        Ok(0.0)
+    }
+}
+
+#[test]
+fn a_track_that_is_wanted_no_more_is_left() {
+    const PATIENCE: Duration = Duration::from_secs(60);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.wav");
+    write_song(&path, 4, 2);
+    let (wake, woken) = channel();
+    let cache = StructureCache::in_folder(folder.path().join("kept"));
+    let reader = SongReader::start(cache, move || wake.send(()).unwrap_or_default()).unwrap();
+    let (asked, asks) = channel();
+    let mut endless = (*numbered(&track_of(&path), 1)).clone();
+    endless.reopen = mariana_player::track::Reopen::by(move || Ok(Box::new(Endless(asked.clone()))));
+    let (endless, song) = (Arc::new(endless), numbered(&track_of(&path), 2));
+    reader.want([&endless, &song]);
+    asks.recv_timeout(PATIENCE).unwrap();
+    // What plays now comes first.
+    reader.want([&song, &endless]);
+    woken.recv_timeout(PATIENCE).unwrap();
+    assert!(reader.get(2).is_some() && reader.get(1).is_none());
+    drop((reader, endless));
+    let end = std::iter::repeat_with(|| asks.recv_timeout(PATIENCE)).find(Result::is_err);
+    assert_eq!(end, Some(Err(RecvTimeoutError::Disconnected)), "the thread ends");
+}

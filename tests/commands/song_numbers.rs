@@ -1,0 +1,80 @@
+//! Numbers of the whole song in scenes: the same for stills, videos and text, and nothing where nothing is known.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::program::Workplace;
+use serde_json::Value;
+
+const LOOK: [&str; 4] = ["--size", "32x18", "--tone-map", "none"];
+
+/// A wall that shines in three numbers.
+fn write_wall(place: &Workplace, name: &str, colour: &str) {
+    let text = format!(
+        "material paint {{ color = 0  roughness = 1  emission = {colour} }}\n\
+         object wall {{ shape = 5 - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
+         light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+         camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n"
+    );
+    place.write(name, text);
+}
+
+/// The colour in the middle of a picture.
+fn colour(place: &Workplace, name: &str) -> [u8; 3] {
+    let picture = image::load_from_memory(&place.read(name)).unwrap().to_rgb8();
+    picture.get_pixel(16, 9).0
+}
+
+fn srgb(light: f64) -> f64 {
+    let encoded = if light <= 0.003_130_8 { 12.92 * light } else { 1.055 * light.powf(1.0 / 2.4) - 0.055 };
+    255.0 * encoded
+}
+
+#[test]
+fn stills_videos_and_text_know_the_same_of_a_song() {
+    let place = Workplace::new();
+    // A pitch class that is computed for each point, too.
+    write_wall(&place, "song.scene", "vec3(progress, build, chroma(floor(7 + 0.1 * p.x)))");
+    let run = |arguments: &[&str]| place.run(&[arguments, &LOOK[..]].concat()).done();
+    run(&["still", "song.scene", "--at", "20.5", "-o", "first.png"]);
+    let kept = colour(&place, "first.png");
+    // What was found out is kept from now on, and is the same.
+    run(&["still", "song.scene", "--at", "20.5", "-o", "again.png"]);
+    assert_eq!(place.read("first.png"), place.read("again.png"));
+    let video = ["--start", "20.4", "--duration", "0.2", "--fps", "10", "-o", "out/"];
+    run(&[&["video", "song.scene"], &video[..]].concat());
+    assert_eq!(colour(&place, "out/frame-00002.png"), kept);
+    assert_ne!(colour(&place, "out/frame-00001.png"), kept, "the song goes on");
+    let moment = ["--start", "20.5", "--duration", "0.01", "--json"];
+    let text = place.run(&[&["analyze", "--song"], &moment[..]].concat()).done();
+    let told: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
+    let numbers = [&told["progress"], &told["build"], &told["chroma"][7]].map(|it| it.as_f64().unwrap());
+    assert!(numbers.iter().all(|number| (0.1..=1.0).contains(number)), "a moment of a build: {numbers:?}");
+    for (shown, number) in kept.iter().zip(numbers) {
+        assert!((f64::from(*shown) - srgb(number)).abs() <= 1.0, "{kept:?} shows {numbers:?}");
+    }
+    let without = place.run(&[&["analyze"], &moment[..]].concat()).done();
+    assert!(!without.contains("progress") && text.contains("beat_in_bar"), "{without}");
+}
+
+#[test]
+fn a_song_of_which_nothing_is_known_is_neutral_and_breaks_nothing() {
+    let place = Workplace::new();
+    write_wall(&place, "song.scene", "vec3(section + beat_in_bar + energy, 0.5, chroma(0) + key + drop)");
+    place.write_tone("silence.wav", 440.0, 3.0, [0.0; 2]);
+    let still = |song: &str, set: &[&str]| {
+        let still = ["still", song, "song.scene", "--at", "1", "-o", "a.png"];
+        place.run(&[&still[..], &LOOK[..], set].concat()).done();
+        colour(&place, "a.png")
+    };
+    let [red, green, blue] = still("silence.wav", &[]);
+    assert!(red == 0 && green > 150 && blue == 0);
+    // Any of them can be held.
+    let [red, _, blue] = still("silence.wav", &["--set", "section=1", "--set", "chroma(0)=1"]);
+    assert!(red > 250 && blue > 250);
+    // Half of a file is a song, too.
+    place.write_tone("tone.wav", 440.0, 6.0, [0.5; 2]);
+    let bytes = place.read("tone.wav");
+    place.write("tone.wav", &bytes[..bytes.len() / 2]);
+    assert!(still("tone.wav", &[])[0] > 0, "it sounds");
+}
