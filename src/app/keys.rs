@@ -51,6 +51,10 @@ pub enum Action {
         /// Whether it is the next.
         forward: bool,
     },
+    /// Let the scenes follow the song, or not.
+    ToggleFollow,
+    /// Keep the scene that is on while scenes follow the song, or not.
+    ToggleKeep,
     /// Show or hide the parameters' sliders.
     ToggleSliders,
     /// Show or hide the line about the scene.
@@ -219,6 +223,20 @@ pub const BINDINGS: &[Binding] = &[
         written: "B",
         action: Action::TogglePanel(Panel::Scenes),
         meaning: "all scenes, with pictures",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("a")],
+        written: "A",
+        action: Action::ToggleFollow,
+        meaning: "let the scenes follow the song, or not",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("k")],
+        written: "K",
+        action: Action::ToggleKeep,
+        meaning: "keep this scene while scenes follow the song, or not",
         repeats: false,
     },
     Binding {

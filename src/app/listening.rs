@@ -1,6 +1,7 @@
 //! What is listened to, as the user steers it: pause, skips, the order of tracks, the tapped tempo.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::announcer::{TrackOrder, words_of};
@@ -9,7 +10,7 @@ use super::settings_panel::Facts;
 use super::sound::Sound;
 use crate::config::{Choices, Settings};
 use crate::song_structures::SongReader;
-use mariana_music::{Gain, LiveEnergy, SongMoment, Tables, TapTempo};
+use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
 
@@ -29,13 +30,15 @@ pub(super) struct Listening {
     paused: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
+    /// How many tracks there were at the last look.
+    tracks: usize,
 }
 
 impl Listening {
     /// Begins with a sound that waits for the first picture.
     pub(super) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
-        Self { sound, songs, energy, taps, paused: false, level: 0.0 }
+        Self { sound, songs, energy, taps, paused: false, level: 0.0, tracks: 0 }
     }
 
     /// Whether the user wants a pause.
@@ -206,10 +209,26 @@ impl Listening {
     /// The state of the song, if it is what is listened to. What plays and what follows will be known.
     pub(super) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.sound.song_status()?;
+        self.tracks = status.track.count;
         if let Some(songs) = &self.songs {
             songs.want([&status.track].into_iter().chain(&status.next));
         }
         Some(PlayerStatus { paused: self.paused, ..status })
+    }
+
+    /// How many tracks the list has.
+    pub(super) fn tracks(&self) -> usize {
+        self.tracks
+    }
+
+    /// Whether a song is listened to, not an input.
+    pub(super) fn plays_song(&self) -> bool {
+        self.sound.plays_song()
+    }
+
+    /// What is known of a whole track, by its number; nothing of an input.
+    pub(super) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
+        self.songs.as_ref().filter(|_| self.sound.plays_song())?.get(track)
     }
 
     /// The state of the input, if one is listened to.

@@ -3,6 +3,7 @@
 
 mod accessibility;
 mod announcer;
+mod direction;
 mod drawing_pace;
 mod dynamic_resolution;
 pub mod edits;

@@ -6,7 +6,7 @@
 use winit::keyboard::{Key, NamedKey};
 
 use super::sound::SHIFT_STEP_MS;
-use crate::config::{Choice, Choices, QualityChoice};
+use crate::config::{Choice, Choices, FollowChoice, QualityChoice};
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
@@ -26,6 +26,8 @@ pub enum Fact {
     ToneMap,
     /// See [`Choices::gain`].
     Gain,
+    /// See [`Choices::follow_song`].
+    Follow,
     /// See [`Choices::last_tracks`].
     LastTracks,
     /// See [`Choices::hints`].
@@ -86,6 +88,8 @@ pub enum SettingChange {
     ToneMap(Option<ToneMap>),
     /// See [`Choices::gain`].
     Gain(Gain),
+    /// See [`Choices::follow_song`].
+    Follow(FollowChoice),
     /// See [`Choices::last_tracks`].
     LastTracks(bool),
     /// See [`Choices::hints`].
@@ -242,6 +246,7 @@ fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
         Fact::FlashLimiter => SettingChange::FlashLimiter(at(value)?),
         Fact::ToneMap => SettingChange::ToneMap(at(value)?),
         Fact::Gain => SettingChange::Gain(at(value)?),
+        Fact::Follow => SettingChange::Follow(at(value)?),
         Fact::LastTracks => SettingChange::LastTracks(at(value)?),
         Fact::Hints => SettingChange::Hints(at(value)?),
     })
@@ -306,6 +311,13 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
             "Auto levels quiet and loud music for the picture; what you hear stays as it is",
             now.gain,
             remembered.gain,
+        ),
+        row_of(
+            Fact::Follow,
+            "Follow the song",
+            "Scenes change with the song's sections and drops, as a director would; A does the same",
+            now.follow_song,
+            remembered.follow_song,
         ),
         row_of(
             Fact::LastTracks,

@@ -229,6 +229,8 @@ impl Show {
             Action::ChangeNumber { larger } => stage.scene.step_view(larger),
             Action::GiveCameraBack => stage.scene.give_camera_back(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
+            Action::ToggleFollow => stage.toggle_follow(),
+            Action::ToggleKeep => stage.toggle_keep(),
             Action::ToggleSliders => stage.desk.panels.toggle_sliders(),
             Action::ToggleCorner => stage.desk.panels.toggle_corner(),
             Action::ToggleFullscreen => stage.toggle_fullscreen(),

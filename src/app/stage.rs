@@ -1,6 +1,7 @@
 //! What lives as long as the window: the sound, the scene, the pace of the drawing, the reports, and the overlay.
 
 mod desk;
+mod directing;
 mod drawing;
 mod leaving;
 mod opening;
@@ -17,6 +18,7 @@ pub(super) use opening::{Opening, renewed};
 
 use super::accessibility::{Assistance, ControlsTeller};
 use super::announcer::TrackOrder;
+use super::direction::Direction;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
 use super::frame_times::FrameTimes;
@@ -47,6 +49,7 @@ pub(super) struct Stage {
     listening: Listening,
     renderer: Renderer,
     pub(super) scene: SceneStage,
+    direction: Direction,
     pace: DrawingPace,
     reports: Reports,
     input: UserInput,
@@ -310,6 +313,7 @@ impl Stage {
         self.scene.rehearse(&mut self.renderer);
         let overlay_due = self.overlay_due(now);
         let moment = self.moment();
+        self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
         let moving = moves || self.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.

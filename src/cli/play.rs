@@ -9,6 +9,7 @@ use super::choices::{RepeatChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
+use super::show::ShowChoice;
 use super::view::ViewArguments;
 use crate::app;
 use crate::config::{Choices, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile};
@@ -83,6 +84,10 @@ pub(super) struct PlayArguments {
     /// Size of the window in pixels [default: the last one, at first 1280x720]
     #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true)]
     size: Option<(u32, u32)>,
+    /// Whether scenes follow the song: 'auto' or 'off', or a .show file [default: what was chosen in the window, at first
+    /// auto where several tracks play and no scene is named]
+    #[arg(long, value_name = "AUTO-OFF-FILE")]
+    show: Option<ShowChoice>,
     /// Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the
     /// panel of settings still counts
     #[arg(long)]
@@ -131,6 +136,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         flash_limiter: arguments.flash_limiter.unwrap_or(remembered.flash_limiter),
         tone_map: common.tone_map.unwrap_or(remembered.tone_map),
         gain: common.gain.unwrap_or(remembered.gain),
+        follow_song: arguments.show.as_ref().map_or(remembered.follow_song, ShowChoice::follow),
         hints: remembered.hints && !arguments.clean,
         ..remembered
     };
@@ -140,6 +146,8 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     };
     let mut settings = PlaySettings {
         choices,
+        show: arguments.show.and_then(ShowChoice::into_file),
+        names_scene: !arguments.scene.is_default(),
         device: arguments.device,
         silent: arguments.silent,
         once: arguments.once,
@@ -166,6 +174,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         RepeatChoice::Off => Repeat::Off,
     };
     let Files { songs, scene } = Files::of(arguments.files)?;
+    settings.names_scene |= scene.is_some();
     let chosen = match last.scene.as_deref().filter(|_| scene.is_none() && arguments.scene.is_default()) {
         Some(name) => last_scene(name, &common)?,
         None => arguments.scene.choose(scene, &common)?,

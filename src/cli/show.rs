@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::common::end_by_signals;
 use super::files::{scene_of, song_or_demo};
+use crate::config::FollowChoice;
 use crate::export::output::Output;
 use crate::export::print::print_line;
 use crate::export::show_file::{ShowFileRequest, write_show_file};
@@ -14,25 +15,50 @@ use crate::export::showing::Showing;
 use crate::scenes::{SceneSource, shipped_names};
 use crate::show::ShowSource;
 
-/// What `--show` takes.
+/// What `--show` takes: nothing but scenes that somebody changes, or a show.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct ShowChoice(pub(super) ShowSource);
+pub(super) struct ShowChoice(Option<ShowSource>);
 
 /// The director's name on the command line.
 const AUTO: &str = "auto";
+/// What stands for no show.
+const OFF: &str = "off";
 
 impl FromStr for ShowChoice {
     type Err = std::convert::Infallible;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(Self(if text == AUTO { ShowSource::Auto } else { ShowSource::File(PathBuf::from(text)) }))
+        Ok(Self(match text {
+            OFF => None,
+            AUTO => Some(ShowSource::Auto),
+            file => Some(ShowSource::File(PathBuf::from(file))),
+        }))
     }
 }
 
 impl ShowChoice {
-    /// The show, for which the director chooses among these scenes, or among the shipped ones if there are none.
-    pub(super) fn showing(self, scenes: Vec<SceneSource>) -> Showing {
-        Showing::Show(self.0, or_shipped(scenes))
+    /// The show, for which the director chooses among these scenes, or among the shipped ones if there are none; none
+    /// for `off`.
+    pub(super) fn showing(self, scenes: Vec<SceneSource>) -> Option<Showing> {
+        Some(Showing::Show(self.0?, or_shipped(scenes)))
+    }
+
+    /// Whether there is a show.
+    pub(super) fn is_on(&self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Whether the scenes of a window follow it.
+    pub(super) fn follow(&self) -> FollowChoice {
+        if self.is_on() { FollowChoice::On } else { FollowChoice::Off }
+    }
+
+    /// The file of the show, if it has one.
+    pub(super) fn into_file(self) -> Option<PathBuf> {
+        match self.0? {
+            ShowSource::File(path) => Some(path),
+            ShowSource::Auto => None,
+        }
     }
 }
 

@@ -70,7 +70,7 @@ pub(super) fn run(arguments: StillArguments) -> anyhow::Result<()> {
             alpha: arguments.alpha,
             ..arguments.scene.choose(scene, &common)?
         },
-        show: arguments.show.map(|show| show.showing(Vec::new())),
+        show: arguments.show.and_then(|show| show.showing(Vec::new())),
         blend: into.map(|into| Blend { into, kind, share }),
         set: arguments.set.set,
     })?)

@@ -87,14 +87,14 @@ pub(super) fn run(arguments: VideoArguments) -> anyhow::Result<()> {
     let Files { songs, scene } = Files::of(arguments.files)?;
     let (song, _) = Files { songs, scene: None }.song_and_scene()?;
     let preset = preset(arguments.place);
+    let is_show = arguments.show.as_ref().is_some_and(ShowChoice::is_on);
     let mut scenes = Vec::new();
-    for (from, scene) in timed(&arguments.scene, scene.as_deref(), arguments.show.is_some())? {
+    for (from, scene) in timed(&arguments.scene, scene.as_deref(), is_show)? {
         scenes.push((from, scene_of(&scene)?));
     }
-    let showing = match arguments.show {
-        Some(show) => show.showing(scenes.into_iter().map(|(_, scene)| scene).collect()),
-        None => Showing::Scenes(scenes),
-    };
+    let sources = || scenes.iter().map(|(_, scene)| scene.clone()).collect();
+    let showing = arguments.show.and_then(|show| show.showing(sources()));
+    let showing = showing.unwrap_or(Showing::Scenes(scenes));
     let request = VideoRequest {
         song,
         start: arguments.start,

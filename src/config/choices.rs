@@ -7,7 +7,7 @@ use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 use serde::{Deserialize, Serialize};
 
-use super::QualityChoice;
+use super::{FollowChoice, QualityChoice};
 
 /// One of several things, each with a name.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -36,6 +36,14 @@ impl Choice for QualityChoice {
         (Self::Medium, "medium", ""),
         (Self::High, "high", ""),
         (Self::Best, "best", "Every pixel, every term, however long it takes"),
+    ];
+}
+
+impl Choice for FollowChoice {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Lists, "lists", "Where several tracks play and no scene was named"),
+        (Self::On, "on", "Always"),
+        (Self::Off, "off", "N and P change the scene"),
     ];
 }
 
@@ -74,6 +82,9 @@ pub struct Choices {
     /// Whether quiet and loud sound move the picture alike.
     #[serde(with = "by_name", skip_serializing_if = "is_default")]
     pub gain: Gain,
+    /// Whether scenes follow the song.
+    #[serde(with = "by_name", skip_serializing_if = "is_default")]
+    pub follow_song: FollowChoice,
     /// Whether the next show goes on with the tracks of the last one.
     #[serde(with = "by_name", skip_serializing_if = "is_on")]
     pub last_tracks: bool,
@@ -90,6 +101,7 @@ impl Default for Choices {
             flash_limiter: true,
             tone_map: None,
             gain: Gain::default(),
+            follow_song: FollowChoice::default(),
             last_tracks: true,
             hints: true,
         }
@@ -135,6 +147,7 @@ mod tests {
     fn every_choice_is_found_by_its_name() {
         assert_named::<bool>();
         assert_named::<QualityChoice>();
+        assert_named::<FollowChoice>();
         assert_named::<Gain>();
         assert_named::<Option<ToneMap>>();
         assert_eq!(<Option<ToneMap>>::ALL.len(), ToneMap::ALL.len() + 1, "a tone map cannot be chosen");
@@ -149,6 +162,7 @@ mod tests {
             flash_limiter: false,
             tone_map: Some(ToneMap::None),
             gain: Gain::Off,
+            follow_song: FollowChoice::On,
             last_tracks: false,
             hints: false,
         };

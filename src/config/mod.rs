@@ -10,6 +10,7 @@ pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use crate::program_cache::ProgramCache;
 
@@ -41,6 +42,18 @@ pub enum QualityChoice {
     Best,
 }
 
+/// Whether scenes follow the song, as the director says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FollowChoice {
+    /// Where several tracks play and no scene was named.
+    #[default]
+    Lists,
+    /// Always.
+    On,
+    /// The scene stays until the user changes it.
+    Off,
+}
+
 /// What to listen to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListenChoice {
@@ -67,6 +80,10 @@ pub struct Memory {
 pub struct PlaySettings {
     /// What the user chose for good, and what the command line says of it for this run.
     pub choices: Choices,
+    /// A show file that the scenes follow.
+    pub show: Option<PathBuf>,
+    /// Whether the command line names a scene.
+    pub names_scene: bool,
     /// Output device, or input device to listen to, by id, name or part of a name, or [`DEFAULT_DEVICE`]; none is the
     /// one that was chosen for good.
     pub device: Option<String>,

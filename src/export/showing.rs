@@ -22,7 +22,11 @@ impl Showing {
     ///
     /// # Errors
     /// The song or the show is refused, or no scene is on at the start.
-    pub(super) fn programme(&self, song: &mut SongFeatures, start: f64) -> Result<Arc<Programme>, ExportError> {
+    pub(super) fn programme(
+        &self,
+        song: &mut SongFeatures,
+        start: f64,
+    ) -> Result<Arc<Programme>, ExportError> {
         let programme = match self {
             Self::Scenes(scenes) => {
                 let first = scenes.iter().map(|(from, _)| *from).fold(f64::INFINITY, f64::min);

@@ -55,7 +55,9 @@ impl SceneStage {
 
     /// Asks for what the show has on at `time` seconds of the song.
     pub(in crate::app) fn follow(&mut self, time: f64) {
-        let Some(programme) = self.directed.programme.clone().filter(|_| !self.directed.is_locked) else { return };
+        let Some(programme) = self.directed.programme.clone().filter(|_| !self.directed.is_locked) else {
+            return;
+        };
         let Some(moment) = programme.plan().at(time) else { return };
         let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
         if self.directed.overruled.is_some() && self.directed.overruled == Some(moment.index) {
@@ -106,7 +108,13 @@ impl SceneStage {
         let world = cast.resources.world();
         let mut sliders = cast.sliders.iter();
         let mut numbers: Vec<f32> = (world.scene.params.iter())
-            .map(|param| if param.is_number { param.default } else { sliders.next().map_or(param.default, |one| one.value) })
+            .map(|param| {
+                if param.is_number {
+                    param.default
+                } else {
+                    sliders.next().map_or(param.default, |one| one.value)
+                }
+            })
             .collect();
         let Some(programme) = &self.directed.programme else { return (numbers, None) };
         let Some(moment) = programme.plan().at(time) else { return (numbers, None) };
@@ -145,7 +153,8 @@ impl SceneStage {
 
     /// Whether the same scene looks different from moment to moment, whatever is heard.
     pub(super) fn is_moved_by_the_show(&self) -> bool {
-        let of_blend = self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
+        let of_blend =
+            self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
     }
 }

@@ -32,6 +32,11 @@ impl SceneStage {
         self.source.title()
     }
 
+    /// Shows what is wrong with something that the scenes follow.
+    pub(crate) fn set_problem(&mut self, heading: String, text: String) {
+        self.problem = Some((heading, text));
+    }
+
     /// What the title says of the scene: its name, its mode, its view.
     pub(crate) fn notes(&self) -> Vec<String> {
         let Some((name, mode)) = self.name().zip(self.mode()) else { return Vec::new() };

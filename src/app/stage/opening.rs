@@ -12,6 +12,7 @@ use super::desk::Desk;
 use super::drawing::paint_waiting;
 use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
+use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
@@ -130,11 +131,16 @@ impl Opening<'_> {
         })?;
         let fps = settings.fps_cap.or_else(|| window.refresh_rate()).unwrap_or(FPS_DEFAULT);
         let now = Instant::now();
+        let of_shows = waker.clone();
+        let (file, follow) = (settings.show.clone(), choices.follow_song);
+        let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
+            .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
         let of_controls = waker.clone();
         Ok(Stage {
             listening: Listening::new(sound, songs),
             renderer,
             scene,
+            direction,
             pace: DrawingPace::new(choices.quality, fps, now),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),

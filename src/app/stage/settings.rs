@@ -55,6 +55,10 @@ impl Stage {
                 self.listening.set_gain(gain);
                 self.choose(move |choices| choices.gain = gain);
             }
+            SettingChange::Follow(follow) => {
+                self.direction.set_follow(follow);
+                self.choose(move |choices| choices.follow_song = follow);
+            }
             SettingChange::LastTracks(on) => {
                 if !on {
                     self.listening.keep_tracks(None);

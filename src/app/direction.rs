@@ -1,0 +1,160 @@
+//! Makes the show of the track that plays, on a thread of its own, and makes it again when its file changes.
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::config::FollowChoice;
+use crate::scenes::{Loader, SceneSource};
+use crate::show::{Programme, ShowError, ShowSource};
+use mariana_music::SongStructure;
+
+/// What there is to say of a show.
+pub(super) enum News {
+    /// This is the show now, or there is none.
+    Programme(Option<Arc<Programme>>),
+    /// Parts of a show file do not fit the song, or the file has mistakes: what was on goes on.
+    Problem {
+        /// What is wrong, in a line.
+        heading: String,
+        /// Where, and what to do.
+        text: String,
+    },
+}
+
+/// What a show is made for.
+#[derive(Default)]
+struct Asked {
+    track: u64,
+    song: Arc<SongStructure>,
+    scenes: Vec<SceneSource>,
+}
+
+/// A show that was made for a track; and what of it does not fit the song.
+struct Made {
+    track: u64,
+    show: Result<(Programme, Option<String>), ShowError>,
+}
+
+/// See the module.
+pub(super) struct Direction {
+    loader: Loader<Made>,
+    asked: Arc<Mutex<Asked>>,
+    /// A show file that the command line names.
+    file: Option<PathBuf>,
+    follow: FollowChoice,
+    /// Whether the command line names a scene, which then stays.
+    names_scene: bool,
+    /// What was asked for last, and for which track.
+    of: Option<(ShowSource, u64)>,
+}
+
+impl Direction {
+    /// Starts the thread, which calls `wake` for each show.
+    ///
+    /// # Errors
+    /// What the system says about threads.
+    pub(super) fn start(
+        file: Option<PathBuf>,
+        follow: FollowChoice,
+        names_scene: bool,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        let asked = Arc::new(Mutex::new(Asked::default()));
+        let of_thread = asked.clone();
+        let load = move |source: &SceneSource| {
+            let (track, song, scenes) = {
+                let asked = of_thread.lock().unwrap_or_else(PoisonError::into_inner);
+                (asked.track, asked.song.clone(), asked.scenes.clone())
+            };
+            let (show, files) = match source {
+                SceneSource::File(path) => (ShowSource::File(path.clone()), vec![path.clone()]),
+                _ => (ShowSource::Auto, Vec::new()),
+            };
+            (Made { track, show: Programme::of_song(&show, &song, &scenes) }, files)
+        };
+        let loader = Loader::start(load, wake)?;
+        Ok(Self { loader, asked, file, follow, names_scene, of: None })
+    }
+
+    /// Lets the show follow the song as it is chosen from now on.
+    pub(super) fn set_follow(&mut self, follow: FollowChoice) {
+        self.follow = follow;
+        self.names_scene = false;
+    }
+
+    /// Whether the show follows the song, in a list of so many tracks.
+    pub(super) fn follows(&self, tracks: usize) -> bool {
+        self.source(tracks).is_some()
+    }
+
+    fn source(&self, tracks: usize) -> Option<ShowSource> {
+        let auto = match self.follow {
+            FollowChoice::Off => return None,
+            FollowChoice::Lists => tracks > 1 && !self.names_scene,
+            FollowChoice::On => true,
+        };
+        match &self.file {
+            Some(file) => Some(ShowSource::File(file.clone())),
+            None => auto.then_some(ShowSource::Auto),
+        }
+    }
+
+    /// Takes note of what plays: which of how many tracks, and what is known of it. `scenes` are those among which the
+    /// director chooses.
+    pub(super) fn update(
+        &mut self,
+        track: u64,
+        tracks: usize,
+        song: Option<Arc<SongStructure>>,
+        scenes: impl FnOnce() -> Vec<SceneSource>,
+    ) -> Option<News> {
+        let wanted = self.source(tracks).map(|source| (source, track));
+        let is_the_same = self.of == wanted;
+        match wanted {
+            None if is_the_same => return None,
+            None => {
+                self.of = None;
+                return Some(News::Programme(None));
+            }
+            Some((source, track)) if !is_the_same => {
+                let key = match &source {
+                    ShowSource::File(path) => SceneSource::File(path.clone()),
+                    ShowSource::Auto => SceneSource::Formula(String::new()),
+                };
+                if let Some(song) = song {
+                    let asked = Asked { track, song, scenes: scenes() };
+                    *self.asked.lock().unwrap_or_else(PoisonError::into_inner) = asked;
+                    self.of = Some((source, track));
+                    self.loader.request(key);
+                } else if self.of.take().is_some() {
+                    // The show of the last track is over; what is on stays until this one is known.
+                    return Some(News::Programme(None));
+                }
+            }
+            Some(_) => {}
+        }
+        let made = self.loader.poll()?.value;
+        if self.of.as_ref().is_none_or(|(_, track)| *track != made.track) {
+            return None;
+        }
+        match made.show {
+            Ok((programme, None)) => {
+                // Of a song without sections the director knows no more than whoever listens.
+                let says_something = self.file.is_some() || programme.plan().stays().len() > 1;
+                says_something.then(|| News::Programme(Some(Arc::new(programme))))
+            }
+            Ok((programme, Some(text))) => {
+                tracing::warn!("parts of the show do not fit the song:\n{text}");
+                Some(News::Programme(Some(Arc::new(programme))))
+            }
+            Err(error) => {
+                tracing::warn!("{error}");
+                Some(News::Problem {
+                    heading: "the show has mistakes; what was on goes on".to_owned(),
+                    text: error.to_string(),
+                })
+            }
+        }
+    }
+}
