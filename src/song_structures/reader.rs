@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 use std::io;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use super::{StructureCache, find};
 use mariana_music::SongStructure;
@@ -55,9 +56,12 @@ impl SongReader {
         std::thread::Builder::new().name("songs".into()).spawn(move || {
             lower_priority();
             while let Some(track) = of_thread.next() {
+                let begun = Instant::now();
                 let go_on = || of_thread.wants_most(&track);
                 let reopen = &track.reopen;
                 if let Some(found) = find(reopen.content(), || reopen.open(), &cache, &go_on) {
+                    let known = if found.is_some() { "is known" } else { "is not known" };
+                    tracing::info!("the song {} {known} after {:.0?}", track.name, begun.elapsed());
                     of_thread.tell(track.id, found);
                     wake();
                 }

@@ -160,7 +160,7 @@ pub(crate) fn loud_sound() -> Sound {
         history_offset: 0.4,
         history_span: 234.375,
     };
-    Sound { features: loud_music(), tables }
+    Sound { features: loud_music(), tables, ..Sound::default() }
 }
 
 /// Music of medium loudness.
