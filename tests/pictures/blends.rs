@@ -152,9 +152,8 @@ fn all_pairs() {
             for share in [0.25, 0.5, 0.75] {
                 let params = params(&a.world, &b.world, share);
                 let [compiled, interpreted] = [0, 1].map(|mode| {
-                    if share == 0.25 {
-                        draw(&mut studio, &programs[mode], &params);
-                    }
+                    // The first one builds the tree.
+                    draw(&mut studio, &programs[mode], &params);
                     draw(&mut studio, &programs[mode], &params)
                 });
                 if let Some(folder) = std::env::var_os("MARIANA_PICTURES") {

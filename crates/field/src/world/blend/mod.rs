@@ -116,7 +116,7 @@ impl World {
             }
             BlendKind::Portal(shape) => portal::through(&mut graph, (&a, &b), shape, &camera, s),
         };
-        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b), s)).transpose();
+        let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b))).transpose();
         let rest = rest.map_err(graph_error)?;
 
         let rest_of = a.sky.reach;
@@ -228,13 +228,12 @@ fn mixed_steps(graph: &mut Graph, a: Steps, b: Steps, s: NodeId) -> Steps {
 }
 
 /// Lets the solids shrink so far that the eye is not among them: between two cameras there may be anything. The eye
-/// keeps half of the distance that both cameras have from their own scenes; where that is so already, as at the
-/// beginning and at the end, nothing changes.
+/// keeps half of the distance that the nearer of both cameras has from its own scene; where that is so already, as at
+/// the beginning and at the end, nothing changes.
 fn clear_of_the_eye(
     graph: &mut Graph,
     rest: Steps,
     (a, b): (&Side, &Side),
-    s: NodeId,
 ) -> Result<Steps, crate::graph::GraphError> {
     let eye = [Input::EyeX, Input::EyeY, Input::EyeZ].map(|input| graph.input(input));
     let (zero, half) = (graph.constant(0.0), graph.constant(0.5));
@@ -246,7 +245,7 @@ fn clear_of_the_eye(
             *distance = graph.max(own, zero);
         }
     }
-    let wanted = graph.mix(distances[0], distances[1], s);
+    let wanted = graph.min(distances[0], distances[1]);
     let wanted = graph.mul(wanted, half);
     let missing = graph.sub(wanted, now);
     let missing = graph.max(missing, zero);
