@@ -27,7 +27,7 @@ pub enum ShowSource {
 #[derive(Debug, thiserror::Error)]
 pub enum ShowError {
     /// The file cannot be read.
-    #[error("cannot read the show {}: {reason}", path.display())]
+    #[error("the show {} cannot be read ({reason}): check the path", .path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
@@ -35,7 +35,7 @@ pub enum ShowError {
         reason: String,
     },
     /// The file is larger than shows may be.
-    #[error("{} is no show: it has more than {max} bytes", path.display())]
+    #[error("the show {} is larger than {max} bytes: make several shows of it", .path.display())]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -43,7 +43,7 @@ pub enum ShowError {
         max: usize,
     },
     /// The file is not text.
-    #[error("{} is not text: byte {position} is not UTF-8; save it as UTF-8", path.display())]
+    #[error("the show {} is not text: byte {position} is not UTF-8; save it as UTF-8", .path.display())]
     NotText {
         /// The file.
         path: PathBuf,
@@ -51,7 +51,7 @@ pub enum ShowError {
         position: usize,
     },
     /// The text has mistakes, or asks for what the song does not have.
-    #[error("{report}")]
+    #[error("the show has mistakes: correct what is underlined\n{}", .report.trim_end())]
     Mistakes {
         /// They with their places.
         report: String,
@@ -60,7 +60,7 @@ pub enum ShowError {
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A camera that its scene does not have.
-    #[error("the scene {scene} has no camera `{camera}`; {hint}")]
+    #[error("the scene {scene} has no camera `{camera}`: leave it out, or choose another one; {hint}")]
     NoCamera {
         /// The scene.
         scene: String,
@@ -70,7 +70,7 @@ pub enum ShowError {
         hint: String,
     },
     /// A parameter that its scene does not have.
-    #[error("the scene {scene} has no parameter `{param}`; {hint}")]
+    #[error("the scene {scene} has no parameter `{param}`: leave it out, or choose another one; {hint}")]
     NoParam {
         /// The scene.
         scene: String,

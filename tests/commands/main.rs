@@ -8,6 +8,7 @@ mod playlists;
 mod scene_commands;
 mod scene_reload;
 mod scene_textures;
+mod shows;
 mod song_numbers;
 mod standard_streams;
 mod videos;

@@ -61,6 +61,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("thumbnails", &["atomic_file", "limits", "scenes"]),
     ("song_structures", &["atomic_file", "limits"]),
     ("scenes", &["limits"]),
+    ("show", &["limits", "scenes"]),
     (
         "app",
         &[
@@ -73,6 +74,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "flash",
             "program_cache",
             "reading_order",
+            "show",
             "song_structures",
             "thumbnails",
             "system_fonts",
@@ -92,6 +94,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "atomic_file",
             "ending",
             "limits",
+            "show",
             "song_structures",
         ],
     ),

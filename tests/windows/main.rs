@@ -12,6 +12,7 @@ mod window_programs;
 mod window_quality;
 mod window_scenes;
 mod window_settings;
+mod window_shows;
 mod window_songs;
 mod window_views;
 

@@ -59,8 +59,10 @@ fn words(line: &str, base: usize) -> Vec<Word<'_>> {
             }
             _ if first.is_alphabetic() || first == '_' => {
                 let goes_on = |c: char, next: Option<char>| {
-                    // A minus within a name belongs to it.
-                    c.is_alphanumeric() || c == '_' || (c == '-' && next.is_some_and(char::is_alphanumeric))
+                    // What joins the parts of a file's name belongs to it.
+                    c.is_alphanumeric()
+                        || c == '_'
+                        || (matches!(c, '-' | '.' | '/') && next.is_some_and(char::is_alphanumeric))
                 };
                 (Kind::Name, length_of(rest, goes_on))
             }

@@ -1,0 +1,108 @@
+//! Shows: written down, rendered, and what is wrong with them.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::program::Workplace;
+
+const LOOK: [&str; 2] = ["--size", "48x27"];
+
+/// A ball of a colour, of a size that is a parameter, above a floor; and a camera that is nearer.
+fn write_ball(place: &Workplace, name: &str, colour: &str, energy: &str) {
+    let text = format!(
+        "about {{ energy = {energy} }}\nparam size = 1 in 0.2 .. 2\n\
+         material paint {{ color = {colour}  emission = 0.3 * {colour} }}\n\
+         object ball {{ shape = sphere(p - vec3(0, 1, 0), size)  material = paint }}\n\
+         object floor {{ shape = p.y }}\n\
+         camera {{ position = vec3(0, 2, -6)  target = vec3(0, 1, 0) }}\n\
+         camera near {{ position = vec3(1, 1.5, -3)  target = vec3(0, 1, 0) }}\n"
+    );
+    place.write(name, text);
+}
+
+fn place_with_balls() -> Workplace {
+    let place = Workplace::new();
+    write_ball(&place, "red.scene", "vec3(0.9, 0.05, 0.05)", "0 .. 0.5");
+    write_ball(&place, "green.scene", "vec3(0.05, 0.8, 0.1)", "0.3 .. 0.8");
+    write_ball(&place, "blue.scene", "vec3(0.05, 0.1, 0.9)", "0.7 .. 1");
+    place
+}
+
+/// The bytes of a still.
+fn still(place: &Workplace, arguments: &[&str]) -> Vec<u8> {
+    place.run(&[&["still"], arguments, &LOOK[..], &["-o", "still.png"]].concat()).done();
+    place.read("still.png")
+}
+
+#[test]
+fn a_video_of_a_show_is_made_of_the_stills_of_its_moments() {
+    let place = place_with_balls();
+    place.write(
+        "my.show",
+        "at start red.scene\nat 2 s green.scene camera near melt over 2 s\n  set size = 0.5 -> 1.5 over 4 s\n\
+         at 6 s blue.scene fade over 2 s\nat 9 s red.scene portal over 2 s\nat 11.5 s red.scene camera near cut\n",
+    );
+    let video = ["video", "--show", "my.show", "--duration", "13", "--fps", "2", "--flash-limiter", "off"];
+    place.run(&[&video[..], &LOOK[..], &["-o", "out/"]].concat()).done();
+    let frame = |time: f64| place.read(&format!("out/frame-{:05}.png", (2.0 * time) as usize));
+    let at = |time: f64| still(&place, &["--show", "my.show", "--at", &time.to_string()]);
+    // A melt, a fade, a portal, a cut, and between them.
+    for time in [0.0, 2.0, 3.0, 3.5, 5.0, 6.5, 9.5, 10.5, 12.0] {
+        assert!(frame(time) == at(time), "the moment {time}");
+    }
+    // A transition begins with the picture of what goes, and ends with that of what comes.
+    let alone = |scene: &str, time: &str, set: &[&str]| {
+        still(&place, &[&["--scene", scene, "--at", time], set].concat())
+    };
+    assert!(frame(2.0) == alone("red.scene", "2", &[]));
+    assert!(frame(8.0) == alone("blue.scene", "8", &[]));
+    assert!(frame(9.0) == alone("blue.scene", "9", &[]));
+    // Between them it is neither, and a parameter has moved.
+    assert!(frame(3.0) != alone("red.scene", "3", &[]) && frame(3.0) != alone("green.scene", "3", &[]));
+    let (moved, at_rest) = (frame(5.5), frame(6.0));
+    assert!(moved != at_rest && frame(11.5) != alone("red.scene", "11.5", &[]), "another camera sees it");
+}
+
+#[test]
+fn what_the_director_chose_is_written_down_and_is_the_same_show() {
+    let place = place_with_balls();
+    let scenes = ["--scene", "red.scene", "--scene", "green.scene", "--scene", "blue.scene"];
+    // The demo track: its sections follow each other in less than half a minute.
+    place.run(&[&["show", "-o", "demo.show"], &scenes[..]].concat()).done();
+    let text = String::from_utf8(place.read("demo.show")).unwrap();
+    assert!(text.starts_with("# A show for") && text.matches("\nat ").count() > 4, "{text}");
+    let again = place.run(&[&["show"], &scenes[..]].concat()).done();
+    assert_eq!(again, text, "the same song has the same show");
+    let video = |show: &[&str], to: &str| {
+        let span = ["--start", "22", "--duration", "8", "--fps", "1", "-o", to];
+        place.run(&[&["video"], show, &span, &LOOK[..]].concat()).done();
+        (0..8).map(|number| place.read(&format!("{to}frame-{number:05}.png"))).collect::<Vec<_>>()
+    };
+    let directed = video(&[&["--show", "auto"], &scenes[..]].concat(), "auto/");
+    assert!(directed == video(&["--show", "demo.show"], "file/"));
+    assert!(directed.iter().any(|frame| *frame != directed[0]));
+}
+
+#[test]
+fn what_is_wrong_with_a_show_is_told_with_its_place() {
+    let place = place_with_balls();
+    let refused = |text: &str, parts: &[&str]| {
+        place.write("bad.show", text);
+        place.run(&["still", "--show", "bad.show", "-o", "a.png"]).refused_with_details(parts);
+        assert!(!place.path("a.png").exists());
+    };
+    refused("at start red.scene\nat 3 s gren.scene\n", &["gren.scene"]);
+    refused("at start red.scene mlet over 2 bars\n", &["bad.show:1:20", "did you mean `melt`?"]);
+    refused("at start red.scene\n set siz = 3\n", &["`siz`", "its parameters are size"]);
+    refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
+    place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);
+    // What the song does not have costs a sentence, not the video.
+    place.write("some.show", "at start red.scene\nat section Q green.scene\nat 0 s blue.scene cut\n");
+    let outcome = place.run(&["still", "--show", "some.show", "-o", "a.png"]);
+    assert!(outcome.code == 0 && outcome.stderr.contains("the song has no section Q"), "{outcome:?}");
+    // A song of silence has a show, too.
+    place.write_tone("silence.wav", 440.0, 3.0, [0.0; 2]);
+    place.run(&["show", "silence.wav", "--scene", "red.scene", "-o", "silence.show"]).done();
+    let text = String::from_utf8(place.read("silence.show")).unwrap();
+    assert!(text.contains("silence") && text.contains("at start"), "{text}");
+}

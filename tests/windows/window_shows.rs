@@ -1,0 +1,162 @@
+//! Scenes that follow the song: as the director says, as a file says, and as whoever watches says.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
+use image::RgbaImage;
+use mariana_testing::process::{output_of, wait_until};
+use mariana_testing::wave::write_wav;
+
+const SIZE: &str = "64x36";
+const QUIT_LIMIT: Duration = Duration::from_secs(60);
+
+struct Place {
+    desktop: Desktop,
+    song: PathBuf,
+}
+
+impl Place {
+    fn new() -> Self {
+        let desktop = Desktop::start();
+        let song = desktop.folder().join("song.wav");
+        // Clicks, so that there is a tempo.
+        let samples = (0..60 * 48_000).flat_map(|frame| {
+            let since = frame % 24_000;
+            [if since < 400 { 0.5 * (0.4 * f64::from(since)).sin() } else { 0.0 }; 2]
+        });
+        write_wav(&song, 48_000, 2, samples);
+        let place = Self { desktop, song };
+        for (name, colour) in [("red", "0.9, 0, 0"), ("green", "0, 0.9, 0"), ("blue", "0, 0, 0.9")] {
+            place.write(
+                &format!("{name}.scene"),
+                &format!(
+                    "param level = 1 in 0 .. 1\n\
+                     material paint {{ color = 0  roughness = 1  emission = level * vec3({colour}) }}\n\
+                     object wall {{ shape = 5 - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
+                     light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
+                     camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n"
+                ),
+            );
+        }
+        place
+    }
+
+    fn path(&self, name: &str) -> String {
+        self.desktop.folder().join(name).to_str().unwrap().to_owned()
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    fn open(&self, options: &[&str]) -> App<'_> {
+        // As the program is started, so that it prepares what comes.
+        let mut command = self.desktop.command(PROGRAM);
+        command.arg(&self.song).args(["--silent", "--new", "--clean", "-v", "--size", SIZE]).args(options);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+        self.desktop.show(command, &self.song)
+    }
+
+    fn still(&self, show: &str, time: &str) -> RgbaImage {
+        let output = self.desktop.folder().join("still.png");
+        let mut command = command_in(PROGRAM, self.desktop.folder(), None);
+        command
+            .arg("still")
+            .arg(&self.song)
+            .args(["--show", show, "--at", time, "--size", SIZE, "-o"])
+            .arg(&output);
+        output_of(&mut command, "mariana").unwrap();
+        image::open(&output).unwrap().to_rgba8()
+    }
+}
+
+fn quit(mut app: App<'_>) {
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && !told.contains("panicked"), "{status}: {told}");
+}
+
+/// Which channel shines in the middle.
+fn channel(app: &App<'_>) -> Option<usize> {
+    let pixel = app.picture().get_pixel(32, 18).0;
+    (0..3).find(|channel| (0..3).all(|other| other == *channel || pixel[*channel] > 3 * pixel[other].max(8)))
+}
+
+fn wait_for_channel(app: &App<'_>, wanted: usize) {
+    wait_until("a colour", || channel(app) == Some(wanted));
+}
+
+/// Pauses, and goes to a time that is a multiple of 5 s.
+fn go_to(app: &mut App<'_>, seconds: usize) {
+    app.press(&["Left"; 12]);
+    app.press(&vec!["Right"; seconds / 5]);
+}
+
+#[test]
+fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
+    let place = Place::new();
+    let show = place.path("my.show");
+    let text = "at start red.scene\nat 4 s green.scene melt over 2 s\n set level = 0.2 -> 1 over 8 s\n\
+                at 14 s blue.scene portal over 2 s\n";
+    place.write("my.show", text);
+    let mut app = place.open(&["--show", &show]);
+    app.wait_until_told("the scenes follow the song");
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    for (seconds, time) in [(0, "0"), (10, "10"), (5, "5"), (15, "15"), (20, "20")] {
+        go_to(&mut app, seconds);
+        let wanted = place.still(&show, time);
+        wait_until(&format!("the still of {time} s"), || app.picture() == wanted);
+    }
+    // A save shows; one with mistakes costs nothing and is told.
+    place.write("my.show", &text.replace("blue", "green"));
+    wait_for_channel(&app, 1);
+    place.write("my.show", &text.replace("portal over", "portl over"));
+    app.wait_until_told("did you mean `portal`?");
+    wait_for_channel(&app, 1);
+    place.write("my.show", text);
+    wait_for_channel(&app, 2);
+    quit(app);
+}
+
+#[test]
+fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
+    let place = Place::new();
+    place.write("my.show", "at start red.scene\nat 10 s green.scene cut\nat 20 s blue.scene cut\n");
+    let show = place.path("my.show");
+    let mut app = place.open(&["--show", &show, "--scene", &place.path("red.scene"), "--fade", "0"]);
+    app.wait_until_told("the scenes follow the song");
+    app.press(&["space"]);
+    go_to(&mut app, 0);
+    wait_for_channel(&app, 0);
+    // The scenes of the folder by name: before red is green.
+    app.press(&["p"]);
+    wait_for_channel(&app, 1);
+    app.press(&["Right"]);
+    std::thread::sleep(Duration::from_secs(1));
+    wait_for_channel(&app, 1);
+    go_to(&mut app, 20);
+    wait_for_channel(&app, 2);
+    // Kept, and let go again.
+    app.press(&["k"]);
+    app.wait_until_told("this scene stays");
+    go_to(&mut app, 0);
+    std::thread::sleep(Duration::from_secs(1));
+    wait_for_channel(&app, 2);
+    app.press(&["k"]);
+    wait_for_channel(&app, 0);
+    // Off: the scene stays wherever the song is.
+    app.press(&["a"]);
+    app.wait_until_told("the scene stays: A");
+    go_to(&mut app, 10);
+    std::thread::sleep(Duration::from_secs(1));
+    wait_for_channel(&app, 0);
+    app.press(&["a"]);
+    wait_for_channel(&app, 1);
+    quit(app);
+}
