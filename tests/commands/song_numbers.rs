@@ -43,13 +43,13 @@ fn stills_videos_and_text_know_the_same_of_a_song() {
     assert_eq!(place.read("first.png"), place.read("again.png"));
     let video = ["--start", "20.4", "--duration", "0.2", "--fps", "10", "-o", "out/"];
     run(&[&["video", "song.scene"], &video[..]].concat());
-    assert_eq!(colour(&place, "out/frame-00002.png"), kept);
-    assert_ne!(colour(&place, "out/frame-00001.png"), kept, "the song goes on");
+    assert_eq!(colour(&place, "out/frame-00001.png"), kept);
+    assert_ne!(colour(&place, "out/frame-00000.png"), kept, "the song goes on");
     let moment = ["--start", "20.5", "--duration", "0.01", "--json"];
     let text = place.run(&[&["analyze", "--song"], &moment[..]].concat()).done();
     let told: Value = serde_json::from_str(text.lines().next().unwrap()).unwrap();
     let numbers = [&told["progress"], &told["build"], &told["chroma"][7]].map(|it| it.as_f64().unwrap());
-    assert!(numbers.iter().all(|number| (0.1..=1.0).contains(number)), "a moment of a build: {numbers:?}");
+    assert!(numbers.iter().all(|number| (0.05..=1.0).contains(number)), "a moment of a build: {numbers:?}");
     for (shown, number) in kept.iter().zip(numbers) {
         assert!((f64::from(*shown) - srgb(number)).abs() <= 1.0, "{kept:?} shows {numbers:?}");
     }

@@ -53,7 +53,7 @@ fn a_window_knows_of_a_song_what_a_still_does_and_the_next_song_before_it_plays(
     });
     kept.iter().for_each(|file| fs::remove_file(file).unwrap());
 
-    let show = ["--silent", "--clean", "-v", "--size", SIZE, "--scene", scene.to_str().unwrap()];
+    let show = ["--silent", "-v", "--size", SIZE, "--scene", scene.to_str().unwrap()];
     let mut app = desktop.open(&music, &show);
     app.wait_until_told("1.wav is known");
     app.wait_until_told("2.wav is known");

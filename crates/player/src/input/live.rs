@@ -279,6 +279,7 @@ fn diagnosis(name: &str, suggestion: Option<&ListedDevice>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use mariana_music::Features;
 
     fn entry(id: &str, name: &str) -> ListedDevice {
         ListedDevice { id: id.into(), name: name.into() }

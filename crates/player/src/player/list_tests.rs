@@ -73,6 +73,25 @@ fn what_plays_goes_on_and_is_told_where_it_stands_now() {
 }
 
 #[test]
+fn what_follows_is_told_as_soon_as_it_is_open() {
+    let (mut player, _folder) = playing(3, 60.0, Repeat::All);
+    let expect_next = |player: &mut Player, wanted: Option<&str>| {
+        wait_for(player, &format!("{wanted:?} follows"), |player| {
+            player.status().next.map(|next| next.name.clone()).as_deref() == wanted
+        });
+    };
+    expect_next(&mut player, Some("b.wav"));
+    player.skip(true);
+    expect_next(&mut player, Some("c.wav"));
+    assert_eq!(player.now(0.0).track, player.status().track.id);
+    let next = player.status().next.expect("it was told");
+    let content = next.reopen.content().expect("it is a file").clone();
+    assert!(matches!(content.song, crate::song::Song::File(path) if path.ends_with("c.wav")));
+    player.set_order(Repeat::One, false);
+    expect_next(&mut player, None);
+}
+
+#[test]
 fn a_track_that_is_removed_while_it_plays_makes_way() {
     let (mut player, folder) = playing(3, 60.0, Repeat::Off);
     player.remove_entry(0);
