@@ -27,7 +27,7 @@ impl Place {
         // Clicks, so that there is a tempo.
         let samples = (0..60 * 48_000).flat_map(|frame| {
             let since = frame % 24_000;
-            [if since < 400 { 0.5 * (0.4 * f64::from(since)).sin() } else { 0.0 }; 2]
+            [if since < 400 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
         });
         write_wav(&song, 48_000, 2, samples);
         let place = Self { desktop, song };
@@ -75,7 +75,7 @@ impl Place {
     }
 }
 
-fn quit(mut app: App<'_>) {
+fn quit(app: App<'_>) {
     app.press(&["q"]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
     assert!(status.success() && !told.contains("panicked"), "{status}: {told}");
@@ -84,7 +84,7 @@ fn quit(mut app: App<'_>) {
 /// Which channel shines in the middle.
 fn channel(app: &App<'_>) -> Option<usize> {
     let pixel = app.picture().get_pixel(32, 18).0;
-    (0..3).find(|channel| (0..3).all(|other| other == *channel || pixel[*channel] > 3 * pixel[other].max(8)))
+    (0..3).find(|channel| (0..3).all(|other| other == *channel || u32::from(pixel[*channel]) > 3 * u32::from(pixel[other].max(8))))
 }
 
 fn wait_for_channel(app: &App<'_>, wanted: usize) {
@@ -94,7 +94,9 @@ fn wait_for_channel(app: &App<'_>, wanted: usize) {
 /// Pauses, and goes to a time that is a multiple of 5 s.
 fn go_to(app: &mut App<'_>, seconds: usize) {
     app.press(&["Left"; 12]);
-    app.press(&vec!["Right"; seconds / 5]);
+    if seconds > 0 {
+        app.press(&vec!["Right"; seconds / 5]);
+    }
 }
 
 #[test]
@@ -144,7 +146,6 @@ fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
     wait_for_channel(&app, 2);
     // Kept, and let go again.
     app.press(&["k"]);
-    app.wait_until_told("this scene stays");
     go_to(&mut app, 0);
     std::thread::sleep(Duration::from_secs(1));
     wait_for_channel(&app, 2);
@@ -152,7 +153,6 @@ fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
     wait_for_channel(&app, 0);
     // Off: the scene stays wherever the song is.
     app.press(&["a"]);
-    app.wait_until_told("the scene stays: A");
     go_to(&mut app, 10);
     std::thread::sleep(Duration::from_secs(1));
     wait_for_channel(&app, 0);

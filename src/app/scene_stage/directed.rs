@@ -22,6 +22,8 @@ pub(super) struct Directed {
     entered: Option<(usize, bool)>,
     /// What the show asked for last.
     pub(super) asked: Option<SceneSource>,
+    /// When the show was last followed, in seconds of the song.
+    last_time: Option<f64>,
     /// What comes next.
     upcoming: [Option<SceneSource>; 2],
 }
@@ -66,8 +68,10 @@ impl SceneStage {
         self.directed.overruled = None;
         let Some(scene) = programme.source(&moment.stay.scene).cloned() else { return };
         let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
-        if is_new {
-            let mixes = blended.as_ref().is_some_and(|blend| self.has_ready(blend));
+        // While the song stands still there is time for what was not prepared.
+        let stands_still = self.directed.last_time.replace(time) == Some(time);
+        if is_new || (stands_still && blended.is_some()) {
+            let mixes = blended.as_ref().is_some_and(|blend| stands_still || self.has_ready(blend));
             self.directed.entered = Some((moment.index, mixes));
         }
         let mixes = self.directed.entered.is_some_and(|(_, mixes)| mixes);
