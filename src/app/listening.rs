@@ -32,13 +32,15 @@ pub(super) struct Listening {
     level: f32,
     /// How many tracks there were at the last look.
     tracks: usize,
+    /// The number of the track that was heard last.
+    track: u64,
 }
 
 impl Listening {
     /// Begins with a sound that waits for the first picture.
     pub(super) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
-        Self { sound, songs, energy, taps, paused: false, level: 0.0, tracks: 0 }
+        Self { sound, songs, energy, taps, paused: false, level: 0.0, tracks: 0, track: 0 }
     }
 
     /// Whether the user wants a pause.
@@ -167,6 +169,7 @@ impl Listening {
     /// listened to yet, only the energy is known.
     pub(super) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
+        self.track = now.track;
         let songs = self.songs.as_ref().filter(|_| self.sound.plays_song());
         now.song = match songs.and_then(|songs| songs.get(now.track)) {
             Some(structure) => structure.moment(now.song_time),
@@ -224,6 +227,11 @@ impl Listening {
     /// Whether a song is listened to, not an input.
     pub(super) fn plays_song(&self) -> bool {
         self.sound.plays_song()
+    }
+
+    /// What is known of the whole track that was heard last.
+    pub(super) fn present_structure(&self) -> Option<Arc<SongStructure>> {
+        self.structure(self.track)
     }
 
     /// What is known of a whole track, by its number; nothing of an input.

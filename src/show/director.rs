@@ -15,7 +15,7 @@ use std::collections::HashMap;
 
 use super::bar_lines::BarLines;
 use super::script::{Anchor, Entry, Length, Script, Transition, When};
-use changes::{Change, Reason, changes};
+use changes::{Change, Reason, changes, in_build};
 use mariana_field::lang::{About, Span, Way};
 use mariana_music::SongStructure;
 
@@ -39,7 +39,7 @@ const VERY_LOUD: f32 = 0.8;
 /// Bars between the cuts of loud music, and of very loud music.
 const CUT_BARS: [f64; 2] = [4.0, 2.0];
 /// A camera is on for at least so many seconds.
-const CAMERA_SECONDS_MIN: f64 = 3.0;
+const CAMERA_SECONDS_MIN: f64 = 4.0;
 
 /// What speaks for a scene is counted in points; a scene that fits in everything has none against it.
 mod points {
@@ -201,8 +201,8 @@ fn cuts(song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -
     }
     let all = (1..).map(|number| first + f64::from(number) * step);
     let within = all.take_while(|bar| lines.time_of(*bar) + CAMERA_SECONDS_MIN < end && *bar < 1e6);
-    let in_build = |time: f64| song.builds.iter().any(|build| (build.start..build.end).contains(&time));
-    within.filter(|bar| *bar >= 1.0 && !in_build(lines.time_of(*bar))).map(|bar| bar as u32).collect()
+    let fits = |bar: &f64| *bar >= 1.0 && !in_build(song, lines, lines.time_of(*bar));
+    within.filter(fits).map(|bar| bar as u32).collect()
 }
 
 /// A number of 0..1 that follows from its arguments (SplitMix64, Steele et al. 2014).

@@ -84,7 +84,10 @@ fn quit(app: App<'_>) {
 /// Which channel shines in the middle.
 fn channel(app: &App<'_>) -> Option<usize> {
     let pixel = app.picture().get_pixel(32, 18).0;
-    (0..3).find(|channel| (0..3).all(|other| other == *channel || u32::from(pixel[*channel]) > 3 * u32::from(pixel[other].max(8))))
+    (0..3).find(|channel| {
+        (0..3)
+            .all(|other| other == *channel || u32::from(pixel[*channel]) > 3 * u32::from(pixel[other].max(8)))
+    })
 }
 
 fn wait_for_channel(app: &App<'_>, wanted: usize) {

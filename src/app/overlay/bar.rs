@@ -4,7 +4,8 @@
 
 use std::hash::{Hash, Hasher};
 
-use egui::{Align, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2};
+use egui::{Align, Color32, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2};
+use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
 
@@ -37,6 +38,20 @@ const BAR_STEP: f32 = 3.0;
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 /// Buttons at the right.
 const RIGHT_BUTTONS: f32 = 8.0;
+/// Height of the line of sections, and size of their letters.
+const SECTION_HEIGHT: f32 = 3.0;
+const LETTER_SIZE: f32 = 9.5;
+/// Colours of sections, by the order of their letters.
+const SECTION_COLORS: [Color32; 8] = [
+    Color32::from_rgb(112, 178, 230),
+    Color32::from_rgb(240, 170, 110),
+    Color32::from_rgb(120, 214, 160),
+    Color32::from_rgb(206, 150, 226),
+    Color32::from_rgb(236, 212, 110),
+    Color32::from_rgb(236, 128, 128),
+    Color32::from_rgb(110, 208, 200),
+    Color32::from_rgb(170, 176, 190),
+];
 /// Between buttons.
 const BUTTON_GAP: f32 = 2.0;
 
@@ -47,6 +62,8 @@ pub struct Bar<'a> {
     pub now: &'a NowPlaying,
     /// How loud the track is from its start to its end, as far as is known.
     pub shape: Option<&'a LoudnessShape>,
+    /// What it is made of, once that is known.
+    pub song: Option<&'a SongStructure>,
     /// How loud it is at this moment, 0..1.
     pub level: f32,
     /// The scene on the stage, such as "speakers, 12 of 17".
@@ -68,6 +85,7 @@ impl Hash for Bar<'_> {
     fn hash<H: Hasher>(&self, state: &mut H) {
         (self.now, self.scene, self.open, self.help, self.sliders, self.seen).hash(state);
         self.shape.map(|shape| shape.revision).hash(state);
+        self.song.map(|song| song.sections.len()).hash(state);
         ((self.level * LEVEL_STEPS) as u32).hash(state);
     }
 }
@@ -134,6 +152,9 @@ fn seek_rail(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
         Some(shape) => draw_shape(&painter, place, shape, shown),
         None => draw_share(&painter, rail, shown),
     }
+    if let Some(song) = bar.song {
+        draw_sections(&painter, place, song, duration);
+    }
     let knob = pos2(rail.left() + shown * rail.width(), rail.center().y);
     painter.circle_filled(knob, if response.hovered() || held { 7.0 } else { 5.0 }, style::ACCENT);
     let (name, position) = ("position in the track in seconds", bar.now.position);
@@ -172,6 +193,32 @@ fn draw_shape(painter: &Painter, place: Rect, shape: &LoudnessShape, share: f32)
         let passed = (bar as f32 + 0.5) / bars as f32 <= share;
         let color = if passed { style::ACCENT } else { style::AHEAD };
         painter.rect_filled(Rect::from_center_size(middle, vec2(BAR_STEP - 1.0, height)), 1.0, color);
+    }
+}
+
+/// Draws the song's sections as a coloured line with their letters at the lower edge of `place`, and its drops as marks at
+/// the upper one.
+fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration: f64) {
+    let x = |time: f64| place.left() + (time / duration).clamp(0.0, 1.0) as f32 * place.width();
+    let mut letters: Vec<&str> = Vec::new();
+    for section in &song.sections {
+        let number = letters.iter().position(|letter| *letter == section.letter).unwrap_or(letters.len());
+        if number == letters.len() {
+            letters.push(&section.letter);
+        }
+        let color = SECTION_COLORS[number % SECTION_COLORS.len()];
+        let (left, right) = (x(section.start), x(section.end) - 1.0);
+        let line = Rect::from_min_max(pos2(left, place.bottom() - SECTION_HEIGHT), pos2(right, place.bottom()));
+        painter.rect_filled(line, 1.0, color);
+        let letter = style::line(painter, &section.letter, style::proportional(LETTER_SIZE), color, f32::MAX);
+        if letter.size().x + 4.0 < right - left {
+            let at = pos2(left + 2.0, line.top() - letter.size().y + 1.0);
+            painter.galley(at, letter, color);
+        }
+    }
+    for drop in &song.drops {
+        let mark = Rect::from_min_size(pos2(x(*drop) - 1.0, place.top()), vec2(2.0, SECTION_HEIGHT + 2.0));
+        painter.rect_filled(mark, 0.0, style::TEXT);
     }
 }
 

@@ -10,6 +10,7 @@ use crate::app::reports::Reports;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
 use crate::scenes::SceneSource;
+use mariana_music::SongStructure;
 use mariana_player::{ListedTracks, LoudnessShape};
 
 /// See the module.
@@ -40,6 +41,8 @@ pub(super) struct Seen {
     pub(super) tracks: Option<Arc<ListedTracks>>,
     /// How loud the track is from its start to its end, if the bar shows.
     pub(super) shape: Option<Arc<LoudnessShape>>,
+    /// What the track is made of, if the bar shows and that is known.
+    pub(super) song: Option<Arc<SongStructure>>,
 }
 
 impl Desk {
@@ -89,6 +92,7 @@ impl Desk {
             content.bar = Some(Bar {
                 now: playing,
                 shape: seen.shape.as_deref(),
+                song: seen.song.as_deref(),
                 // Unseen, it need not be laid out anew for each sound.
                 level: if shows_bar { listening.level() } else { 0.0 },
                 scene,

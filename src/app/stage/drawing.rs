@@ -150,7 +150,8 @@ impl Stage {
             (lists.then(|| player.playlist()), shape)
         });
         let (tracks, shape) = song.unwrap_or_default();
-        Seen { awake, assisted: self.overlay.is_assisted(), tracks, shape }
+        let song = self.listening.present_structure().filter(|_| shows_bar);
+        Seen { awake, assisted: self.overlay.is_assisted(), tracks, shape, song }
     }
 
     /// Notes which scene is on the stage, and its place among the others.

@@ -10,12 +10,16 @@ const SECONDS_MIN: f64 = 8.0;
 const SECONDS_USUAL: [f64; 2] = [40.0, 24.0];
 /// Within a section scenes change on bars that are so many apart.
 const BARS_STEP: f64 = 4.0;
+/// So many bars before the end of a build nothing changes any more.
+const BUILD_BARS: f64 = 8.0;
 /// A border this close to a drop is the drop, in bars.
 const SAME_BARS: f64 = 1.0;
 
 /// The energy of a song whose sections differ by less than the least range, and of one without sections.
 const EVEN: f32 = 0.5;
 const RANGE_MIN: f32 = 0.08;
+/// Shares of a song's time below its calm and its loud music.
+const SPREAD: [f64; 2] = [0.1, 0.9];
 /// What a song's calmest section is told as.
 const CALMEST: f32 = 0.15;
 
@@ -61,7 +65,10 @@ pub(super) fn changes<'a>(song: &'a SongStructure, lines: &BarLines) -> Vec<Chan
     let mut of_letter: Vec<&str> = Vec::new();
     for (index, section) in song.sections.iter().enumerate() {
         of_letter.push(&section.letter);
-        if index > 0 && !in_build(song, section.start) && near_drop(song, lines, section.start).is_none() {
+        if index > 0
+            && !in_build(song, lines, section.start)
+            && near_drop(song, lines, section.start).is_none()
+        {
             let number = of_letter.iter().filter(|letter| **letter == section.letter).count() as u32;
             let anchor = Anchor::Section(section.letter.clone(), number);
             changes.push(change(song, at(anchor), section.start, Reason::Section));
@@ -109,8 +116,20 @@ struct Spread {
 
 impl Spread {
     fn of(song: &SongStructure) -> Self {
-        let energies = || song.sections.iter().map(|section| section.energy);
-        Self { least: energies().fold(f32::INFINITY, f32::min), most: energies().fold(0.0, f32::max) }
+        let mut sections: Vec<(f32, f64)> =
+            song.sections.iter().map(|section| (section.energy, section.end - section.start)).collect();
+        sections.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all: f64 = sections.iter().map(|(_, seconds)| seconds).sum();
+        // A short calm end should not make all that was before it loud.
+        let at = |share: f64| {
+            let mut gone = 0.0;
+            let found = sections.iter().find(|(_, seconds)| {
+                gone += seconds;
+                gone >= share * all
+            });
+            found.or(sections.last()).map_or(EVEN, |(energy, _)| *energy)
+        };
+        Self { least: at(SPREAD[0]), most: at(SPREAD[1]) }
     }
 
     fn over_the_song(&self, energy: f32) -> f32 {
@@ -145,14 +164,18 @@ fn within<'a>(song: &'a SongStructure, lines: &BarLines, section: &Section) -> V
     let (first, last) = (lines.bar_at(section.start).round(), lines.bar_at(section.end).round());
     let step = ((last - first) / pieces / BARS_STEP).round().max(1.0) * BARS_STEP;
     let bars = (1..pieces as u32).map(|piece| first + f64::from(piece) * step);
-    let fits = |bar: &f64| *bar >= 1.0 && *bar + BARS_STEP <= last && !in_build(song, lines.time_of(*bar));
+    let fits =
+        |bar: &f64| *bar >= 1.0 && *bar + BARS_STEP <= last && !in_build(song, lines, lines.time_of(*bar));
     let of_bar = |bar: f64| change(song, at(Anchor::Bar(bar as u32)), lines.time_of(bar), Reason::Long);
     bars.filter(fits).map(of_bar).collect()
 }
 
-/// Whether tension rises at a moment, and is not released yet.
-fn in_build(song: &SongStructure, time: f64) -> bool {
-    song.builds.iter().any(|build| time > build.start - 0.05 && time < build.end - 0.05)
+/// Whether tension rises at a moment, and is not released yet. Only the last bars of a long build hold their breath.
+pub(super) fn in_build(song: &SongStructure, lines: &BarLines, time: f64) -> bool {
+    song.builds.iter().any(|build| {
+        let first = build.start.max(lines.time_of(lines.bar_at(build.end) - BUILD_BARS));
+        time > first - 0.05 && time < build.end - 0.05
+    })
 }
 
 fn near_drop(song: &SongStructure, lines: &BarLines, time: f64) -> Option<f64> {
