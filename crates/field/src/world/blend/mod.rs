@@ -160,11 +160,15 @@ impl World {
             rest: rest.map(|[bound, estimate]| Rest { bound, estimate, object: nothing }),
             glow,
         };
-        let traced = Traced { bounds, steep: a.steep || b.steep, tamed: None };
+        let steep = a.steep || b.steep;
+        let traced = Traced { bounds, steep, shadow_step_growth: SHADOW_STEP_GROWTH, tamed: None };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
         Ok(Self::prepared(&name, scene, surfaces, Some(traced), pictures)?)
     }
 }
+
+/// See [`World::shadow_step_growth`]: such a ray gets some 20 units far.
+const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 /// What one scene may have of what the two have together.
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
