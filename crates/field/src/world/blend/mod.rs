@@ -17,6 +17,8 @@
 mod camera;
 mod portal;
 mod side;
+#[cfg(test)]
+mod tests;
 
 pub use portal::PortalShape;
 
