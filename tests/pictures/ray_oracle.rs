@@ -13,7 +13,7 @@ use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::rays;
 use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
-use mariana_field::world::{BlendKind, World};
+use mariana_field::world::{Alignment, BlendKind, World};
 
 /// Growth of a pixel's cone: 360 rows, 40 degrees.
 const SPREAD: f64 = 0.002;
@@ -457,8 +457,10 @@ fn hits_and_misses_between_two_scenes_are_those_of_the_oracle() {
             if i == k || !(all || k == (i + 5) % worlds.len()) {
                 continue;
             }
+            let camera = |world: &World| world.frame_tape.values(&inputs_of(world, 3.0)).camera;
+            let alignment = Alignment::of(&camera(from), &camera(to));
             for share in if all { [0.25, 0.5, 0.75].as_slice() } else { &[0.4] } {
-                let world = World::blend(from, to, BlendKind::Melt, *share).unwrap();
+                let world = World::blend(from, to, BlendKind::Melt, &alignment, *share).unwrap();
                 let name = format!("{} at {share}", world.name);
                 let check = || check_rays(&name, &world, if all { rays_wanted() } else { 12 });
                 if std::panic::catch_unwind(check).is_err() {

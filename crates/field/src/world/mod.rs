@@ -22,7 +22,7 @@ mod steepness;
 mod traits;
 mod validate;
 
-pub use blend::{BlendError, BlendKind, PortalShape, blended_params};
+pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
 pub use bounds::Bounds;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;

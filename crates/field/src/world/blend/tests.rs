@@ -53,7 +53,7 @@ proptest! {
         share in 0.0..=1.0f32,
         points in prop::collection::vec(prop::array::uniform3(-8.0..8.0f32), 24),
     ) {
-        let melt = World::blend(&a, &b, BlendKind::Melt, 0.5).unwrap();
+        let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
         prop_assert!(!melt.steep);
         let inputs = frame(&a, &b, share);
         let silence = FrameInputs::default();
@@ -78,7 +78,7 @@ proptest! {
         size in 0.01..4.0f32,
     ) {
         for (kind, ..) in BlendKind::ALL {
-            let blend = World::blend(&a, &b, kind, 0.5).unwrap();
+            let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
             let tape = Tape::build(&blend.scene.graph, &[blend.scene.distance], &TapeOptions::default()).unwrap();
             let inputs = frame(&a, &b, share);
             let over = low.map(|low| Interval::new(low, low + size));
@@ -100,7 +100,7 @@ proptest! {
         points in prop::collection::vec(prop::array::uniform3(-12.0..12.0f32), 64),
     ) {
         let [a, b] = [0, 1].map(|side| scene((kinds[side], kinds[1 - side]), places[side], Some(heights[side])));
-        let melt = World::blend(&a, &b, BlendKind::Melt, 0.5).unwrap();
+        let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
         let bounds = melt.bounds.unwrap();
         let inputs = frame(&a, &b, share);
         prop_assert_eq!(melt.planes.len(), 1);
@@ -121,7 +121,7 @@ proptest! {
         points in prop::collection::vec(prop::array::uniform3(-8.0..8.0f32), 24),
     ) {
         let shape = if ball { PortalShape::Ball } else { PortalShape::Plane };
-        let blend = World::blend(&a, &b, BlendKind::Portal(shape), 0.5).unwrap();
+        let blend = World::blend(&a, &b, BlendKind::Portal(shape), &Alignment::NONE, 0.5).unwrap();
         let inputs = frame(&a, &b, share);
         let camera = blend.frame_tape.values(&inputs).camera;
         let length = (0..3).map(|axis| (camera.target[axis] - camera.position[axis]).powi(2)).sum::<f32>().sqrt();
@@ -163,7 +163,7 @@ fn at_either_end_a_blend_is_the_scene_there() {
         ..FrameInputs::default()
     };
     for (kind, name, _) in BlendKind::ALL {
-        let blend = World::blend(&a, &b, kind, 0.5).unwrap();
+        let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
         for (share, alone) in [(0.0, &a), (1.0, &b)] {
             let near = |found: f32, expected: f32| (found - expected).abs() <= 1e-4 * (1.0 + expected.abs());
             let (found, expected) =
@@ -199,7 +199,7 @@ fn the_parameters_of_both_stand_side_by_side() {
     let (a, b) = (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
     let params = blended_params((&a.scene, &[0.5]), (&b.scene, &[]), 0.25);
     assert_eq!(params, [0.5, 2.0, 0.25]);
-    let melt = World::blend(&a, &b, BlendKind::Melt, 0.75).unwrap();
+    let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.75).unwrap();
     let inputs = FrameInputs { params, ..frame(&a, &b, 0.25) };
     assert_eq!(distance(&melt, [4.0, 0.0, 0.0], &inputs), 4.0 - 0.75 * 0.5 - 0.25 * 2.0);
     let defaults: Vec<f32> = melt.scene.params.iter().map(|param| param.default).collect();
@@ -211,7 +211,7 @@ fn the_parameters_of_both_stand_side_by_side() {
 fn floors_stay_planes_whatever_their_slopes_are() {
     let tilted = world_of("min(3 * p.y + p.x, sphere(p, 1))");
     let level = world_of("min(0.5 * p.y + 1, sphere(p, 1))");
-    let melt = World::blend(&tilted, &level, BlendKind::Melt, 0.5).unwrap();
+    let melt = World::blend(&tilted, &level, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     assert_eq!(melt.planes.len(), 1);
     assert!(melt.bounds.is_none(), "what swells between planes that are not parallel has no end");
     let inputs = frame(&tilted, &level, 0.5);
@@ -228,7 +228,7 @@ fn what_is_no_distance_weighs_as_much_as_one() {
     let polynomial = world_of("x^2 + 9/4*z^2 + y^2 - 1");
     assert!(polynomial.steep);
     let ball = world_of("sphere(p, 1)");
-    let melt = World::blend(&polynomial, &ball, BlendKind::Melt, 0.5).unwrap();
+    let melt = World::blend(&polynomial, &ball, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     assert!(!melt.steep, "rays may step by it");
     let surface = |share: f32| {
         let inputs = frame(&polynomial, &ball, share);
@@ -244,7 +244,7 @@ fn the_eye_is_never_in_a_solid() {
     let outside = world_of("sphere(p, 1)\ncamera { position = vec3(0, 0, -6) target = vec3(0) }");
     let inside = world_of("1 - length(p.xy - vec2(20, 0))\ncamera { position = vec3(20, 0, 0) target = vec3(20, 0, 5) }");
     for (kind, name, _) in BlendKind::ALL {
-        let blend = World::blend(&outside, &inside, kind, 0.5).unwrap();
+        let blend = World::blend(&outside, &inside, kind, &Alignment::NONE, 0.5).unwrap();
         for step in 0..=50 {
             let mut inputs = frame(&outside, &inside, step as f32 / 50.0);
             inputs.eye = blend.frame_tape.values(&inputs).camera.position;
@@ -258,7 +258,7 @@ fn the_eye_is_never_in_a_solid() {
 fn cameras_on_opposite_sides_go_around_what_they_look_at() {
     let camera = |z: f32| world_of(&format!("sphere(p, 1)\ncamera {{ position = vec3(0, 1, {z}) target = vec3(0, 1, 0) }}"));
     let (a, b) = (camera(-6.0), camera(6.0));
-    let melt = World::blend(&a, &b, BlendKind::Melt, 0.5).unwrap();
+    let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     for step in 0..=20 {
         let camera = melt.frame_tape.values(&frame(&a, &b, step as f32 / 20.0)).camera;
         let [x, y, z] = camera.position;
@@ -272,7 +272,7 @@ fn too_much_together_is_refused_with_what_it_is() {
     let light = |number: i32| format!("light lamp{number} {{ position = vec3(0, 5, 0) color = 10 }}\n");
     let many = world_of(&format!("{}sphere(p, 1)", (0..9).map(light).collect::<String>()));
     assert_eq!(many.scene.lights[0].kind, LightKind::Lamp);
-    let refused = World::blend(&many, &many, BlendKind::Melt, 0.5).unwrap_err().to_string();
+    let refused = World::blend(&many, &many, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap_err().to_string();
     assert!(refused.contains("18 lights") && refused.contains("16"), "{refused}");
 }
 
@@ -282,4 +282,52 @@ fn a_kind_is_known_by_its_name() {
         assert_eq!(BlendKind::named(name), Some(kind));
     }
     assert_eq!(BlendKind::named("dissolve"), None);
+}
+
+#[test]
+fn an_aligned_scene_is_seen_as_by_its_own_camera() {
+    let (a, b) = (world_of(RICH), world_of(SPEAKERS));
+    let silence = |world: &World| FrameInputs {
+        time: 7.0,
+        params: world.scene.params.iter().map(|param| param.default).collect(),
+        ..FrameInputs::default()
+    };
+    let camera = |world: &World| world.frame_tape.values(&silence(world)).camera;
+    let alignment = Alignment::of(&camera(&a), &camera(&b));
+    let melt = World::blend(&a, &b, BlendKind::Melt, &alignment, 0.5).unwrap();
+    let at = |share: f32| FrameInputs { time: 7.0, ..frame(&a, &b, share) };
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
+    // The eye has no way to go, and at the middle it looks as far to the side as either.
+    for share in [0.0, 0.5, 1.0] {
+        let found = melt.frame_tape.values(&at(share)).camera;
+        for (axis, own) in camera(&a).position.into_iter().enumerate() {
+            let room = if share == 0.5 { 0.8 } else { 1e-3 };
+            assert!((found.position[axis] - own).abs() < room, "{share}: {:?}", found.position);
+        }
+    }
+    // At the end the second scene's surfaces, lamps and sky are where its camera sees them.
+    let (found, own) = (melt.frame_tape.values(&at(1.0)), camera(&b));
+    let seen = |camera: &crate::lang::Camera<f32>, way: [f32; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+        let level = x.hypot(z);
+        let (sin, cos) = (x / level, z / level);
+        let turned = [cos * way[0] + sin * way[2], way[1], cos * way[2] - sin * way[0]];
+        (turned, [0, 1, 2].map(|axis| camera.position[axis] + turned[axis]), y)
+    };
+    for way in [[0.3, -0.2, 3.0], [-1.0, 0.4, 8.0], [2.0, -1.0, 11.0], [0.0, 3.0, 20.0]] {
+        let ((direction, p, _), (own_direction, q, _)) = (seen(&found.camera, way), seen(&own, way));
+        let (there, here) = (distance(&melt, p, &at(1.0)), distance(&b, q, &silence(&b)));
+        assert!(near(there, here), "{there} and {here} on the way {way:?}");
+        let sky = |world: &World, normal: [f32; 3], inputs: &FrameInputs| {
+            let point = Point { position: [0.0; 3], normal };
+            world.scene.graph.evaluate(&world.scene.sky.color, &point, inputs).unwrap()
+        };
+        let (there, here) = (sky(&melt, direction, &at(1.0)), sky(&b, own_direction, &silence(&b)));
+        assert!(there.iter().zip(&here).all(|(a, b)| near(*a, *b)), "{there:?} and {here:?}");
+    }
+    let away = |place: [f32; 3], eye: [f32; 3]| (0..3).map(|axis| (place[axis] - eye[axis]).powi(2)).sum::<f32>().sqrt();
+    let own_light = &b.frame_tape.values(&silence(&b)).lights[0];
+    let light = &found.lights[a.scene.lights.len()];
+    assert!(near(away(light.position, found.camera.position), away(own_light.position, own.position)));
+    assert_eq!(Alignment::of(&camera(&a), &crate::lang::Camera { position: [f32::NAN; 3], ..own }), Alignment::NONE);
 }
