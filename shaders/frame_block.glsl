@@ -12,7 +12,8 @@ layout(std140) uniform FrameBlock {
     vec4 plane_objects;     // the object of each plane
     vec4 block_region_low;        // xyz lower corner of the tree of regions; w 1 if it has cells
     vec4 block_region_scale;      // xyz root cells per unit; w the texel of the tape that holds everywhere
-    vec4 frame_reach;       // x the distance within which things take ambient light and give theirs; y quality; z 0
+    vec4 frame_reach;       // x the distance within which things take ambient light and give theirs; y quality; z 0;
+                            // w how much the shortest step of a shadow ray grows with each step
     vec4 block_planes[PLANES_MAX];       // unit normal, and the distance of the origin; normal 0: no plane
     vec4 lights[4 * LIGHTS_MAX];        // place, w 1 lamp, 2 sun (xyz towards), 3 panel; colour, w radius; half the right
                                         // side, w range or 0; half the upper side, w share that shadows take away
@@ -36,6 +37,7 @@ layout(std140) uniform PassBlock {
 // measurements. Whatever is costly and hardly missed may be reduced smoothly by it: the window changes it in small
 // steps.
 #define frame_quality frame_reach.y
+#define shadow_step_growth frame_reach.w
 
 #ifndef PLANES
 #define PLANES PLANES_MAX   // compiled scenes know how many they have

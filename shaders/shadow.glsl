@@ -33,6 +33,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     end = min(end, steep_span(origin, to_light).y);
 #endif
     float t = max(span.x, 0.02);
+    float growth = SHADOW_STEP_GROWTH + shadow_step_growth;
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;
@@ -78,7 +79,7 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
             break;
         }
         previous = d;
-        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + SHADOW_STEP_GROWTH * float(i));
+        stride = max(min(nearest.x, max(SHADOW_STEP_MAX, 0.5 * nearest.x)), SHADOW_STEP_MIN + growth * float(i));
         t += stride;
         if (t >= end) break;
     }

@@ -7,7 +7,7 @@ use super::error::ExportError;
 use super::painter::{Easel, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
 use crate::frame::{Frame, Staging};
-use crate::scenes::{ReadyScene, SceneError, SceneSource, camera_number};
+use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
 use crate::show::{Programme, Stay, blend_kind};
 use mariana_field::world::{BlendKind, World, blended_params};
 use mariana_music::Sound;
@@ -19,7 +19,7 @@ const MODELS_MAX: usize = 8;
 #[derive(Debug, Clone, PartialEq)]
 enum Drawn {
     Scene(String),
-    Blend { from: (String, Option<String>), to: (String, Option<String>), kind: BlendKind },
+    Blend(SceneBlend),
 }
 
 /// A scene of the show that was read.
@@ -136,16 +136,16 @@ impl ShowPainter {
 
     /// The blend of two stays; none if they cannot be blended.
     fn blend(&mut self, from: &Stay, to: &Stay, kind: BlendKind) -> Result<Option<Arc<Model>>, ExportError> {
-        let seen = |stay: &Stay| (stay.scene.clone(), stay.camera.clone());
-        let drawn = Drawn::Blend { from: seen(from), to: seen(to), kind };
+        let Some(blend) = self.programme.blend(from, to, kind) else {
+            return Err(ExportError::NotInShow { scene: to.scene.clone() });
+        };
+        let drawn = Drawn::Blend(blend.clone());
         if self.refused.contains(&drawn) {
             return Ok(None);
         }
         let made = self.model(drawn.clone(), |this| {
             let ready = |stay: &Stay| this.read(stay).map(|read| read.ready.clone());
-            let blend = this.programme.blend(from, to, kind);
-            let missing = || ExportError::NotInShow { scene: to.scene.clone() };
-            Ok(blend.ok_or_else(missing)?.of(ready(from)?, ready(to)?)?)
+            Ok(blend.of(ready(from)?, ready(to)?)?)
         });
         match made {
             Ok(model) => Ok(Some(model)),

@@ -15,9 +15,10 @@ use super::show_painter::ShowPainter;
 use super::showing::Showing;
 use super::song_features::SongFeatures;
 use crate::atomic_file::AtomicFile;
+use crate::frame::Frame;
 use crate::frame::held_inputs::Setting;
 use crate::scenes::{ReadyScene, SceneSource};
-use mariana_field::world::BlendKind;
+use mariana_field::world::{Alignment, BlendKind};
 use mariana_music::{Gain, Sound};
 use mariana_player::song::Song;
 
@@ -60,12 +61,17 @@ impl Blend {
     ///
     /// # Errors
     /// Either scene is refused, or both together.
-    fn of(&self, from: ReadyScene) -> Result<ReadyScene, ExportError> {
+    fn of(&self, from: ReadyScene, at: f64, sound: &Sound) -> Result<ReadyScene, ExportError> {
         if self.share <= 0.0 {
             return Ok(from);
         }
         let to = self.into.ready()?;
-        if self.share >= 1.0 { Ok(to) } else { Ok(from.blended(&to, self.kind, self.share)?) }
+        if self.share >= 1.0 {
+            return Ok(to);
+        }
+        let camera = |scene: &ReadyScene| Frame::new(&scene.world, at, sound.clone(), (1, 1)).values.camera;
+        let alignment = Alignment::of(&camera(&from), &camera(&to));
+        Ok(from.blended(&to, self.kind, &alignment, self.share)?)
     }
 }
 
@@ -118,7 +124,7 @@ pub fn write_still(request: &StillRequest) -> Result<(), ExportError> {
 fn drawn(request: &StillRequest, song: &mut SongFeatures, mut sound: Sound) -> Result<Vec<u8>, ExportError> {
     let ready = request.scene.source.ready()?;
     let ready = match &request.blend {
-        Some(blend) => blend.of(ready)?,
+        Some(blend) => blend.of(ready, request.at, &sound)?,
         None => ready,
     };
     if ready.world.scene.graph.reads_song() {

@@ -94,7 +94,7 @@ impl Frame {
             plane_objects,
             [tree.low[0], tree.low[1], tree.low[2], if has_cells { 1.0 } else { 0.0 }],
             [per_unit[0], per_unit[1], per_unit[2], tree.whole_tape as f32],
-            [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, 0.0],
+            [self.values.reach.max(REACH_MIN), self.quality.clamp(0.0, 1.0), 0.0, world.shadow_step_growth],
         ];
         let mut rest = &mut block[..];
         put(&mut rest, HEAD, head);

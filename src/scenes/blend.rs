@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::{NumberEdits, ReadyScene, SceneError, SceneSource, TextureCache};
-use mariana_field::world::{BlendKind, World};
+use mariana_field::graph::FrameInputs;
+use mariana_field::world::{Alignment, BlendKind, World};
 
 /// A scene as one of its cameras sees it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub struct SceneBlend {
     pub to: SeenScene,
     /// How.
     pub kind: BlendKind,
+    /// The moment at which both cameras see from one place, in milliseconds of the song.
+    pub aligned_at: u64,
 }
 
 impl SeenScene {
@@ -41,7 +44,15 @@ impl SceneBlend {
     /// # Errors
     /// Together they exceed a limit.
     pub fn of(&self, from: ReadyScene, to: ReadyScene) -> Result<ReadyScene, SceneError> {
-        Ok(self.from.seen(from)?.blended(&self.to.seen(to)?, self.kind, 0.0)?)
+        let (from, to) = (self.from.seen(from)?, self.to.seen(to)?);
+        // As they are in silence, so that the same show has the same worlds wherever one enters it.
+        let camera = |scene: &ReadyScene| {
+            let params = scene.world.scene.params.iter().map(|param| param.default).collect();
+            let time = self.aligned_at as f32 / 1000.0;
+            scene.world.frame_tape.values(&FrameInputs { time, params, ..FrameInputs::default() }).camera
+        };
+        let alignment = Alignment::of(&camera(&from), &camera(&to));
+        Ok(from.blended(&to, self.kind, &alignment, 0.0)?)
     }
 
     /// Reads both scenes and blends them, and tells on which files the blend depends.

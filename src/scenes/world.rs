@@ -7,7 +7,7 @@ use super::textures::TextureCache;
 use super::{NumberEdits, SceneError, SceneSource};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, render_all};
 use mariana_field::region::RegionPlan;
-use mariana_field::world::{BlendError, BlendKind, TapeBuffers, World, WorldError};
+use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
 
 /// A world with the programs of its tape.
 #[derive(Debug, Clone)]
@@ -33,12 +33,19 @@ impl ReadyScene {
         Ok(Self { world: Arc::new(world), buffers, plan, settles: false })
     }
 
-    /// A scene between this one and another, of which it shows a share, 0..1, unless a frame says otherwise.
+    /// A scene between this one and another, which stands where `alignment` puts it and of which a share is shown, 0..1,
+    /// unless a frame says otherwise.
     ///
     /// # Errors
     /// Together they exceed a limit.
-    pub fn blended(&self, to: &Self, kind: BlendKind, share: f32) -> Result<Self, BlendError> {
-        Ok(Self::of(World::blend(&self.world, &to.world, kind, share)?)?)
+    pub fn blended(
+        &self,
+        to: &Self,
+        kind: BlendKind,
+        alignment: &Alignment,
+        share: f32,
+    ) -> Result<Self, BlendError> {
+        Ok(Self::of(World::blend(&self.world, &to.world, kind, alignment, share)?)?)
     }
 }
 

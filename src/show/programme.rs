@@ -202,12 +202,13 @@ impl Programme {
         self.scenes.get(scene)
     }
 
-    /// One stay's scene on its way into another's; none if either is not of this show.
+    /// One stay's scene on its way into another's, which follows it; none if either is not of this show.
     pub fn blend(&self, from: &Stay, to: &Stay, kind: BlendKind) -> Option<SceneBlend> {
         let seen = |stay: &Stay| {
             Some(SeenScene { source: self.source(&stay.scene)?.clone(), camera: stay.camera.clone() })
         };
-        Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind })
+        let aligned_at = (1000.0 * (to.start + 0.5 * to.entrance.seconds)).max(0.0) as u64;
+        Some(SceneBlend { from: seen(from)?, to: seen(to)?, kind, aligned_at })
     }
 
     /// The scenes of the plan in the order in which they are on for the first time.

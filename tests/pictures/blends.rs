@@ -16,7 +16,7 @@ use mariana::gpu::program::Program;
 use mariana::gpu::renderer::{Counting, Evaluations};
 use mariana::gpu::scene_program::Mode;
 use mariana::scenes::{ReadyScene, SceneSource, shipped_names};
-use mariana_field::world::{BlendKind, PortalShape, World, blended_params};
+use mariana_field::world::{Alignment, BlendKind, PortalShape, World, blended_params};
 
 const SIZE: (u32, u32) = (96, 54);
 const TIME: f64 = 20.0;
@@ -86,7 +86,8 @@ fn shipped(name: &str) -> ReadyScene {
 
 /// A blend, ready to be drawn in both modes.
 fn studio_of(from: &ReadyScene, to: &ReadyScene, kind: BlendKind) -> (Studio, [Program; 2], [f64; 2]) {
-    let blended = from.blended(to, kind, 0.5).unwrap();
+    let camera = |scene: &ReadyScene| Frame::new(&scene.world, TIME, loud_sound(), SIZE).values.camera;
+    let blended = from.blended(to, kind, &Alignment::of(&camera(from), &camera(to)), 0.5).unwrap();
     let start = ProcessTime::now();
     let studio = Studio::of_ready(blended, Mode::Compiled, Counting::On);
     let compiled_ms = start.elapsed().as_secs_f64() * 1e3;

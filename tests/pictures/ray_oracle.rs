@@ -13,7 +13,7 @@ use mariana_field::graph::{SoundInput, SoundInputs};
 use mariana_field::rays;
 use mariana_field::region::{Cell, RegionOptions, RegionPlan, Regions, gradient};
 use mariana_field::tape::{Instruction, Operand, Tape, TapeOptions};
-use mariana_field::world::World;
+use mariana_field::world::{Alignment, BlendKind, World};
 
 /// Growth of a pixel's cone: 360 rows, 40 degrees.
 const SPREAD: f64 = 0.002;
@@ -339,6 +339,7 @@ fn inputs_of(world: &World, time: f32) -> FrameInputs {
         params: world.scene.params.iter().map(|param| param.default).collect(),
         ..Default::default()
     };
+    inputs.eye = world.frame_tape.values(&inputs).camera.position;
     inputs.hoisted = world.hoisted.values(&inputs);
     inputs
 }
@@ -369,61 +370,104 @@ fn ray_of(
     (start < end).then_some((ray, (f64::from(start), f64::from(end))))
 }
 
-#[test]
-fn hits_and_misses_are_those_of_the_oracle() {
-    let rays: usize = std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(40);
+fn rays_wanted() -> usize {
+    std::env::var("MARIANA_RAYS").ok().and_then(|count| count.parse().ok()).unwrap_or(40)
+}
+
+/// Fails if a ray through the world meets a surface that is not there, or passes one. Returns how many of so many rays
+/// surely hit or miss one, and how many use up their steps.
+fn check_rays(name: &str, world: &World, rays: usize) -> (usize, usize) {
+    let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
+    let plan = RegionPlan::new(world);
+    let mut random = Random(11);
     // A tree of each moment; fewer where rays are few.
     let moments = if rays < 1_000 { 1 } else { 4 };
+    let (mut hits, mut misses, mut open, mut capped) = (0, 0, 0, 0);
+    for moment in 0..moments {
+        let inputs = inputs_of(world, 3.0 + 17.0 * moment as f32);
+        let center = world.frame_tape.values(&inputs).camera.position;
+        let eye = world.bounds.is_some_and(|bounds| bounds.hold(center)).then_some(center);
+        let regions = plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center, eye });
+        let mut table = Vec::new();
+        tape.table_values(&inputs, &mut table);
+        let oracle = Oracle { tape: &tape, table, frame: &inputs };
+        for _ in 0..rays / moments {
+            let Some((ray, span)) = ray_of(world, &regions, &inputs, &mut random) else { continue };
+            let Some(found) = traced(&regions, world, &inputs, &ray, span) else {
+                capped += 1;
+                continue;
+            };
+            // A distance counts as a hit within a pixel's cone. Of what is none only the sign does.
+            let pixels = if world.steep { 0.0 } else { 4.0 * SPREAD };
+            let wrong = if found {
+                oracle.decides(&ray, span, pixels) == Some(false)
+            } else {
+                oracle.decides(&ray, span, if world.steep { 0.0 } else { -SPREAD }) == Some(true)
+            };
+            assert!(
+                !wrong,
+                "{name}: traced {found}, but not so from {:?} to {:?} in {span:?}",
+                ray.origin, ray.direction
+            );
+            match oracle.decides(&ray, span, 0.0) {
+                Some(true) => hits += 1,
+                Some(false) => misses += 1,
+                None => open += 1,
+            }
+        }
+    }
+    println!(
+        "{name}: {hits} surely hit, {misses} surely miss, {open} are silhouettes or too much work, {capped} capped"
+    );
+    (hits + misses, capped)
+}
+
+#[test]
+fn hits_and_misses_are_those_of_the_oracle() {
+    let rays = rays_wanted();
     let shipped = shipped_names().into_iter().map(|name| (SceneSource::Shipped(name.clone()), name));
     let others = OF_MODELLERS.map(|(name, text)| (SceneSource::Formula(text.to_owned()), name.to_owned()));
     for (source, name) in others.into_iter().chain(shipped) {
         let compiled = source.compile().unwrap();
         let world = World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap();
-        let tape = Tape::build(&world.graph, &world.roots.distance[..1], &TapeOptions::default()).unwrap();
-        let plan = RegionPlan::new(&world);
-        let mut random = Random(11);
-        let (mut hits, mut misses, mut open, mut capped) = (0, 0, 0, 0);
-        for moment in 0..moments {
-            let inputs = inputs_of(&world, 3.0 + 17.0 * moment as f32);
-            let center = world.frame_tape.values(&inputs).camera.position;
-            let eye = world.bounds.is_some_and(|bounds| bounds.hold(center)).then_some(center);
-            let regions =
-                plan.build(&inputs, &RegionOptions { cells: true, texels_max: 1 << 22, center, eye });
-            let mut table = Vec::new();
-            tape.table_values(&inputs, &mut table);
-            let oracle = Oracle { tape: &tape, table, frame: &inputs };
-            for _ in 0..rays / moments {
-                let Some((ray, span)) = ray_of(&world, &regions, &inputs, &mut random) else { continue };
-                let Some(found) = traced(&regions, &world, &inputs, &ray, span) else {
-                    capped += 1;
-                    continue;
-                };
-                // A distance counts as a hit within a pixel's cone. Of what is none only the sign does.
-                let pixels = if world.steep { 0.0 } else { 4.0 * SPREAD };
-                let wrong = if found {
-                    oracle.decides(&ray, span, pixels) == Some(false)
-                } else {
-                    oracle.decides(&ray, span, if world.steep { 0.0 } else { -SPREAD }) == Some(true)
-                };
-                assert!(
-                    !wrong,
-                    "{name}: traced {found}, but not so from {:?} to {:?} in {span:?}",
-                    ray.origin, ray.direction
-                );
-                match oracle.decides(&ray, span, 0.0) {
-                    Some(true) => hits += 1,
-                    Some(false) => misses += 1,
-                    None => open += 1,
-                }
-            }
-        }
-        println!(
-            "{name}: {hits} surely hit, {misses} surely miss, {open} are silhouettes or too much work, {capped} capped"
-        );
+        let (decided, capped) = check_rays(&name, &world, rays);
         // Of space that repeats, long parts of a ray say little.
         let least = if REPEATING.contains(&name.as_str()) { rays / 4 } else { rays / 2 };
-        assert!(hits + misses > least, "{name}: {hits} {misses} {open}");
+        assert!(decided > least, "{name}: {decided}");
         let most = if matches!(source, SceneSource::Shipped(_)) { rays / 20 } else { 0 };
         assert!(capped <= most, "{name}: {capped} rays used up their steps");
     }
+}
+
+/// Between two scenes, too. `MARIANA_PAIRS=all` takes every pair at three shares.
+#[test]
+fn hits_and_misses_between_two_scenes_are_those_of_the_oracle() {
+    let all = std::env::var("MARIANA_PAIRS").is_ok_and(|pairs| pairs == "all");
+    let worlds: Vec<World> = shipped_names()
+        .into_iter()
+        .map(|name| {
+            let compiled = SceneSource::Shipped(name.clone()).compile().unwrap();
+            World::new(&name, compiled.scene.unwrap(), Vec::new()).unwrap()
+        })
+        .collect();
+    let mut wrong = Vec::new();
+    for (i, from) in worlds.iter().enumerate() {
+        for (k, to) in worlds.iter().enumerate() {
+            // Each scene is once the first and once the second.
+            if i == k || !(all || k == (i + 5) % worlds.len()) {
+                continue;
+            }
+            let camera = |world: &World| world.frame_tape.values(&inputs_of(world, 3.0)).camera;
+            let alignment = Alignment::of(&camera(from), &camera(to));
+            for share in if all { [0.25, 0.5, 0.75].as_slice() } else { &[0.4] } {
+                let world = World::blend(from, to, BlendKind::Melt, &alignment, *share).unwrap();
+                let name = format!("{} at {share}", world.name);
+                let check = || check_rays(&name, &world, if all { rays_wanted() } else { 12 });
+                if std::panic::catch_unwind(check).is_err() {
+                    wrong.push(name);
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "rays went wrong in {wrong:?}: see above");
 }

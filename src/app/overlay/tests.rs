@@ -417,6 +417,7 @@ fn letters_that_are_there_are_not_looked_for() {
     let mut sliders = sliders(3);
     let bar = Bar {
         shape: None,
+        song: None,
         now: &playing(),
         level: 0.5,
         scene: "speakers, 1 of 17",

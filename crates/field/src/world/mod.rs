@@ -22,7 +22,7 @@ mod steepness;
 mod traits;
 mod validate;
 
-pub use blend::{BlendError, BlendKind, PortalShape, blended_params};
+pub use blend::{Alignment, BlendError, BlendKind, PortalShape, blended_params};
 pub use bounds::Bounds;
 pub use frame_tape::{FrameTape, FrameValues};
 pub use hoist::Hoisted;
@@ -144,7 +144,10 @@ pub struct World {
     /// Whether the value of the rest is not a distance: it changes faster than the position, or is much flatter at
     /// surfaces. Rays then need to know how steep it is where they are.
     pub steep: bool,
-    /// What makes that value like a distance.
+    /// How much the shortest step of a shadow ray grows with each step: 0 in a scene, whose surfaces such rays leave.
+    /// Between two scenes a lamp of one may be among the surfaces of the other, and rays creep along these.
+    pub shadow_step_growth: f32,
+    /// What makes the value of the rest like a distance.
     tamed: Option<Tamed>,
     /// The parts of the shaders that it needs.
     pub traits: SceneFeatures,
@@ -212,10 +215,10 @@ impl World {
         let roots = roots(&mut scene, rest.as_ref(), glow);
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
-        let Traced { bounds, steep, tamed } = match (traced, &rest) {
+        let Traced { bounds, steep, tamed, shadow_step_growth } = match (traced, &rest) {
             (Some(traced), _) => traced,
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
-            (None, None) => Traced { bounds: None, steep: false, tamed: None },
+            (None, None) => Traced::default(),
         };
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
@@ -223,6 +226,7 @@ impl World {
             has_rest: rest.is_some(),
             bounds,
             steep,
+            shadow_step_growth,
             tamed,
             traits,
             roots,
@@ -251,10 +255,12 @@ const TAMED_SHARE: f32 = 0.25;
 const TAMED_REACH: f32 = 8.0;
 
 /// What is known of the rest of a scene before it is traced: see the fields of [`World`].
+#[derive(Default)]
 struct Traced {
     bounds: Option<Bounds>,
     steep: bool,
     tamed: Option<Tamed>,
+    shadow_step_growth: f32,
 }
 
 impl Traced {
@@ -270,7 +276,7 @@ impl Traced {
         let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
         let tamed = steepness::tamed(&tape, frames, reach);
-        Ok(Self { bounds, steep: tamed.is_some(), tamed })
+        Ok(Self { bounds, steep: tamed.is_some(), tamed, ..Self::default() })
     }
 }
 

@@ -14,10 +14,14 @@
 //! and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of the first
 //! scene's nearest object and that of the second's, mixed in a melt, chosen by the side in a portal.
 
+mod alignment;
 mod camera;
 mod portal;
 mod side;
+#[cfg(test)]
+mod tests;
 
+pub use alignment::Alignment;
 pub use portal::PortalShape;
 
 use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
@@ -92,11 +96,18 @@ pub fn blended_params(
 }
 
 impl World {
-    /// A world between two others. Its last parameter is the share of `to`, 0..1, which begins at `share`.
+    /// A world between two others, the second of which is moved to where `alignment` puts it. Its last parameter is the
+    /// share of `to`, 0..1, which begins at `share`.
     ///
     /// # Errors
     /// [`BlendError`]: together they exceed a limit.
-    pub fn blend(from: &World, to: &World, kind: BlendKind, share: f32) -> Result<World, BlendError> {
+    pub fn blend(
+        from: &World,
+        to: &World,
+        kind: BlendKind,
+        alignment: &Alignment,
+        share: f32,
+    ) -> Result<World, BlendError> {
         within_limits(from, to)?;
         let name = format!("{} into {}", from.name, to.name);
         let mut graph = Graph::new();
@@ -105,8 +116,8 @@ impl World {
         let s = graph.input(Input::Param(share_number as u16));
         let graph_error = |source| WorldError::Graph { scene: name.clone(), source };
         let before = (from.pictures.len(), from.scene.params.len());
-        let a = Side::of(&mut graph, from, (0, 0)).map_err(graph_error)?;
-        let b = Side::of(&mut graph, to, before).map_err(graph_error)?;
+        let a = Side::of(&mut graph, from, (0, 0), &Alignment::NONE).map_err(graph_error)?;
+        let b = Side::of(&mut graph, to, before, alignment).map_err(graph_error)?;
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
         let (planes, rest, material) = match kind {
             BlendKind::Melt => {
@@ -170,12 +181,16 @@ impl World {
             rest: rest.map(|[bound, estimate]| Rest { bound, estimate, object: nothing }),
             glow,
         };
-        let traced = Traced { bounds, steep: a.steep || b.steep, tamed: None };
+        let steep = a.steep || b.steep;
+        let traced = Traced { bounds, steep, shadow_step_growth: SHADOW_STEP_GROWTH, tamed: None };
         let pictures = from.pictures.iter().chain(&to.pictures).cloned().collect();
         let world = Self::prepared(&name, scene, surfaces, Some(traced), pictures)?;
         Ok(Self { blended: Some(from.scene.params.len()), ..world })
     }
 }
+
+/// See [`World::shadow_step_growth`]: such a ray gets some 20 units far.
+const SHADOW_STEP_GROWTH: f32 = 0.004;
 
 /// What one scene may have of what the two have together.
 fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
@@ -306,18 +321,25 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     Picture { tone_map, ..mixed }
 }
 
+/// How much thicker it may be, because values may grow slower.
+const FLATTER: f32 = 3.0;
+
+/// Slopes of planes that differ by less are those of parallel planes, rounded.
+const PARALLEL: f32 = 1e-5;
+
 /// The box around the surfaces of both: where neither has any, their mixture has none, and neither has any choice
 /// between them.
 ///
 /// Between planes there is more. Below a plane of one side its value is negative, so that surfaces of the other side
 /// swell there, down to the mixed plane; farther below nobody sees them. If the planes are parallel and `apart` from each
-/// other, what swells is at most that thick.
+/// other, what swells is at most that thick where values grow like distances.
 fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
     let apart = match (&a.still_planes, &b.still_planes) {
         (Some(a), Some(b)) if a.is_empty() && b.is_empty() => 0.0,
         (Some(a), Some(b)) => {
             let least = |plane: &[f32; 4], others: &[[f32; 4]]| {
-                let parallel = others.iter().filter(|other| plane[..3] == other[..3]);
+                let alike = |(a, b): (&f32, &f32)| (a - b).abs() < PARALLEL;
+                let parallel = others.iter().filter(|other| plane[..3].iter().zip(*other).all(alike));
                 parallel.map(|other| (plane[3] - other[3]).abs()).reduce(f32::min)
             };
             let of_a = a.iter().map(|plane| least(plane, b));
@@ -326,6 +348,7 @@ fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
         }
         _ => return None,
     };
+    let apart = apart * FLATTER;
     match (a.rest.is_some(), b.rest.is_some()) {
         (true, true) => Some(a.bounds?.hull(&b.bounds?, apart)),
         (true, false) => Some(a.bounds?.hull(&a.bounds?, apart)),

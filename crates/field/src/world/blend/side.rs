@@ -2,7 +2,7 @@
 
 use super::super::steepness::Tamed;
 use super::super::{Bounds, nearby_light, planes};
-use super::{Steps, World};
+use super::{Alignment, Steps, World};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 
@@ -14,7 +14,7 @@ pub(super) struct Side {
     pub(super) still_planes: Option<Vec<[f32; 4]>>,
     /// Whether rays may not step by the values.
     pub(super) steep: bool,
-    /// The box around everything but planes, if it is known. Away from it the rest is no less than the distance to it.
+    /// The box around everything but planes, if it is known.
     pub(super) bounds: Option<Bounds>,
     /// Everything else.
     pub(super) rest: Option<Steps>,
@@ -33,12 +33,20 @@ impl Side {
     ///
     /// # Errors
     /// Those of [`Graph::check`].
-    pub(super) fn of(graph: &mut Graph, world: &World, before: (usize, usize)) -> Result<Self, GraphError> {
+    pub(super) fn of(
+        graph: &mut Graph,
+        world: &World,
+        before: (usize, usize),
+        alignment: &Alignment,
+    ) -> Result<Self, GraphError> {
         let mut scene = world.scene.clone();
         let (planes, rest) = planes::split(&mut scene)?;
         let glow = nearby_light::nearby_light(&mut scene)?;
-        let moved = copied(graph, &scene.graph, before);
+        let own = Own::of(graph, alignment);
+        // In distances the normal's x is no part of a normal (see `Roots`).
+        let [moved, turned] = [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
+        let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
         let mut of_slope_1 = Vec::with_capacity(planes.len());
         let mut still_planes = Some(Vec::new());
@@ -52,28 +60,43 @@ impl Side {
             of_slope_1.push(plane.value);
         }
         let rest = rest.map(|rest| {
-            [rest.bound, rest.estimate].map(|value| {
-                let value = world.tamed.map_or(at(value), |tamed| like_a_distance(graph, at(value), tamed));
-                match world.bounds {
-                    Some(bounds) => {
-                        let outside = outside(graph, &bounds);
-                        graph.max(value, outside)
-                    }
-                    None => value,
+            [rest.bound, rest.estimate].map(|value| match world.tamed {
+                Some(tamed) => {
+                    let near = like_a_distance(graph, at(value), tamed);
+                    world.bounds.map_or(near, |bounds| {
+                        let far = outside(graph, own.point, &bounds);
+                        graph.max(near, far)
+                    })
                 }
+                None => at(value),
             })
         });
         Ok(Self {
             planes: of_slope_1,
             still_planes,
             steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
-            bounds: world.bounds,
+            bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
             rest,
-            material: material_of_the_nearest(graph, &scene, at),
+            material: material_of_the_nearest(graph, &scene, on_surface),
             glow: glow.map(|glow| glow.map(at)),
-            lights: scene.lights.iter().map(|light| Light::of(light.kind, all(light.numbers()))).collect(),
-            camera: Camera::of(all(scene.camera.numbers())),
-            sky: Sky::of(all(scene.sky.numbers())),
+            lights: scene
+                .lights
+                .iter()
+                .map(|light| {
+                    let light = Light::of(light.kind, all(light.numbers()));
+                    let position = alignment.common_point(graph, light.position);
+                    let [direction, right, up] = [light.direction, light.right, light.up]
+                        .map(|direction| alignment.common_direction(graph, direction));
+                    Light { position, direction, right, up, ..light }
+                })
+                .collect(),
+            camera: {
+                let camera = Camera::of(all(scene.camera.numbers()));
+                let [position, target] = [camera.position, camera.target]
+                    .map(|place| alignment.common_point(graph, place));
+                Camera { position, target, ..camera }
+            },
+            sky: Sky::of(scene.sky.numbers().into_iter().map(on_surface)),
             picture: Picture::of(all(scene.picture.numbers())),
         })
     }
@@ -88,8 +111,52 @@ impl Side {
     }
 }
 
+/// Three numbers.
+pub(super) type Vector = [NodeId; 3];
+
+/// What the expressions of a scene read in its own place.
+#[derive(Clone, Copy)]
+struct Own {
+    point: Vector,
+    normal: Vector,
+    eye: Vector,
+}
+
+impl Own {
+    fn of(graph: &mut Graph, alignment: &Alignment) -> Self {
+        let inputs = |graph: &mut Graph, inputs: [Input; 3]| inputs.map(|input| graph.input(input));
+        let point = position(graph);
+        let normal = inputs(graph, [Input::NX, Input::NY, Input::NZ]);
+        let eye = inputs(graph, [Input::EyeX, Input::EyeY, Input::EyeZ]);
+        let [point, eye] = [point, eye].map(|place| alignment.own_point(graph, place));
+        Self { point, normal, eye }
+    }
+
+    /// The same for what reads a normal or a direction.
+    fn turned(self, graph: &mut Graph, alignment: &Alignment) -> Self {
+        Self { normal: alignment.own_direction(graph, self.normal), ..self }
+    }
+
+    /// What stands for an input.
+    fn value(&self, input: Input) -> Option<NodeId> {
+        let ([x, y, z], [nx, ny, nz], [ex, ey, ez]) = (self.point, self.normal, self.eye);
+        Some(match input {
+            Input::X => x,
+            Input::Y => y,
+            Input::Z => z,
+            Input::NX => nx,
+            Input::NY => ny,
+            Input::NZ => nz,
+            Input::EyeX => ex,
+            Input::EyeY => ey,
+            Input::EyeZ => ez,
+            _ => return None,
+        })
+    }
+}
+
 /// Copies all nodes; gives the place of each.
-fn copied(graph: &mut Graph, from: &Graph, (textures, params): (usize, usize)) -> Vec<NodeId> {
+fn copied(graph: &mut Graph, from: &Graph, (textures, params): (usize, usize), own: &Own) -> Vec<NodeId> {
     let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
     for node in from.nodes() {
         // Operands stand before the nodes that use them.
@@ -97,7 +164,7 @@ fn copied(graph: &mut Graph, from: &Graph, (textures, params): (usize, usize)) -
         let copy = match node {
             Node::Constant(value) => graph.constant(value),
             Node::Input(Input::Param(number)) => graph.input(Input::Param(number + params as u16)),
-            Node::Input(input) => graph.input(input),
+            Node::Input(input) => own.value(input).unwrap_or_else(|| graph.input(input)),
             Node::Unary(op, a) => graph.unary(op, at(a)),
             Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
             Node::Texture { texture, channel, u, v } => {
@@ -110,7 +177,7 @@ fn copied(graph: &mut Graph, from: &Graph, (textures, params): (usize, usize)) -
 }
 
 /// The coordinates of the point.
-pub(super) fn position(graph: &mut Graph) -> [NodeId; 3] {
+pub(super) fn position(graph: &mut Graph) -> Vector {
     [Input::X, Input::Y, Input::Z].map(|input| graph.input(input))
 }
 
@@ -118,7 +185,7 @@ pub(super) fn position(graph: &mut Graph) -> [NodeId; 3] {
 ///
 /// # Errors
 /// Those of [`Graph::check`].
-pub(super) fn at(graph: &mut Graph, value: NodeId, place: [NodeId; 3]) -> Result<NodeId, GraphError> {
+pub(super) fn at(graph: &mut Graph, value: NodeId, place: Vector) -> Result<NodeId, GraphError> {
     let mut moved = vec![NodeId::default(); graph.len()];
     let zero = graph.constant(0.0);
     for id in graph.order(&[value])?.nodes {
@@ -191,18 +258,16 @@ fn like_a_distance(graph: &mut Graph, value: NodeId, tamed: Tamed) -> NodeId {
     graph.div(value, grown)
 }
 
-/// How far a point is from a box along the axis on which it is farthest; negative inside.
-fn outside(graph: &mut Graph, bounds: &Bounds) -> NodeId {
-    let p = position(graph);
-    let [x, y, z] = [0, 1, 2].map(|axis| {
+/// How far a point is from the ball around a box; negative inside.
+fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
+    let off = [0, 1, 2].map(|axis| {
         let middle = graph.constant(0.5 * (bounds.low[axis] + bounds.high[axis]));
-        let half = graph.constant(0.5 * (bounds.high[axis] - bounds.low[axis]));
-        let off = graph.sub(p[axis], middle);
-        let off = graph.abs(off);
-        graph.sub(off, half)
+        graph.sub(p[axis], middle)
     });
-    let farthest = graph.max(x, y);
-    graph.max(farthest, z)
+    let squares = (0..3).map(|axis| (0.5 * (bounds.high[axis] - bounds.low[axis])).powi(2));
+    let radius = graph.constant(squares.sum::<f32>().sqrt());
+    let away = graph.length(&off);
+    graph.sub(away, radius)
 }
 
 /// The numbers of the material that the nearest object has.

@@ -1,0 +1,100 @@
+//! Where the second scene stands in the first one.
+//!
+//! Scenes have their things where their texts put them, and cameras that fly are anywhere. So the second scene is moved
+//! and turned around the vertical until its eye and its line of sight are those of the first. What one looks at then
+//! becomes what one will look at, the camera hardly has a way to go, and lamps are as near as in their own scenes.
+
+use super::side::Vector;
+use crate::graph::{Graph, NodeId};
+use crate::lang::Camera;
+use crate::world::Bounds;
+
+/// A place of the second scene in the first: `second = turned(first) + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Alignment {
+    /// Cosine and sine of the turn from the first line of sight to the second, around the vertical.
+    turn: [f32; 2],
+    offset: [f32; 3],
+}
+
+impl Alignment {
+    /// Both scenes stand as their texts put them.
+    pub const NONE: Self = Self { turn: [1.0, 0.0], offset: [0.0; 3] };
+
+    /// The one that lets two cameras have the same eye and look in the same direction. Best are those of the moment at
+    /// which the blend is at its middle.
+    pub fn of(from: &Camera<f32>, to: &Camera<f32>) -> Self {
+        let yaw = |camera: &Camera<f32>| {
+            let [x, z] = [0, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+            x.atan2(z)
+        };
+        let (sin, cos) = (yaw(to) - yaw(from)).sin_cos();
+        let turned = Self { turn: [cos, sin], offset: [0.0; 3] }.own_place(from.position);
+        let offset = [0, 1, 2].map(|axis| to.position[axis] - turned[axis]);
+        let numbers = [cos, sin].into_iter().chain(offset);
+        if numbers.into_iter().all(f32::is_finite) { Self { turn: [cos, sin], offset } } else { Self::NONE }
+    }
+
+    /// The place in the second scene of one in the first.
+    fn own_place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let ([cos, sin], [a, b, c]) = (self.turn, self.offset);
+        [cos * x + sin * z + a, y + b, cos * z - sin * x + c]
+    }
+
+    /// The place in the first scene of one in the second.
+    fn common_place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let ([cos, sin], [a, b, c]) = (self.turn, self.offset);
+        let (x, z) = (x - a, z - c);
+        [cos * x - sin * z, y - b, cos * z + sin * x]
+    }
+
+    /// The box in the first scene around one in the second.
+    pub(super) fn common_box(&self, bounds: &Bounds) -> Bounds {
+        if *self == Self::NONE {
+            return *bounds;
+        }
+        let corner = |number: usize| {
+            let at = |axis: usize| if number >> axis & 1 == 0 { bounds.low[axis] } else { bounds.high[axis] };
+            let place = self.common_place([at(0), at(1), at(2)]);
+            Bounds { low: place, high: place }
+        };
+        (1..8).fold(corner(0), |all, number| all.hull(&corner(number), 0.0))
+    }
+
+    /// A direction of the first scene in the second.
+    pub(super) fn own_direction(&self, graph: &mut Graph, v: Vector) -> Vector {
+        self.turned(graph, v, self.turn)
+    }
+
+    /// A direction of the second scene in the first.
+    pub(super) fn common_direction(&self, graph: &mut Graph, v: Vector) -> Vector {
+        let [cos, sin] = self.turn;
+        self.turned(graph, v, [cos, -sin])
+    }
+
+    /// A point of the first scene in the second.
+    pub(super) fn own_point(&self, graph: &mut Graph, p: Vector) -> Vector {
+        let turned = self.own_direction(graph, p);
+        let offset = self.offset.map(|part| graph.constant(part));
+        [0, 1, 2].map(|axis| graph.add(turned[axis], offset[axis]))
+    }
+
+    /// A point of the second scene in the first.
+    pub(super) fn common_point(&self, graph: &mut Graph, p: Vector) -> Vector {
+        let offset = self.offset.map(|part| graph.constant(part));
+        let off = [0, 1, 2].map(|axis| graph.sub(p[axis], offset[axis]));
+        self.common_direction(graph, off)
+    }
+
+    fn turned(&self, graph: &mut Graph, [x, y, z]: Vector, turn: [f32; 2]) -> Vector {
+        if turn == Self::NONE.turn {
+            return [x, y, z];
+        }
+        let [cos, sin] = turn.map(|part| graph.constant(part));
+        let mut sum = |a: NodeId, b: NodeId, op: fn(&mut Graph, NodeId, NodeId) -> NodeId| {
+            let (a, b) = (graph.mul(cos, a), graph.mul(sin, b));
+            op(graph, a, b)
+        };
+        [sum(x, z, Graph::add), y, sum(z, x, Graph::sub)]
+    }
+}

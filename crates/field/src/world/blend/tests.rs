@@ -1,0 +1,333 @@
+//! A blend against the two scenes that it is made of.
+
+use super::*;
+use crate::graph::{FrameInputs, Interval, Point};
+use crate::lang::LightKind;
+use crate::tape::{IntervalEvaluator, PointEvaluator, Tape, TapeOptions};
+use crate::world::testing::{SPEAKERS, world_of};
+use proptest::prelude::*;
+
+/// Shapes that are exact distances.
+const SHAPES: [&str; 4] = ["sphere(q, 1.2)", "box(q, vec3(1, 0.7, 0.4))", "torus(q, 1, 0.3)", "round_box(q, vec3(0.8), 0.2)"];
+
+/// A scene of two such shapes beside each other and perhaps a floor at this height.
+fn scene((shape, other): (usize, usize), [x, y, z]: [f32; 3], floor: Option<f32>) -> World {
+    let floor = floor.map_or(String::new(), |height| format!("object floor {{ shape = p.y + {height} }}\n"));
+    let [shape, other] = [shape, other].map(|number| SHAPES[number % SHAPES.len()]);
+    world_of(&format!(
+        "fn first(q) = {shape}\nfn second(q) = {other}\n{floor}\
+         object first {{ shape = first(p - vec3({x}, {y}, {z})) }}\n\
+         object second {{ shape = second(p - vec3({z}, {x}, {y})) }}\n"
+    ))
+}
+
+fn scenes() -> impl Strategy<Value = World> {
+    let places = prop::array::uniform3(-3.0..3.0f32);
+    (0..4usize, 0..4usize, places, prop::option::of(2.0..6.0f32))
+        .prop_map(|(shape, other, place, floor)| scene((shape, other), place, floor))
+}
+
+/// A frame at a share, seen from far away, where nothing gives way to the eye.
+fn frame(from: &World, to: &World, share: f32) -> FrameInputs {
+    FrameInputs {
+        eye: [10.0, 200.0, -300.0],
+        params: blended_params((&from.scene, &[]), (&to.scene, &[]), share),
+        ..FrameInputs::default()
+    }
+}
+
+fn value(world: &World, root: NodeId, p: [f32; 3], inputs: &FrameInputs) -> f32 {
+    world.scene.graph.evaluate(&[root], &Point::at(p[0], p[1], p[2]), inputs).unwrap()[0]
+}
+
+fn distance(world: &World, p: [f32; 3], inputs: &FrameInputs) -> f32 {
+    value(world, world.scene.distance, p, inputs)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn a_melt_is_the_mixture_of_both_with_the_slope_of_a_distance(
+        (a, b) in (scenes(), scenes()),
+        share in 0.0..=1.0f32,
+        points in prop::collection::vec(prop::array::uniform3(-8.0..8.0f32), 24),
+    ) {
+        let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+        prop_assert!(!melt.steep);
+        let inputs = frame(&a, &b, share);
+        let silence = FrameInputs::default();
+        let mut before: Option<([f32; 3], f32)> = None;
+        for p in points {
+            let mixed = distance(&melt, p, &inputs);
+            let expected = (1.0 - share) * distance(&a, p, &silence) + share * distance(&b, p, &silence);
+            prop_assert!((mixed - expected).abs() < 1e-3, "{mixed} and not {expected} at {p:?}");
+            if let Some((q, other)) = before {
+                let way = (0..3).map(|axis| (p[axis] - q[axis]).powi(2)).sum::<f32>().sqrt();
+                prop_assert!((mixed - other).abs() <= 1.0001 * way + 1e-4, "from {q:?} to {p:?}");
+            }
+            before = Some((p, mixed));
+        }
+    }
+
+    #[test]
+    fn intervals_hold_what_is_in_them(
+        (a, b) in (scenes(), scenes()),
+        share in 0.0..=1.0f32,
+        low in prop::array::uniform3(-6.0..6.0f32),
+        size in 0.01..4.0f32,
+    ) {
+        for (kind, ..) in BlendKind::ALL {
+            let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
+            let tape = Tape::build(&blend.scene.graph, &[blend.scene.distance], &TapeOptions::default()).unwrap();
+            let inputs = frame(&a, &b, share);
+            let over = low.map(|low| Interval::new(low, low + size));
+            let bounds = IntervalEvaluator::new(&tape, &inputs).over(over, [Interval::point(0.0); 3])[0];
+            let mut points = PointEvaluator::new(&tape, &inputs);
+            for corner in 0..27 {
+                let at = |axis: i32| low[axis as usize] + 0.5 * size * (corner / 3_i32.pow(axis as u32) % 3) as f32;
+                let value = points.at(&Point::at(at(0), at(1), at(2)))[0];
+                prop_assert!(bounds.lo <= value && value <= bounds.hi, "{value} is not in {bounds:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_above_the_planes_lies_outside_of_the_bounds(
+        (heights, kinds) in (prop::array::uniform2(2.0..6.0f32), prop::array::uniform2(0..4usize)),
+        places in prop::array::uniform2(prop::array::uniform3(-2.0..2.0f32)),
+        share in 0.0..=1.0f32,
+        points in prop::collection::vec(prop::array::uniform3(-12.0..12.0f32), 64),
+    ) {
+        let [a, b] = [0, 1].map(|side| scene((kinds[side], kinds[1 - side]), places[side], Some(heights[side])));
+        let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+        let bounds = melt.bounds.unwrap();
+        let inputs = frame(&a, &b, share);
+        prop_assert_eq!(melt.planes.len(), 1);
+        let mixed = inputs.params.last().copied().unwrap();
+        for p in points {
+            let plane = value(&melt, melt.planes[0].shape, p, &inputs);
+            let height = (1.0 - mixed) * heights[0] + mixed * heights[1];
+            prop_assert!((plane - p[1] - height).abs() < 1e-4);
+            prop_assert!(plane < 0.0 || bounds.hold(p) || distance(&melt, p, &inputs) > 0.0, "{p:?}");
+        }
+    }
+
+    #[test]
+    fn a_portal_has_one_scene_inside_and_the_other_outside(
+        (a, b) in (scenes(), scenes()),
+        share in 0.1..0.9f32,
+        ball in any::<bool>(),
+        points in prop::collection::vec(prop::array::uniform3(-8.0..8.0f32), 24),
+    ) {
+        let shape = if ball { PortalShape::Ball } else { PortalShape::Plane };
+        let blend = World::blend(&a, &b, BlendKind::Portal(shape), &Alignment::NONE, 0.5).unwrap();
+        let inputs = frame(&a, &b, share);
+        let camera = blend.frame_tape.values(&inputs).camera;
+        let length = (0..3).map(|axis| (camera.target[axis] - camera.position[axis]).powi(2)).sum::<f32>().sqrt();
+        for p in points {
+            let away = match shape {
+                PortalShape::Ball => {
+                    let off = (0..3).map(|axis| (p[axis] - camera.target[axis]).powi(2)).sum::<f32>().sqrt();
+                    off - length * share / (1.0 - share)
+                }
+                // Both cameras are the default one and look along z.
+                PortalShape::Plane => p[0] - camera.target[0] - length * (1.0 / (1.0 - share) - 1.0 / share),
+            };
+            let own = distance(if away < 0.0 { &b } else { &a }, p, &FrameInputs::default());
+            if away.abs() > 1e-3 && own.abs() > 1e-3 {
+                let is_solid = distance(&blend, p, &inputs) < 0.0;
+                prop_assert_eq!(is_solid, own < 0.0, "{:?}, {} from the portal", p, away);
+            }
+        }
+    }
+}
+
+/// A scene with most of what a scene may have.
+const RICH: &str = "param size = 1.5 in 0 .. 3\nparam glow = 0.25 in 0 .. 1\n\
+    material red { color = vec3(0.8, 0.1, glow) roughness = 0.9 emission = vec3(glow, 0, 0) }\n\
+    material floor { color = 0.3 reflect = 0.5 }\n\
+    object ball { shape = sphere(p - vec3(0, 1, 4), size) material = red }\n\
+    object floor { shape = 2 * p.y + 1 material = floor }\n\
+    light sun { direction = vec3(0, -1, 0.5) color = vec3(2, 1, 1) }\n\
+    light lamp { position = vec3(1, 5, 0) color = 30 }\n\
+    sky { color = vec3(direction.y, 0.2, 0.3) ambient = 0.1 reach = 2 }\n\
+    camera { position = vec3(0, 1, 9) target = vec3(0, 1, 4) fov = 60 roll = 0.2 aperture = 0.1 }\n\
+    picture { exposure = 2 tone_map = none }";
+
+#[test]
+fn at_either_end_a_blend_is_the_scene_there() {
+    let (a, b) = (world_of(RICH), world_of(SPEAKERS));
+    let silence = |world: &World| FrameInputs {
+        params: world.scene.params.iter().map(|param| param.default).collect(),
+        ..FrameInputs::default()
+    };
+    for (kind, name, _) in BlendKind::ALL {
+        let blend = World::blend(&a, &b, kind, &Alignment::NONE, 0.5).unwrap();
+        for (share, alone) in [(0.0, &a), (1.0, &b)] {
+            let near = |found: f32, expected: f32| (found - expected).abs() <= 1e-4 * (1.0 + expected.abs());
+            let (found, expected) =
+                (blend.frame_tape.values(&frame(&a, &b, share)), alone.frame_tape.values(&silence(alone)));
+            let numbers = found.camera.numbers().into_iter().zip(expected.camera.numbers());
+            for ((number, expected), field) in numbers.zip(["x", "y", "z", "x", "y", "z", "fov", "roll", "lens"]) {
+                assert!(near(number, expected), "{name} at {share}: {field} is {number}, not {expected}");
+            }
+            assert!(near(found.reach, expected.reach));
+            for (number, expected) in found.picture.numbers().into_iter().zip(expected.picture.numbers()) {
+                assert!(near(number, expected), "{name} at {share}: {number} and {expected}");
+            }
+            let shining = found.lights.iter().filter(|light| light.color != [0.0; 3]).cloned();
+            assert_eq!(shining.collect::<Vec<_>>(), expected.lights, "{name} at {share}");
+            let point = Point { position: [0.2, -0.5, 3.1], normal: [0.0, 1.0, 0.0] };
+            let of = |world: &World, roots: &[NodeId], inputs: &FrameInputs| {
+                world.scene.graph.evaluate(roots, &point, inputs).unwrap()
+            };
+            let floor = alone.scene.objects.iter().find(|object| object.name == "floor").unwrap();
+            let expected = of(alone, &alone.scene.materials[floor.material].numbers(), &silence(alone));
+            let found = of(&blend, &blend.scene.materials[0].numbers(), &frame(&a, &b, share));
+            for (found, expected) in found.iter().zip(&expected) {
+                assert!(near(*found, *expected), "{name} at {share}: {found} and {expected}");
+            }
+            let sky = of(&blend, &blend.scene.sky.color, &frame(&a, &b, share));
+            assert_eq!(sky, of(alone, &alone.scene.sky.color, &silence(alone)));
+        }
+    }
+}
+
+#[test]
+fn the_parameters_of_both_stand_side_by_side() {
+    let (a, b) = (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
+    let params = blended_params((&a.scene, &[0.5]), (&b.scene, &[]), 0.25);
+    assert_eq!(params, [0.5, 2.0, 0.25]);
+    let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.75).unwrap();
+    let inputs = FrameInputs { params, ..frame(&a, &b, 0.25) };
+    assert_eq!(distance(&melt, [4.0, 0.0, 0.0], &inputs), 4.0 - 0.75 * 0.5 - 0.25 * 2.0);
+    let defaults: Vec<f32> = melt.scene.params.iter().map(|param| param.default).collect();
+    assert_eq!(defaults, [1.0, 2.0, 0.75]);
+    assert_eq!(blended_params((&a.scene, &[]), (&b.scene, &[]), f32::NAN).last(), Some(&0.0));
+}
+
+#[test]
+fn floors_stay_planes_whatever_their_slopes_are() {
+    let tilted = world_of("min(3 * p.y + p.x, sphere(p, 1))");
+    let level = world_of("min(0.5 * p.y + 1, sphere(p, 1))");
+    let melt = World::blend(&tilted, &level, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+    assert_eq!(melt.planes.len(), 1);
+    assert!(melt.bounds.is_none(), "what swells between planes that are not parallel has no end");
+    let inputs = frame(&tilted, &level, 0.5);
+    let slopes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        .map(|p| value(&melt, melt.planes[0].shape, p, &inputs) - value(&melt, melt.planes[0].shape, [0.0; 3], &inputs));
+    let steep = 10.0_f32.sqrt();
+    for (slope, expected) in slopes.into_iter().zip([0.5 / steep, 0.5 * (3.0 / steep + 1.0), 0.0]) {
+        assert!((slope - expected).abs() < 1e-5, "{slopes:?}");
+    }
+}
+
+#[test]
+fn what_is_no_distance_weighs_as_much_as_one() {
+    let polynomial = world_of("x^2 + 9/4*z^2 + y^2 - 1");
+    assert!(polynomial.steep);
+    let ball = world_of("sphere(p, 1)");
+    let melt = World::blend(&polynomial, &ball, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+    assert!(!melt.steep, "rays may step by it");
+    let surface = |share: f32| {
+        let inputs = frame(&polynomial, &ball, share);
+        (0..2_000).map(|step| step as f32 * 1e-3).find(|z| distance(&melt, [0.0, 0.0, *z], &inputs) > 0.0).unwrap()
+    };
+    let [begin, middle, end] = [0.0, 0.5, 1.0].map(surface);
+    assert!((begin - 2.0 / 3.0).abs() < 2e-3 && (end - 1.0).abs() < 2e-3, "{begin} {end}");
+    assert!((0.75..0.92).contains(&middle), "{middle}");
+}
+
+#[test]
+fn the_eye_is_never_in_a_solid() {
+    let outside = world_of("sphere(p, 1)\ncamera { position = vec3(0, 0, -6) target = vec3(0) }");
+    let inside = world_of("1 - length(p.xy - vec2(20, 0))\ncamera { position = vec3(20, 0, 0) target = vec3(20, 0, 5) }");
+    for (kind, name, _) in BlendKind::ALL {
+        let blend = World::blend(&outside, &inside, kind, &Alignment::NONE, 0.5).unwrap();
+        for step in 0..=50 {
+            let mut inputs = frame(&outside, &inside, step as f32 / 50.0);
+            inputs.eye = blend.frame_tape.values(&inputs).camera.position;
+            let free = distance(&blend, inputs.eye, &inputs);
+            assert!(free > 0.4, "{name}: {free} at {step}");
+        }
+    }
+}
+
+#[test]
+fn cameras_on_opposite_sides_go_around_what_they_look_at() {
+    let camera = |z: f32| world_of(&format!("sphere(p, 1)\ncamera {{ position = vec3(0, 1, {z}) target = vec3(0, 1, 0) }}"));
+    let (a, b) = (camera(-6.0), camera(6.0));
+    let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+    for step in 0..=20 {
+        let camera = melt.frame_tape.values(&frame(&a, &b, step as f32 / 20.0)).camera;
+        let [x, y, z] = camera.position;
+        assert!((x.hypot(z) - 6.0).abs() < 1e-4 && (y - 1.0).abs() < 1e-5, "{:?}", camera.position);
+        assert!(camera.focus.is_finite());
+    }
+}
+
+#[test]
+fn too_much_together_is_refused_with_what_it_is() {
+    let light = |number: i32| format!("light lamp{number} {{ position = vec3(0, 5, 0) color = 10 }}\n");
+    let many = world_of(&format!("{}sphere(p, 1)", (0..9).map(light).collect::<String>()));
+    assert_eq!(many.scene.lights[0].kind, LightKind::Lamp);
+    let refused = World::blend(&many, &many, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap_err().to_string();
+    assert!(refused.contains("18 lights") && refused.contains("16"), "{refused}");
+}
+
+#[test]
+fn a_kind_is_known_by_its_name() {
+    for (kind, name, _) in BlendKind::ALL {
+        assert_eq!(BlendKind::named(name), Some(kind));
+    }
+    assert_eq!(BlendKind::named("dissolve"), None);
+}
+
+#[test]
+fn an_aligned_scene_is_seen_as_by_its_own_camera() {
+    let (a, b) = (world_of(RICH), world_of(SPEAKERS));
+    let silence = |world: &World| FrameInputs {
+        time: 7.0,
+        params: world.scene.params.iter().map(|param| param.default).collect(),
+        ..FrameInputs::default()
+    };
+    let camera = |world: &World| world.frame_tape.values(&silence(world)).camera;
+    let alignment = Alignment::of(&camera(&a), &camera(&b));
+    let melt = World::blend(&a, &b, BlendKind::Melt, &alignment, 0.5).unwrap();
+    let at = |share: f32| FrameInputs { time: 7.0, ..frame(&a, &b, share) };
+    let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
+    // The eye has no way to go, and at the middle it looks as far to the side as either.
+    for share in [0.0, 0.5, 1.0] {
+        let found = melt.frame_tape.values(&at(share)).camera;
+        for (axis, own) in camera(&a).position.into_iter().enumerate() {
+            let room = if share == 0.5 { 0.8 } else { 1e-3 };
+            assert!((found.position[axis] - own).abs() < room, "{share}: {:?}", found.position);
+        }
+    }
+    // At the end the second scene's surfaces, lamps and sky are where its camera sees them.
+    let (found, own) = (melt.frame_tape.values(&at(1.0)), camera(&b));
+    let seen = |camera: &crate::lang::Camera<f32>, way: [f32; 3]| {
+        let [x, y, z] = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+        let level = x.hypot(z);
+        let (sin, cos) = (x / level, z / level);
+        let turned = [cos * way[0] + sin * way[2], way[1], cos * way[2] - sin * way[0]];
+        (turned, [0, 1, 2].map(|axis| camera.position[axis] + turned[axis]), y)
+    };
+    for way in [[0.3, -0.2, 3.0], [-1.0, 0.4, 8.0], [2.0, -1.0, 11.0], [0.0, 3.0, 20.0]] {
+        let ((direction, p, _), (own_direction, q, _)) = (seen(&found.camera, way), seen(&own, way));
+        let (there, here) = (distance(&melt, p, &at(1.0)), distance(&b, q, &silence(&b)));
+        assert!(near(there, here), "{there} and {here} on the way {way:?}");
+        let sky = |world: &World, normal: [f32; 3], inputs: &FrameInputs| {
+            let point = Point { position: [0.0; 3], normal };
+            world.scene.graph.evaluate(&world.scene.sky.color, &point, inputs).unwrap()
+        };
+        let (there, here) = (sky(&melt, direction, &at(1.0)), sky(&b, own_direction, &silence(&b)));
+        assert!(there.iter().zip(&here).all(|(a, b)| near(*a, *b)), "{there:?} and {here:?}");
+    }
+    let away = |place: [f32; 3], eye: [f32; 3]| (0..3).map(|axis| (place[axis] - eye[axis]).powi(2)).sum::<f32>().sqrt();
+    let own_light = &b.frame_tape.values(&silence(&b)).lights[0];
+    let light = &found.lights[a.scene.lights.len()];
+    assert!(near(away(light.position, found.camera.position), away(own_light.position, own.position)));
+    assert_eq!(Alignment::of(&camera(&a), &crate::lang::Camera { position: [f32::NAN; 3], ..own }), Alignment::NONE);
+}
