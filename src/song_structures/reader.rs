@@ -82,8 +82,9 @@ impl SongReader {
                 state.known.retain(|(known, _)| *known != track.id);
             }
         }
-        drop(state);
-        self.shared.changed.notify_one();
+        if state.next().is_some() {
+            self.shared.changed.notify_one();
+        }
     }
 
     /// The structure of the track with this number ([`TrackInfo::id`]), once it is known.

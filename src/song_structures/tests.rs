@@ -62,7 +62,11 @@ fn a_damaged_file_is_made_anew() {
     let whole = fs::read(&file).unwrap();
     let mut flipped = whole.clone();
     *flipped.last_mut().unwrap() ^= 1;
-    for damaged in [&whole[..0], &whole[..10], &whole[..17], &whole[..whole.len() - 1], &flipped, b"null"] {
+    // One that could be read, but says something else.
+    let other = String::from_utf8(whole.clone()).unwrap().replacen("\"seconds\":8", "\"seconds\":9", 1);
+    assert_ne!(other.as_bytes(), whole);
+    let cuts = [0, 10, 17, whole.len() - 1].map(|end| &whole[..end]);
+    for damaged in cuts.into_iter().chain([&flipped, other.as_bytes(), b"null"]) {
         fs::write(&file, damaged).unwrap();
         assert_eq!(structure_of(&song, &cache), first);
         assert_eq!(fs::read(&file).unwrap(), whole, "it is whole again");

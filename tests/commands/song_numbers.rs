@@ -34,7 +34,7 @@ fn srgb(light: f64) -> f64 {
 fn stills_videos_and_text_know_the_same_of_a_song() {
     let place = Workplace::new();
     // A pitch class that is computed for each point, too.
-    write_wall(&place, "song.scene", "vec3(progress, build, chroma(floor(7 + 0.1 * p.x)))");
+    write_wall(&place, "song.scene", "vec3(progress, build, chroma(7.5 + 0.02 * p.x))");
     let run = |arguments: &[&str]| place.run(&[arguments, &LOOK[..]].concat()).done();
     run(&["still", "song.scene", "--at", "20.5", "-o", "first.png"]);
     let kept = colour(&place, "first.png");

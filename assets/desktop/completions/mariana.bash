@@ -169,7 +169,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__analyze)
-            opts="-h --structure --plot --json --gain --fps --start --duration --help"
+            opts="-h --structure --plot --song --json --gain --fps --start --duration --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -151,6 +151,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l fps -d 'Line
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l start -d 'Where to start, as 80 or 1:20.5' -r
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l duration -d 'Length, as 80 or 1:20.5 [default: to the end]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l structure -d 'What the whole song is made of instead of its moments: tempo, bars, key, sections, builds, drops'
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l song -d 'Print what is known of the whole song at each moment, too: bar, section, energy, build, drop, ...'
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l json -d 'One JSON object per line: t, volume as [left, right], bands as 32 numbers, ...; with --structure one object'
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -s h -l help -d 'Print help'
 complete -c mariana -n "__fish_mariana_using_subcommand bench" -l at -d 'The moment that is drawn, as 80 or 1:20.5' -r
