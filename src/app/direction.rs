@@ -1,7 +1,6 @@
 //! Makes the show of the track that plays, on a thread of its own, and makes it again when its file changes.
 
 use std::io;
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::config::FollowChoice;
@@ -36,12 +35,21 @@ struct Made {
     show: Result<(Programme, Option<String>), ShowError>,
 }
 
+/// The list that plays.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Listed {
+    /// How many tracks it has.
+    pub tracks: usize,
+    /// Whether the track that is heard is the one inside the program.
+    pub is_demo: bool,
+}
+
 /// See the module.
 pub(super) struct Direction {
     loader: Loader<Made>,
     asked: Arc<Mutex<Asked>>,
-    /// A show file that the command line names.
-    file: Option<PathBuf>,
+    /// A show that the command line names.
+    named: Option<ShowSource>,
     follow: FollowChoice,
     /// Whether the command line names a scene, which then stays.
     names_scene: bool,
@@ -55,7 +63,7 @@ impl Direction {
     /// # Errors
     /// What the system says about threads.
     pub(super) fn start(
-        file: Option<PathBuf>,
+        named: Option<ShowSource>,
         follow: FollowChoice,
         names_scene: bool,
         wake: impl Fn() + Send + 'static,
@@ -69,12 +77,13 @@ impl Direction {
             };
             let (show, files) = match source {
                 SceneSource::File(path) => (ShowSource::File(path.clone()), vec![path.clone()]),
+                SceneSource::Shipped(_) => (ShowSource::Demo, Vec::new()),
                 _ => (ShowSource::Auto, Vec::new()),
             };
             (Made { track, show: Programme::of_song(&show, &song, &scenes) }, files)
         };
         let loader = Loader::start(load, wake)?;
-        Ok(Self { loader, asked, file, follow, names_scene, of: None })
+        Ok(Self { loader, asked, named, follow, names_scene, of: None })
     }
 
     /// Lets the show follow the song as it is chosen from now on.
@@ -83,33 +92,32 @@ impl Direction {
         self.names_scene = false;
     }
 
-    /// Whether the show follows the song, in a list of so many tracks.
-    pub(super) fn follows(&self, tracks: usize) -> bool {
-        self.source(tracks).is_some()
+    /// Whether the show follows what plays.
+    pub(super) fn follows(&self, list: Listed) -> bool {
+        self.source(list).is_some()
     }
 
-    fn source(&self, tracks: usize) -> Option<ShowSource> {
+    fn source(&self, list: Listed) -> Option<ShowSource> {
         let auto = match self.follow {
             FollowChoice::Off => return None,
-            FollowChoice::Lists => tracks > 1 && !self.names_scene,
+            FollowChoice::Lists => (list.tracks > 1 || list.is_demo) && !self.names_scene,
             FollowChoice::On => true,
         };
-        match &self.file {
-            Some(file) => Some(ShowSource::File(file.clone())),
-            None => auto.then_some(ShowSource::Auto),
+        match &self.named {
+            Some(named) => Some(named.clone()),
+            None => auto.then_some(if list.is_demo { ShowSource::Demo } else { ShowSource::Auto }),
         }
     }
 
-    /// Takes note of what plays: which of how many tracks, and what is known of it. `scenes` are those among which the
-    /// director chooses.
+    /// Takes note of what plays, and what is known of it. `scenes` are those among which the director chooses.
     pub(super) fn update(
         &mut self,
         track: u64,
-        tracks: usize,
+        list: Listed,
         song: Option<Arc<SongStructure>>,
         scenes: impl FnOnce() -> Vec<SceneSource>,
     ) -> Option<News> {
-        let wanted = self.source(tracks).map(|source| (source, track));
+        let wanted = self.source(list).map(|source| (source, track));
         let is_the_same = self.of == wanted;
         match wanted {
             None if is_the_same => return None,
@@ -120,6 +128,7 @@ impl Direction {
             Some((source, track)) if !is_the_same => {
                 let key = match &source {
                     ShowSource::File(path) => SceneSource::File(path.clone()),
+                    ShowSource::Demo => SceneSource::Shipped(String::new()),
                     ShowSource::Auto => SceneSource::Formula(String::new()),
                 };
                 if let Some(song) = song {
@@ -141,7 +150,7 @@ impl Direction {
         match made.show {
             Ok((programme, None)) => {
                 // Of a song without sections the director knows no more than whoever listens.
-                let says_something = self.file.is_some() || programme.plan().stays().len() > 1;
+                let says_something = self.named.is_some() || programme.plan().stays().len() > 1;
                 says_something.then(|| News::Programme(Some(Arc::new(programme))))
             }
             Ok((programme, Some(text))) => {

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::announcer::{TrackOrder, words_of};
+use super::direction::Listed;
 use super::overlay::OverlayContent;
 use super::settings_panel::Facts;
 use super::sound::Sound;
 use crate::config::{Choices, Settings};
+use crate::demo_track::is_demo;
 use crate::song_structures::SongReader;
 use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::input::LiveStatus;
@@ -30,8 +32,8 @@ pub(super) struct Listening {
     paused: bool,
     /// How loud it was at the last look, 0..1.
     level: f32,
-    /// How many tracks there were at the last look.
-    tracks: usize,
+    /// What plays, as it was at the last look.
+    listed: Listed,
     /// The number of the track that was heard last.
     track: u64,
 }
@@ -40,7 +42,7 @@ impl Listening {
     /// Begins with a sound that waits for the first picture.
     pub(super) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
-        Self { sound, songs, energy, taps, paused: false, level: 0.0, tracks: 0, track: 0 }
+        Self { sound, songs, energy, taps, paused: false, level: 0.0, listed: Listed::default(), track: 0 }
     }
 
     /// Whether the user wants a pause.
@@ -212,16 +214,18 @@ impl Listening {
     /// The state of the song, if it is what is listened to. What plays and what follows will be known.
     pub(super) fn song_status(&mut self) -> Option<PlayerStatus> {
         let status = self.sound.song_status()?;
-        self.tracks = status.track.count;
+        let content = status.track.reopen.content();
+        let is_demo = content.is_some_and(|content| is_demo(&content.song));
+        self.listed = Listed { tracks: status.track.count, is_demo };
         if let Some(songs) = &self.songs {
             songs.want([&status.track].into_iter().chain(&status.next));
         }
         Some(PlayerStatus { paused: self.paused, ..status })
     }
 
-    /// How many tracks the list has.
-    pub(super) fn tracks(&self) -> usize {
-        self.tracks
+    /// The list that plays.
+    pub(super) fn listed(&self) -> Listed {
+        self.listed
     }
 
     /// Whether a song is listened to, not an input.

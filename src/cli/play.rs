@@ -146,7 +146,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     };
     let mut settings = PlaySettings {
         choices,
-        show: arguments.show.and_then(ShowChoice::into_file),
+        show: arguments.show.and_then(ShowChoice::into_named),
         names_scene: !arguments.scene.is_default(),
         device: arguments.device,
         silent: arguments.silent,

@@ -21,6 +21,8 @@ pub(super) struct ShowChoice(Option<ShowSource>);
 
 /// The director's name on the command line.
 const AUTO: &str = "auto";
+/// The name of the demo track's show.
+const DEMO: &str = "demo";
 /// What stands for no show.
 const OFF: &str = "off";
 
@@ -31,6 +33,7 @@ impl FromStr for ShowChoice {
         Ok(Self(match text {
             OFF => None,
             AUTO => Some(ShowSource::Auto),
+            DEMO => Some(ShowSource::Demo),
             file => Some(ShowSource::File(PathBuf::from(file))),
         }))
     }
@@ -53,12 +56,9 @@ impl ShowChoice {
         if self.is_on() { FollowChoice::On } else { FollowChoice::Off }
     }
 
-    /// The file of the show, if it has one.
-    pub(super) fn into_file(self) -> Option<PathBuf> {
-        match self.0? {
-            ShowSource::File(path) => Some(path),
-            ShowSource::Auto => None,
-        }
+    /// The show, if it is not the director's.
+    pub(super) fn into_named(self) -> Option<ShowSource> {
+        self.0.filter(|source| *source != ShowSource::Auto)
     }
 }
 

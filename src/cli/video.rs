@@ -61,7 +61,7 @@ pub(super) struct VideoArguments {
     #[arg(long, conflicts_with_all = ["codec", "view", "show"])]
     alpha: bool,
     /// A show instead of scenes: 'auto' for one that follows the song, made of all shipped scenes or of those that --scene
-    /// names, or a .show file
+    /// names; 'demo' for that of the demo track; or a .show file
     #[arg(long, value_name = "AUTO-OR-FILE")]
     show: Option<ShowChoice>,
     #[command(flatten)]

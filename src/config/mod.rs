@@ -10,9 +10,9 @@ pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use crate::program_cache::ProgramCache;
+use crate::show::ShowSource;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -80,8 +80,8 @@ pub struct Memory {
 pub struct PlaySettings {
     /// What the user chose for good, and what the command line says of it for this run.
     pub choices: Choices,
-    /// A show file that the scenes follow.
-    pub show: Option<PathBuf>,
+    /// A show that the scenes follow instead of the director's.
+    pub show: Option<ShowSource>,
     /// Whether the command line names a scene.
     pub names_scene: bool,
     /// Output device, or input device to listen to, by id, name or part of a name, or [`DEFAULT_DEVICE`]; none is the

@@ -14,11 +14,17 @@ use mariana_field::lang::{About, Sources, Way, render_all};
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 
+/// See [`ShowSource::Demo`].
+const DEMO_SHOW: &str = include_str!("../../assets/demo.show");
+const DEMO_NAME: &str = "demo.show";
+
 /// Where a show comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ShowSource {
     /// The director's choice among scenes.
     Auto,
+    /// The show that was made for the demo track.
+    Demo,
     /// A file.
     File(PathBuf),
 }
@@ -133,7 +139,11 @@ impl Programme {
     ) -> Result<(Self, Option<String>), ShowError> {
         match source {
             ShowSource::Auto => Ok((Self::directed(song, scenes), None)),
-            ShowSource::File(path) => Self::of_file(path, song),
+            ShowSource::Demo => Self::of_text(DEMO_NAME, DEMO_SHOW, Path::new(""), song),
+            ShowSource::File(path) => {
+                let folder = path.parent().unwrap_or(Path::new(""));
+                Self::of_text(&path.display().to_string(), &read(path)?, folder, song)
+            }
         }
     }
 
@@ -161,13 +171,16 @@ impl Programme {
         Self { plan, script, scenes }
     }
 
-    fn of_file(path: &Path, song: &SongStructure) -> Result<(Self, Option<String>), ShowError> {
-        let text = read(path)?;
-        let parsed = parse(&path.display().to_string(), &text);
+    fn of_text(
+        name: &str,
+        text: &str,
+        folder: &Path,
+        song: &SongStructure,
+    ) -> Result<(Self, Option<String>), ShowError> {
+        let parsed = parse(name, text);
         let Some(script) = &parsed.script else {
             return Err(ShowError::Mistakes { report: parsed.render(false) });
         };
-        let folder = path.parent().unwrap_or(Path::new(""));
         let mut known: BTreeMap<String, Known> = BTreeMap::new();
         for entry in &script.entries {
             if !known.contains_key(&entry.scene) {

@@ -71,6 +71,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "gpu",
             "export",
             "config",
+            "demo_track",
             "flash",
             "program_cache",
             "reading_order",
@@ -98,7 +99,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "song_structures",
         ],
     ),
-    ("config", &["atomic_file", "program_cache", "limits"]),
+    ("config", &["atomic_file", "program_cache", "show", "limits"]),
 ];
 
 /// Packages that only some rooms may use. `egui` stands for `egui_winit` and its like, too.

@@ -4,7 +4,9 @@
 
 use std::hash::{Hash, Hasher};
 
-use egui::{Align, Color32, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2};
+use egui::{
+    Align, Color32, Id, Layout, Order, Painter, Rect, Response, Sense, Ui, Vec2, WidgetInfo, pos2, vec2,
+};
 use mariana_music::SongStructure;
 use mariana_player::LoudnessShape;
 use mariana_player::track::Repeat;
@@ -208,7 +210,8 @@ fn draw_sections(painter: &Painter, place: Rect, song: &SongStructure, duration:
         }
         let color = SECTION_COLORS[number % SECTION_COLORS.len()];
         let (left, right) = (x(section.start), x(section.end) - 1.0);
-        let line = Rect::from_min_max(pos2(left, place.bottom() - SECTION_HEIGHT), pos2(right, place.bottom()));
+        let line =
+            Rect::from_min_max(pos2(left, place.bottom() - SECTION_HEIGHT), pos2(right, place.bottom()));
         painter.rect_filled(line, 1.0, color);
         let letter = style::line(painter, &section.letter, style::proportional(LETTER_SIZE), color, f32::MAX);
         if letter.size().x + 4.0 < right - left {

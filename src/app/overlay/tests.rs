@@ -183,7 +183,17 @@ fn playing() -> NowPlaying {
 
 fn bar(now: &NowPlaying) -> Bar<'_> {
     let scene = "city, 2 of 17";
-    Bar { now, shape: None, song: None, level: 0.5, scene, open: None, help: false, sliders: false, seen: true }
+    Bar {
+        now,
+        shape: None,
+        song: None,
+        level: 0.5,
+        scene,
+        open: None,
+        help: false,
+        sliders: false,
+        seen: true,
+    }
 }
 
 /// Moves the pointer to `place` and clicks; returns what was asked for.

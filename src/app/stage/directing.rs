@@ -10,9 +10,9 @@ impl Stage {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
-        let (song, tracks) = (self.listening.structure(moment.track), self.listening.tracks());
+        let (song, list) = (self.listening.structure(moment.track), self.listening.listed());
         let scene = &self.scene;
-        match self.direction.update(moment.track, tracks, song, || scene.all_sources()) {
+        match self.direction.update(moment.track, list, song, || scene.all_sources()) {
             Some(News::Programme(programme)) => {
                 if programme.is_some() {
                     tracing::info!("the scenes follow the song");
@@ -27,7 +27,7 @@ impl Stage {
 
     /// Lets the scenes follow the songs, or stay as they are.
     pub(in crate::app) fn toggle_follow(&mut self) {
-        let follows = self.direction.follows(self.listening.tracks());
+        let follows = self.direction.follows(self.listening.listed());
         let (follow, words) = match follows {
             true => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
             false if !self.listening.plays_song() => {
