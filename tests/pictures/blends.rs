@@ -141,7 +141,9 @@ fn all_pairs() {
             (*name, both)
         })
         .collect();
-    println!("pair share | capped compiled, interpreted % | modes differ % | evaluations, clauses, CPU ms compiled and interpreted, each with its ratio to the sum | compiling ms, clauses");
+    println!(
+        "pair share | capped compiled, interpreted % | modes differ % | evaluations, clauses, CPU ms compiled and interpreted, each with its ratio to the sum | compiling ms, clauses"
+    );
     for (from, a) in &scenes {
         for (to, b) in &scenes {
             if from == to || !wanted(from, to) {
@@ -163,15 +165,22 @@ fn all_pairs() {
                 let sum = |of: &dyn Fn(&[Drawn; 2]) -> f64| of(&alone[from]) + of(&alone[to]);
                 let evaluations = compiled.evaluations.total() / sum(&|both| both[0].evaluations.total());
                 let clauses_of = |e: &Evaluations| e.clauses + e.surface_clauses;
-                let run = clauses_of(&interpreted.evaluations) / sum(&|both| clauses_of(&both[1].evaluations));
+                let run =
+                    clauses_of(&interpreted.evaluations) / sum(&|both| clauses_of(&both[1].evaluations));
                 let cpu = [&compiled, &interpreted].map(|drawn| drawn.cpu_ms);
                 let cpu_ratio = [cpu[0] / sum(&|both| both[0].cpu_ms), cpu[1] / sum(&|both| both[1].cpu_ms)];
                 let capped = [&compiled, &interpreted].map(|d| 100.0 * d.evaluations.capped_rays / pixels);
                 let modes = difference(&compiled.picture, &interpreted.picture, LOOSE.visible);
                 println!(
                     "{from}:{to} {share} | {:.3} {:.3} | {:.2} | {:.1} {evaluations:.2} {run:.2} {:.0} {:.2} {:.0} {:.2} | {compiling:.0} {clauses} | {}",
-                    capped[0], capped[1], 100.0 * modes.share,
-                    compiled.evaluations.total() / pixels, cpu[0], cpu_ratio[0], cpu[1], cpu_ratio[1],
+                    capped[0],
+                    capped[1],
+                    100.0 * modes.share,
+                    compiled.evaluations.total() / pixels,
+                    cpu[0],
+                    cpu_ratio[0],
+                    cpu[1],
+                    cpu_ratio[1],
                     faults(&compiled, &interpreted).join(", ")
                 );
             }

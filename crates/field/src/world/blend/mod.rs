@@ -58,7 +58,9 @@ impl BlendKind {
 #[derive(Debug, thiserror::Error)]
 pub enum BlendError {
     /// Together they have more of something than one scene may have.
-    #[error("together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade")]
+    #[error(
+        "together the scenes {from} and {to} have {count} {what}, and a scene may have {max}: let them fade"
+    )]
     OverLimit {
         /// The first scene.
         from: String,
@@ -148,7 +150,13 @@ impl World {
             is_number: true,
             span: Default::default(),
         };
-        let object = Object { name: name.clone(), span: Default::default(), shape: distance, bound: None, material: 0 };
+        let object = Object {
+            name: name.clone(),
+            span: Default::default(),
+            shape: distance,
+            bound: None,
+            material: 0,
+        };
         let scene = Scene {
             graph,
             objects: vec![object],

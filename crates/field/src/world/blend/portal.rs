@@ -4,8 +4,8 @@
 //! the share, because a light of one side alone would ask for the side at every step of its rays. A surface that is cut
 //! by the portal has the material of its object there.
 
-use super::side::Side;
 use super::Steps;
+use super::side::Side;
 use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 

@@ -44,7 +44,8 @@ impl Side {
         let glow = nearby_light::nearby_light(&mut scene)?;
         let own = Own::of(graph, alignment);
         // In distances the normal's x is no part of a normal (see `Roots`).
-        let [moved, turned] = [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
+        let [moved, turned] =
+            [own, own.turned(graph, alignment)].map(|own| copied(graph, &scene.graph, before, &own));
         let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
         let on_surface = |id: NodeId| turned.get(id.index()).copied().unwrap_or_default();
         let all = |numbers: Vec<NodeId>| numbers.into_iter().map(at);
@@ -92,8 +93,8 @@ impl Side {
                 .collect(),
             camera: {
                 let camera = Camera::of(all(scene.camera.numbers()));
-                let [position, target] = [camera.position, camera.target]
-                    .map(|place| alignment.common_point(graph, place));
+                let [position, target] =
+                    [camera.position, camera.target].map(|place| alignment.common_point(graph, place));
                 Camera { position, target, ..camera }
             },
             sky: Sky::of(scene.sky.numbers().into_iter().map(on_surface)),

@@ -8,7 +8,8 @@ use crate::world::testing::{SPEAKERS, world_of};
 use proptest::prelude::*;
 
 /// Shapes that are exact distances.
-const SHAPES: [&str; 4] = ["sphere(q, 1.2)", "box(q, vec3(1, 0.7, 0.4))", "torus(q, 1, 0.3)", "round_box(q, vec3(0.8), 0.2)"];
+const SHAPES: [&str; 4] =
+    ["sphere(q, 1.2)", "box(q, vec3(1, 0.7, 0.4))", "torus(q, 1, 0.3)", "round_box(q, vec3(0.8), 0.2)"];
 
 /// A scene of two such shapes beside each other and perhaps a floor at this height.
 fn scene((shape, other): (usize, usize), [x, y, z]: [f32; 3], floor: Option<f32>) -> World {
@@ -169,7 +170,9 @@ fn at_either_end_a_blend_is_the_scene_there() {
             let (found, expected) =
                 (blend.frame_tape.values(&frame(&a, &b, share)), alone.frame_tape.values(&silence(alone)));
             let numbers = found.camera.numbers().into_iter().zip(expected.camera.numbers());
-            for ((number, expected), field) in numbers.zip(["x", "y", "z", "x", "y", "z", "fov", "roll", "lens"]) {
+            for ((number, expected), field) in
+                numbers.zip(["x", "y", "z", "x", "y", "z", "fov", "roll", "lens"])
+            {
                 assert!(near(number, expected), "{name} at {share}: {field} is {number}, not {expected}");
             }
             assert!(near(found.reach, expected.reach));
@@ -196,7 +199,8 @@ fn at_either_end_a_blend_is_the_scene_there() {
 
 #[test]
 fn the_parameters_of_both_stand_side_by_side() {
-    let (a, b) = (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
+    let (a, b) =
+        (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
     let params = blended_params((&a.scene, &[0.5]), (&b.scene, &[]), 0.25);
     assert_eq!(params, [0.5, 2.0, 0.25]);
     let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.75).unwrap();
@@ -215,8 +219,9 @@ fn floors_stay_planes_whatever_their_slopes_are() {
     assert_eq!(melt.planes.len(), 1);
     assert!(melt.bounds.is_none(), "what swells between planes that are not parallel has no end");
     let inputs = frame(&tilted, &level, 0.5);
-    let slopes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-        .map(|p| value(&melt, melt.planes[0].shape, p, &inputs) - value(&melt, melt.planes[0].shape, [0.0; 3], &inputs));
+    let slopes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|p| {
+        value(&melt, melt.planes[0].shape, p, &inputs) - value(&melt, melt.planes[0].shape, [0.0; 3], &inputs)
+    });
     let steep = 10.0_f32.sqrt();
     for (slope, expected) in slopes.into_iter().zip([0.5 / steep, 0.5 * (3.0 / steep + 1.0), 0.0]) {
         assert!((slope - expected).abs() < 1e-5, "{slopes:?}");
@@ -232,7 +237,10 @@ fn what_is_no_distance_weighs_as_much_as_one() {
     assert!(!melt.steep, "rays may step by it");
     let surface = |share: f32| {
         let inputs = frame(&polynomial, &ball, share);
-        (0..2_000).map(|step| step as f32 * 1e-3).find(|z| distance(&melt, [0.0, 0.0, *z], &inputs) > 0.0).unwrap()
+        (0..2_000)
+            .map(|step| step as f32 * 1e-3)
+            .find(|z| distance(&melt, [0.0, 0.0, *z], &inputs) > 0.0)
+            .unwrap()
     };
     let [begin, middle, end] = [0.0, 0.5, 1.0].map(surface);
     assert!((begin - 2.0 / 3.0).abs() < 2e-3 && (end - 1.0).abs() < 2e-3, "{begin} {end}");
@@ -242,7 +250,9 @@ fn what_is_no_distance_weighs_as_much_as_one() {
 #[test]
 fn the_eye_is_never_in_a_solid() {
     let outside = world_of("sphere(p, 1)\ncamera { position = vec3(0, 0, -6) target = vec3(0) }");
-    let inside = world_of("1 - length(p.xy - vec2(20, 0))\ncamera { position = vec3(20, 0, 0) target = vec3(20, 0, 5) }");
+    let inside = world_of(
+        "1 - length(p.xy - vec2(20, 0))\ncamera { position = vec3(20, 0, 0) target = vec3(20, 0, 5) }",
+    );
     for (kind, name, _) in BlendKind::ALL {
         let blend = World::blend(&outside, &inside, kind, &Alignment::NONE, 0.5).unwrap();
         for step in 0..=50 {
@@ -256,7 +266,9 @@ fn the_eye_is_never_in_a_solid() {
 
 #[test]
 fn cameras_on_opposite_sides_go_around_what_they_look_at() {
-    let camera = |z: f32| world_of(&format!("sphere(p, 1)\ncamera {{ position = vec3(0, 1, {z}) target = vec3(0, 1, 0) }}"));
+    let camera = |z: f32| {
+        world_of(&format!("sphere(p, 1)\ncamera {{ position = vec3(0, 1, {z}) target = vec3(0, 1, 0) }}"))
+    };
     let (a, b) = (camera(-6.0), camera(6.0));
     let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
     for step in 0..=20 {
@@ -325,9 +337,14 @@ fn an_aligned_scene_is_seen_as_by_its_own_camera() {
         let (there, here) = (sky(&melt, direction, &at(1.0)), sky(&b, own_direction, &silence(&b)));
         assert!(there.iter().zip(&here).all(|(a, b)| near(*a, *b)), "{there:?} and {here:?}");
     }
-    let away = |place: [f32; 3], eye: [f32; 3]| (0..3).map(|axis| (place[axis] - eye[axis]).powi(2)).sum::<f32>().sqrt();
+    let away = |place: [f32; 3], eye: [f32; 3]| {
+        (0..3).map(|axis| (place[axis] - eye[axis]).powi(2)).sum::<f32>().sqrt()
+    };
     let own_light = &b.frame_tape.values(&silence(&b)).lights[0];
     let light = &found.lights[a.scene.lights.len()];
     assert!(near(away(light.position, found.camera.position), away(own_light.position, own.position)));
-    assert_eq!(Alignment::of(&camera(&a), &crate::lang::Camera { position: [f32::NAN; 3], ..own }), Alignment::NONE);
+    assert_eq!(
+        Alignment::of(&camera(&a), &crate::lang::Camera { position: [f32::NAN; 3], ..own }),
+        Alignment::NONE
+    );
 }
