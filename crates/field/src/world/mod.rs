@@ -250,7 +250,7 @@ struct Surfaces {
 }
 
 /// How far from its surfaces a value that is no distance grows: this share of half the size of their bounds.
-const TAMED_SHARE: f32 = 0.25;
+const TAMED_SHARE: f32 = 1.0;
 /// The same in a scene without bounds.
 const TAMED_REACH: f32 = 8.0;
 
