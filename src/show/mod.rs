@@ -23,6 +23,6 @@ pub use director::{SceneCard, direct};
 pub use parse::{Parsed, parse};
 pub use plan::{Entrance, Moment, Move, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, seed_of};
-pub use resolve::{Unresolved, resolve};
+pub use resolve::resolve;
 pub use script::{Anchor, Entry, Length, Script, Setting, Transition, When};
 pub use text::print;

@@ -7,7 +7,6 @@
 //!   set swell = 0.2 -> 0.5 over 8 bars after 1 bar
 //! at drop 1 - 1 beat  city    cut
 //! at 2:31.5           "my own/orb.scene"  portal over 3 s
-//! at key              gyroid
 //! ```
 //!
 //! Each line is read for itself, so that one mistake hides no other.
@@ -138,14 +137,12 @@ impl<'a> Reader<'a> {
     }
 
     fn when(&mut self) -> Read<When> {
-        const ANCHORS: [&str; 7] = ["start", "end", "bar", "section", "drop", "build", "key"];
-        let word =
-            self.expect("a moment", "such as `start`, `1:30`, `bar 17`, `section B`, `drop 1` or `key`")?;
+        const ANCHORS: [&str; 6] = ["start", "end", "bar", "section", "drop", "build"];
+        let word = self.expect("a moment", "such as `start`, `1:30`, `bar 17`, `section B` or `drop 1`")?;
         let anchor = match (word.kind, word.text) {
             (Kind::Number, _) => Anchor::Time(self.clock(word)?),
             (Kind::Name, "start") => Anchor::Start,
             (Kind::Name, "end") => Anchor::End,
-            (Kind::Name, "key") => return Ok(When { anchor: Anchor::Key, offset: Length::ZERO }),
             (Kind::Name, "bar") => Anchor::Bar(self.count("a bar's number")?),
             (Kind::Name, "drop") => Anchor::Drop(self.count_or_first()?),
             (Kind::Name, "build") => Anchor::Build(self.count_or_first()?),
@@ -167,7 +164,7 @@ impl<'a> Reader<'a> {
                 let near = nearest(word.text, ANCHORS);
                 return Err(Box::new(match near {
                     Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, `build 1` or `key`"),
+                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1` or `build 1`"),
                 }));
             }
         };

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::director::{SceneCard, direct};
 use super::plan::{Entrance, Plan, Stay};
-use super::resolve::{Unresolved, resolve};
+use super::resolve::resolve;
 use super::script::Script;
 use super::{parse, print};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
-use mariana_field::lang::{About, Sources, Way, render_all};
+use mariana_field::lang::{About, Diagnostic, Sources, Way, render_all};
 use mariana_field::world::BlendKind;
 use mariana_music::SongStructure;
 
@@ -199,8 +199,8 @@ impl Programme {
                 return Err(ShowError::NoParam { scene, param: setting.param.clone(), hint });
             }
         }
-        let (plan, unresolved) = resolved(script, song, &known);
-        let told = told(&unresolved, &parsed.sources);
+        let (plan, left_out) = resolved(script, song, &known);
+        let told = told(&left_out, &parsed.sources);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
         Ok((Self { plan, script: script.clone(), scenes }, told))
     }
@@ -241,16 +241,19 @@ impl Programme {
     }
 }
 
-fn resolved(script: &Script, song: &SongStructure, known: &BTreeMap<String, Known>) -> (Plan, Unresolved) {
+fn resolved(
+    script: &Script,
+    song: &SongStructure,
+    known: &BTreeMap<String, Known>,
+) -> (Plan, Vec<Diagnostic>) {
     resolve(script, song, |from, to| {
         let about = |name: &str| known.get(name).map(|scene| &scene.about);
         about(to).and_then(|about| about.enter).or(from.and_then(about).and_then(|about| about.leave))
     })
 }
 
-fn told(unresolved: &Unresolved, sources: &Sources) -> Option<String> {
-    let left_out = render_all(&unresolved.left_out, sources, false);
-    (!left_out.is_empty()).then_some(left_out)
+fn told(left_out: &[Diagnostic], sources: &Sources) -> Option<String> {
+    (!left_out.is_empty()).then(|| render_all(left_out, sources, false))
 }
 
 fn listed(what: &str, names: &[String]) -> String {

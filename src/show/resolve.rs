@@ -11,36 +11,23 @@ const USUAL: Transition = Transition { way: Way::Fade, length: Length::Seconds(1
 /// How long a transition takes of which only the way is known.
 const USUAL_BARS: f64 = 1.0;
 
-/// What a script asks for that the song does not have.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Unresolved {
-    /// Entries that were left out, each with the reason. None of them is a mistake of the text alone.
-    pub left_out: Vec<Diagnostic>,
-    /// Entries that wait for a key, by their numbers in the script.
-    pub waiting: Vec<usize>,
-}
-
-/// The plan of a script for a song, and what of the script is not in it. `likes` tells how a scene likes to come, given
+/// The plan of a script for a song, and what of the script is not in it because the song does not have it. `likes` tells how a scene likes to come, given
 /// the one that goes and the one that comes.
 pub fn resolve(
     script: &Script,
     song: &SongStructure,
     likes: impl Fn(Option<&str>, &str) -> Option<Way>,
-) -> (Plan, Unresolved) {
+) -> (Plan, Vec<Diagnostic>) {
     let lines = BarLines::of(song);
-    let mut unresolved = Unresolved::default();
+    let mut left_out = Vec::new();
     let mut stays: Vec<Stay> = Vec::new();
     let mut last: Option<(f64, Span)> = None;
-    for (number, entry) in script.entries.iter().enumerate() {
-        if entry.when.anchor == Anchor::Key {
-            unresolved.waiting.push(number);
-            continue;
-        }
+    for entry in &script.entries {
         let start = match time_of(&entry.when, song, &lines) {
             Ok(start) => start,
             Err(missing) => {
-                let left_out = Diagnostic::new(entry.span, missing.sentence);
-                unresolved.left_out.push(left_out.label("left out").hint(missing.hint));
+                let missed = Diagnostic::new(entry.span, missing.sentence);
+                left_out.push(missed.label("left out").hint(missing.hint));
                 continue;
             }
         };
@@ -48,7 +35,7 @@ pub fn resolve(
             let back = format!("this is at {}, which is before {}", clock(start), clock(before));
             let backwards =
                 Diagnostic::new(entry.span, back).label("left out").note(span, "what comes before it");
-            unresolved.left_out.push(backwards.hint("write what comes first above what comes later"));
+            left_out.push(backwards.hint("write what comes first above what comes later"));
             continue;
         }
         last = Some((start, entry.span));
@@ -79,7 +66,7 @@ pub fn resolve(
             moves,
         });
     }
-    (Plan::new(stays), unresolved)
+    (Plan::new(stays), left_out)
 }
 
 /// Why a moment is not in a song.
@@ -100,7 +87,7 @@ fn time_of(when: &When, song: &SongStructure, lines: &BarLines) -> Result<f64, M
         })
     };
     let anchor = match &when.anchor {
-        Anchor::Start | Anchor::Key => 0.0,
+        Anchor::Start => 0.0,
         Anchor::End => song.seconds,
         Anchor::Time(seconds) => *seconds,
         Anchor::Bar(bar) => lines.time_of(f64::from(*bar)),
@@ -189,8 +176,8 @@ mod tests {
     fn resolved(text: &str) -> (Plan, Vec<String>) {
         let parsed = parse("test.show", text);
         let script = parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
-        let (plan, unresolved) = resolve(&script, &song(), |_, to| (to == "liked").then_some(Way::Melt));
-        (plan, unresolved.left_out.into_iter().map(|one| one.message).collect())
+        let (plan, left_out) = resolve(&script, &song(), |_, to| (to == "liked").then_some(Way::Melt));
+        (plan, left_out.into_iter().map(|one| one.message).collect())
     }
 
     #[test]

@@ -52,8 +52,6 @@ pub enum Anchor {
     Drop(u32),
     /// The start of a build, from 1.
     Build(u32),
-    /// When a key is pressed.
-    Key,
 }
 
 /// A length of time.

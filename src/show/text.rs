@@ -41,7 +41,6 @@ fn moment(entry: &Entry) -> String {
     let anchor = match &entry.when.anchor {
         Anchor::Start => "start".to_owned(),
         Anchor::End => "end".to_owned(),
-        Anchor::Key => return "key".to_owned(),
         Anchor::Time(seconds) => clock(*seconds),
         Anchor::Bar(bar) => numbered("bar", *bar),
         Anchor::Drop(number) => numbered("drop", *number),

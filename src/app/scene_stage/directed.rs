@@ -10,6 +10,9 @@ use super::{Cast, SceneStage};
 use crate::scenes::{SceneSource, camera_number};
 use crate::show::{Programme, Stay, blend_kind};
 
+/// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
+const LATE: f64 = 0.5;
+
 /// What the stage knows of the show.
 #[derive(Default)]
 pub(super) struct Directed {
@@ -85,9 +88,15 @@ impl SceneStage {
             // It was asked for and could not be shown, or is on its way.
             return;
         }
-        let is_cut = mixes || moment.leaving.is_none();
-        let left = moment.stay.start + moment.stay.entrance.seconds - time;
-        self.fading.next_takes(if is_cut { 0.0 } else { left });
+        let since = time - moment.stay.start;
+        if mixes || (moment.leaving.is_none() && since < LATE) {
+            self.fading.next_takes(0.0);
+        } else if moment.leaving.is_some() {
+            self.fading.next_takes(moment.stay.entrance.seconds - since);
+        } else {
+            // The show was joined in the middle of a stay, or this is a seek.
+            self.fading.next_takes_the_usual();
+        }
         self.directed.asked = Some(wanted.clone());
         self.ask_for_source(wanted);
     }

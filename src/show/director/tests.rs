@@ -26,8 +26,8 @@ fn cards() -> Vec<SceneCard> {
 fn a_show_follows_the_song() {
     let script = direct(&song(), &cards(), 7);
     let text = print(&script, &[]);
-    let (plan, unresolved) = resolve(&script, &song(), |_, _| None);
-    assert!(unresolved.left_out.is_empty() && unresolved.waiting.is_empty(), "{text}");
+    let (plan, left_out) = resolve(&script, &song(), |_, _| None);
+    assert!(left_out.is_empty(), "{text}");
     let on = |time: f64| plan.at(time).unwrap().stay.scene.as_str();
     // Calm, in between, and from the drop on loud; the calm section comes back with its scene.
     assert!(["lake", "wood"].contains(&on(1.0)), "{text}");
@@ -111,8 +111,8 @@ proptest! {
         }).collect();
         let script = direct(&song, &cards(), seed);
         let text = print(&script, &[]);
-        let (plan, unresolved) = resolve(&script, &song, |_, _| None);
-        prop_assert!(unresolved.left_out.is_empty(), "{}\n{:?}", text, unresolved.left_out);
+        let (plan, left_out) = resolve(&script, &song, |_, _| None);
+        prop_assert!(left_out.is_empty(), "{}\n{:?}", text, left_out);
         prop_assert_eq!(plan.stays().len(), script.entries.len());
         let mut scenes: Vec<(f64, &str)> = plan.stays().iter().map(|stay| (stay.start, stay.scene.as_str())).collect();
         scenes.dedup_by_key(|(_, scene)| *scene);

@@ -11,7 +11,7 @@ fn script(text: &str) -> Script {
 fn a_show_is_read() {
     let read = script(
         "# my show\r\nat start speakers\r\n\r\nat section b 2 + 1.5 beats tunnel camera inside melt over 2 bars # why\n\
-         \tset swell = -0.2 -> .5 over 8 bars after 1 s\nat 1:02.5 - 3 s \"my own/orb.scene\" portal\nat key first-steps cut",
+         \tset swell = -0.2 -> .5 over 8 bars after 1 s\nat 1:02.5 - 3 s \"my own/orb.scene\" portal\nat end first-steps cut",
     );
     assert_eq!(read.entries.len(), 4);
     let tunnel = &read.entries[1];
@@ -32,7 +32,7 @@ fn a_show_is_read() {
         (orb.scene.as_str(), orb.transition.map(|one| one.length)),
         ("my own/orb.scene", Some(Length::Bars(1.0)))
     );
-    assert_eq!((&read.entries[3].when.anchor, read.entries[3].scene.as_str()), (&Anchor::Key, "first-steps"));
+    assert_eq!((&read.entries[3].when.anchor, read.entries[3].scene.as_str()), (&Anchor::End, "first-steps"));
 }
 
 #[test]
@@ -91,7 +91,7 @@ prop_compose! {
 prop_compose! {
     fn entry()(
         anchor in prop_oneof![
-            Just(Anchor::Start), Just(Anchor::End), Just(Anchor::Key), (0u32..90_000).prop_map(|t| Anchor::Time(f64::from(t) / 8.0)),
+            Just(Anchor::Start), Just(Anchor::End), (0u32..90_000).prop_map(|t| Anchor::Time(f64::from(t) / 8.0)),
             (1u32..999).prop_map(Anchor::Bar), (1u32..9).prop_map(Anchor::Drop), (1u32..9).prop_map(Anchor::Build),
             ("[A-Z]{1,2}", 1u32..9).prop_map(|(letter, number)| Anchor::Section(letter, number)),
         ],
@@ -104,7 +104,7 @@ prop_compose! {
             Length::Beats(number) => Length::Beats(-number),
             Length::Bars(number) => Length::Bars(-number),
         };
-        let offset = if anchor == Anchor::Key || offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
+        let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
         let transition = Way::ALL.get(way).map(|way| Transition {
             way: *way,
             length: if *way == Way::Cut { Length::ZERO } else { over },
@@ -132,7 +132,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_makes_it_panic(text in "(at|set|bar|section|key|start|over|melt|[0-9.:]{1,4}|[-=>\"#+\\n ]|\\PC){0,40}") {
+    fn no_text_makes_it_panic(text in "(at|set|bar|section|start|over|melt|[0-9.:]{1,4}|[-=>\"#+\\n ]|\\PC){0,40}") {
         let parsed = parse("test.show", &text);
         prop_assert_eq!(parsed.script.is_some(), parsed.diagnostics.is_empty());
         let _ = parsed.render(false);
