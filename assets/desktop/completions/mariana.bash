@@ -37,6 +37,9 @@ _mariana() {
             mariana,scenes)
                 cmd="mariana__subcmd__scenes"
                 ;;
+            mariana,show)
+                cmd="mariana__subcmd__show"
+                ;;
             mariana,still)
                 cmd="mariana__subcmd__still"
                 ;;
@@ -67,6 +70,9 @@ _mariana() {
             mariana__subcmd__help,scenes)
                 cmd="mariana__subcmd__help__subcmd__scenes"
                 ;;
+            mariana__subcmd__help,show)
+                cmd="mariana__subcmd__help__subcmd__show"
+                ;;
             mariana__subcmd__help,still)
                 cmd="mariana__subcmd__help__subcmd__still"
                 ;;
@@ -83,7 +89,7 @@ _mariana() {
 
     case "${cmd}" in
         mariana)
-            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --quality --flash-limiter --fade --prepare-ahead --program-cache --fullscreen --clean --size --new --gl-info --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval scenes devices help"
+            opts="-v -h -V --mic --system --shuffle --repeat --device --silent --once --volume --latency --fps-cap --quality --flash-limiter --fade --prepare-ahead --program-cache --fullscreen --clean --size --show --new --gl-info --scene --view --sdf --regions --tone-map --gain --shaders --verbose --help --version still video analyze bench check tape eval show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -130,6 +136,10 @@ _mariana() {
                     return 0
                     ;;
                 --size)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --show)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -311,7 +321,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__help)
-            opts="still video analyze bench check tape eval scenes devices help"
+            opts="still video analyze bench check tape eval show scenes devices help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -422,6 +432,20 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__help__subcmd__show)
+            opts=""
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__help__subcmd__still)
             opts=""
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
@@ -478,8 +502,34 @@ _mariana() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        mariana__subcmd__show)
+            opts="-o -h --scene --output --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --scene)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --output)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                -o)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --output --scene --alpha --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --output --scene --alpha --show --into --blend --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -502,6 +552,18 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --show)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --into)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --blend)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -555,7 +617,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__video)
-            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --title-card --flash-limiter --scene --alpha --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -q -v -h --for --start --duration --fps --size --codec --quality --title-card --flash-limiter --scene --alpha --show --set --output --quiet --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -594,6 +656,10 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --show)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
