@@ -1,4 +1,4 @@
-//! Listens to whole songs beside the show, on a thread with the lowest priority: the track that plays, and then the one
+//! Listens to whole songs beside the show, on a thread of low priority: the track that plays, and then the one
 //! that follows it. A track that is wanted no more is left at once.
 
 use std::collections::VecDeque;
@@ -12,6 +12,12 @@ use mariana_player::track::TrackInfo;
 
 /// Structures of earlier tracks that are kept in memory.
 const KNOWN_MAX: usize = 16;
+
+/// How far the thread steps back behind all others: as far as it can, once the first song is known.
+const NICENESS: i32 = 19;
+/// The first song plays already, and where a software renderer takes all processors, a thread of the lowest priority would
+/// hardly run at all.
+const FIRST_NICENESS: i32 = 5;
 
 /// See the module. Dropping it ends the thread.
 #[derive(Debug)]
@@ -54,7 +60,7 @@ impl SongReader {
         let shared = Arc::new(Shared::default());
         let of_thread = shared.clone();
         std::thread::Builder::new().name("songs".into()).spawn(move || {
-            lower_priority();
+            lower_priority(FIRST_NICENESS);
             while let Some(track) = of_thread.next() {
                 let begun = Instant::now();
                 let go_on = || of_thread.wants_most(&track);
@@ -64,6 +70,7 @@ impl SongReader {
                     tracing::info!("the song {} {known} after {:.0?}", track.name, begun.elapsed());
                     of_thread.tell(track.id, found);
                     wake();
+                    lower_priority(NICENESS);
                 }
             }
         })?;
@@ -130,11 +137,11 @@ impl Shared {
 }
 
 #[cfg(target_os = "linux")]
-fn lower_priority() {
-    if let Err(error) = rustix::process::setpriority_process(None, 19) {
+fn lower_priority(niceness: i32) {
+    if let Err(error) = rustix::process::setpriority_process(None, niceness) {
         tracing::debug!("the thread for songs keeps its priority: {error}");
     }
 }
 
 #[cfg(not(target_os = "linux"))]
-fn lower_priority() {}
+fn lower_priority(_: i32) {}

@@ -20,7 +20,7 @@ impl LiveEnergy {
     /// The energy, 0..1, at `time` in seconds, where the level is `level_db`
     /// ([`Features::level_db`](super::Features)). A step back in time changes nothing but the time.
     pub fn at(&mut self, time: f64, level_db: f32) -> f32 {
-        let level_db = if level_db.is_nan() { super::LEVEL_FLOOR_DB } else { level_db };
+        let level_db = if level_db.is_finite() { level_db } else { super::LEVEL_FLOOR_DB };
         let time = if time.is_finite() { time } else { 0.0 };
         let (last, mut level, mut loudest) = self.state.unwrap_or((time, level_db, LOUDEST_MIN_DB));
         let passed = (time - last).max(0.0);
@@ -53,7 +53,8 @@ mod tests {
     fn noise_is_no_music_and_no_time_breaks_it() {
         let mut energy = LiveEnergy::default();
         assert!(energy.at(0.0, -90.0) <= 0.0);
-        for (time, level) in [(f64::NAN, -20.0), (-5.0, f32::NAN), (f64::INFINITY, 0.0), (3.0, f32::INFINITY)]
+        for (time, level) in
+            [(f64::NAN, -20.0), (-5.0, f32::NAN), (f64::INFINITY, 0.0), (3.0, f32::INFINITY), (4.0, -9.0)]
         {
             assert!((0.0..=1.0).contains(&energy.at(time, level)), "{time} {level}");
         }
