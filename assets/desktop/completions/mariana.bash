@@ -479,7 +479,7 @@ _mariana() {
             return 0
             ;;
         mariana__subcmd__still)
-            opts="-o -v -h --at --size --output --scene --alpha --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
+            opts="-o -v -h --at --size --output --scene --alpha --into --blend --set --view --sdf --regions --tone-map --gain --shaders --verbose --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -502,6 +502,14 @@ _mariana() {
                     return 0
                     ;;
                 --scene)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --into)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --blend)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
