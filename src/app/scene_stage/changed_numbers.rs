@@ -12,7 +12,9 @@ const REST: Duration = Duration::from_secs(10);
 
 /// Whether numbers of its text are read as inputs.
 fn is_changing(cast: &Cast) -> bool {
-    cast.resources.world().scene.params.iter().any(|param| param.is_number)
+    let world = cast.resources.world();
+    // The share of a blend is no number of a text.
+    world.blended.is_none() && world.scene.params.iter().any(|param| param.is_number)
 }
 
 impl SceneStage {
