@@ -21,7 +21,7 @@ pub(super) struct AnalyzeArguments {
     /// What the whole song is made of instead of its moments: tempo, bars, key, sections, builds, drops
     #[arg(long, conflicts_with_all = ["gain", "fps", "start", "duration"])]
     structure: bool,
-    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma
+    /// Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show that follows it
     #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["gain", "fps", "start", "duration"])]
     plot: Option<PathBuf>,
     /// Print what is known of the whole song at each moment, too: bar, section, energy, build, drop, ...

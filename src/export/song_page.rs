@@ -1,8 +1,10 @@
-//! A song drawn on one page: waveform, energy, beats, bars, sections, builds, drops, tempo and chroma, as SVG.
+//! A song drawn on one page: waveform, energy, beats, bars, sections, builds, drops, tempo, chroma, and the show that the
+//! director makes of it, as SVG.
 
 use std::fmt::Write as _;
 
 use super::structure::{clock, summary};
+use crate::show::Plan;
 use mariana_music::{PITCH_CLASSES, SongStructure};
 
 /// Width of the time axis and of the space for names on its left, in pixels.
@@ -17,8 +19,9 @@ const BEATS: (f64, f64) = (310.0, 40.0);
 const TEMPO: (f64, f64) = (360.0, 70.0);
 const CHORDS: (f64, f64) = (440.0, 24.0);
 const CHROMA: (f64, f64) = (474.0, 168.0);
-const AXIS: f64 = 660.0;
-const HEIGHT: f64 = 690.0;
+const SHOW: (f64, f64) = (652.0, 26.0);
+const AXIS: f64 = 700.0;
+const HEIGHT: f64 = 730.0;
 
 /// At most this many columns are drawn in a row: more would not be seen.
 const COLUMNS_MAX: usize = 1400;
@@ -27,8 +30,8 @@ const COLUMNS_MAX: usize = 1400;
 const FILLS: [&str; 8] =
     ["#7fb3d5", "#f0b27a", "#82e0aa", "#d7bde2", "#f7dc6f", "#f1948a", "#76d7c4", "#ccd1d1"];
 
-/// The page.
-pub(super) fn page(name: &str, structure: &SongStructure) -> String {
+/// The page of a song and its show.
+pub(super) fn page(name: &str, structure: &SongStructure, show: &Plan) -> String {
     let mut svg = String::new();
     let total = WIDTH + LEFT + 20.0;
     let _ = write!(
@@ -47,6 +50,7 @@ pub(super) fn page(name: &str, structure: &SongStructure) -> String {
         ("beats", BEATS),
         ("tempo", TEMPO),
         ("chords", CHORDS),
+        ("show", SHOW),
     ];
     for (row, (top, height)) in rows {
         let _ =
@@ -57,6 +61,7 @@ pub(super) fn page(name: &str, structure: &SongStructure) -> String {
     curves(&mut svg, structure, &x);
     beats(&mut svg, structure, &x);
     pitches(&mut svg, structure, &x);
+    scenes(&mut svg, show, structure.seconds, &x);
     axis(&mut svg, structure.seconds, &x);
     svg.push_str("</svg>\n");
     svg
@@ -232,6 +237,44 @@ fn pitches(svg: &mut String, structure: &SongStructure, x: &dyn Fn(f64) -> f64) 
     svg.push('\n');
 }
 
+/// Each scene as a box, its transition as a slope, and cuts between its cameras as lines.
+fn scenes(svg: &mut String, show: &Plan, seconds: f64, x: &dyn Fn(f64) -> f64) {
+    let (top, height) = SHOW;
+    let stays = show.stays();
+    let mut names: Vec<&str> = Vec::new();
+    let mut from = 0;
+    while let Some(stay) = stays.get(from) {
+        let cuts = stays[from..].iter().take_while(|other| other.scene == stay.scene).count();
+        let behind = from + cuts;
+        let end = stays.get(behind).map_or(seconds, |next| next.start);
+        let number = names.iter().position(|name| *name == stay.scene).unwrap_or(names.len());
+        if number == names.len() {
+            names.push(&stay.scene);
+        }
+        let (left, right, whole) = (x(stay.start), x(end), x(stay.start + stay.entrance.seconds));
+        let name = escaped(stay.scene.rsplit('/').next().unwrap_or(&stay.scene));
+        let _ = write!(
+            svg,
+            "<polygon points=\"{left:.1},{bottom} {whole:.1},{top} {right:.1},{top} {right:.1},{bottom}\" fill=\"{}\" \
+             stroke=\"white\"/>",
+            FILLS[number % FILLS.len()],
+            bottom = top + height,
+        );
+        for cut in &stays[from + 1..behind] {
+            let _ = write!(svg, "<path d=\"M{:.1} {top}v{height}\" stroke=\"white\"/>", x(cut.start));
+        }
+        if right - left > 6.5 * name.chars().count() as f64 {
+            let middle = (left + right) / 2.0;
+            let _ = writeln!(
+                svg,
+                "<text x=\"{middle:.1}\" y=\"{}\" text-anchor=\"middle\">{name}</text>",
+                top + 17.0
+            );
+        }
+        from = behind;
+    }
+}
+
 fn axis(svg: &mut String, seconds: f64, x: &dyn Fn(f64) -> f64) {
     let steps = [1.0, 5.0, 10.0, 30.0, 60.0, 300.0, 600.0, 1800.0];
     let step = steps.into_iter().find(|step| seconds / step <= 16.0).unwrap_or(3600.0);
@@ -272,7 +315,7 @@ mod tests {
 
     #[test]
     fn names_are_text_and_no_tags() {
-        let svg = page("<b> & \u{1}co", &SongStructure::default());
+        let svg = page("<b> & \u{1}co", &SongStructure::default(), &Plan::default());
         assert!(svg.contains("&lt;b&gt; &amp; co") && svg.starts_with("<svg") && svg.ends_with("</svg>\n"));
     }
 }

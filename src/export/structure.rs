@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use super::error::ExportError;
 use super::song_page::page;
 use crate::atomic_file::AtomicFile;
+use crate::scenes::{SceneSource, shipped_names};
+use crate::show::{Programme, ShowSource};
 use mariana_music::{SongListener, SongStructure, StereoFrame, Tonality};
 use mariana_player::decode::DecodeError;
 use mariana_player::song::{Song, display_name};
@@ -60,7 +62,9 @@ pub fn tell_structure(request: &StructureRequest, out: &mut dyn Write) -> Result
     };
     let (name, structure) = structure_of(&request.song)?;
     if let Some(plot) = plot {
-        plot.write(page(&name, &structure).as_bytes())?;
+        let shipped: Vec<SceneSource> = shipped_names().into_iter().map(SceneSource::Shipped).collect();
+        let (show, _) = Programme::of_song(&ShowSource::Auto, &structure, &shipped)?;
+        plot.write(page(&name, &structure, show.plan()).as_bytes())?;
     }
     if !request.told {
         return Ok(());

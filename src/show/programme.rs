@@ -288,6 +288,11 @@ fn source_of(name: &str, folder: &Path) -> Result<SceneSource, SceneError> {
 fn read(path: &Path) -> Result<String, ShowError> {
     let unreadable =
         |error: std::io::Error| ShowError::Unreadable { path: path.to_owned(), reason: error.to_string() };
+    // Checked before it is opened, because opening a pipe waits for somebody who writes.
+    if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+        let reason = "it is no regular file".to_owned();
+        return Err(ShowError::Unreadable { path: path.to_owned(), reason });
+    }
     let max = LIMITS.show_bytes_max;
     let bytes = crate::scenes::read_at_most(path, max).map_err(unreadable)?;
     let bytes = bytes.ok_or_else(|| ShowError::TooLarge { path: path.to_owned(), max })?;
@@ -363,6 +368,8 @@ mod tests {
         std::fs::write(&path, vec![b'#'; LIMITS.show_bytes_max + 1]).unwrap();
         assert!(matches!(refused(path), ShowError::TooLarge { .. }));
         assert!(matches!(refused(folder.path().join("none.show")), ShowError::Unreadable { .. }));
+        // A device, and a pipe would be the same: reading one may never end.
+        assert!(matches!(refused(PathBuf::from("/dev/zero")), ShowError::Unreadable { .. }));
     }
 
     #[test]
