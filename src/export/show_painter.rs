@@ -1,6 +1,7 @@
 //! Draws a show: at each moment the scene that is on, or two scenes of which one becomes the other.
 
 use std::collections::VecDeque;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::error::ExportError;
@@ -36,7 +37,7 @@ pub(super) struct ShowPainter {
     programme: Arc<Programme>,
     scenes: Vec<Read>,
     /// What is on the GPU, the last drawn at the end.
-    models: VecDeque<(Drawn, Arc<Model>)>,
+    models: VecDeque<(Drawn, Rc<Model>)>,
     /// Blends that are refused: they fade.
     refused: Vec<Drawn>,
 }
@@ -123,7 +124,7 @@ impl ShowPainter {
         time: f64,
         sound: Sound,
         size: (u32, u32),
-    ) -> Result<(Arc<Model>, Frame), ExportError> {
+    ) -> Result<(Rc<Model>, Frame), ExportError> {
         let read = self.read(stay)?;
         let (ready, held) = (read.ready.clone(), read.held.clone());
         let params = params_of(&ready.world, stay, time);
@@ -135,7 +136,7 @@ impl ShowPainter {
     }
 
     /// The blend of two stays; none if they cannot be blended.
-    fn blend(&mut self, from: &Stay, to: &Stay, kind: BlendKind) -> Result<Option<Arc<Model>>, ExportError> {
+    fn blend(&mut self, from: &Stay, to: &Stay, kind: BlendKind) -> Result<Option<Rc<Model>>, ExportError> {
         let Some(blend) = self.programme.blend(from, to, kind) else {
             return Err(ExportError::NotInShow { scene: to.scene.clone() });
         };
@@ -163,11 +164,11 @@ impl ShowPainter {
         &mut self,
         drawn: Drawn,
         make: impl FnOnce(&Self) -> Result<ReadyScene, ExportError>,
-    ) -> Result<Arc<Model>, ExportError> {
+    ) -> Result<Rc<Model>, ExportError> {
         let known = self.models.iter().position(|(known, _)| *known == drawn);
         let model = match known.and_then(|at| self.models.remove(at)) {
             Some((_, model)) => model,
-            None => Arc::new(self.easel.load(&self.choice, make(self)?)?),
+            None => Rc::new(self.easel.load(&self.choice, make(self)?)?),
         };
         if self.models.len() >= MODELS_MAX {
             self.models.pop_front();

@@ -258,8 +258,8 @@ impl<'a> Reader<'a> {
         let word = self.expect("a length", "as in `2 bars`, `4 beats` or `1.5 s`")?;
         let number = self.value(word)?;
         let unit = self.expect("`bars`, `beats` or `s`", "as in `2 bars`")?;
-        let known = Length::UNITS.iter().find(|(_, names)| names.contains(&unit.text));
-        let Some((of, _)) = known else {
+        let known = Length::UNITS.iter().find(|known| known.names.contains(&unit.text));
+        let Some(known) = known else {
             let wrong = Diagnostic::new(unit.span, format!("{} is no unit of time", unit.shown()));
             return Err(Box::new(wrong.hint("the units are `bars`, `beats` and `s`")));
         };
@@ -270,7 +270,7 @@ impl<'a> Reader<'a> {
             );
             return Err(Box::new(long));
         }
-        Ok(of(number))
+        Ok((known.of)(number))
     }
 
     fn count(&mut self, what: &str) -> Read<u32> {

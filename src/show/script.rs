@@ -69,9 +69,12 @@ impl Length {
     /// No time.
     pub const ZERO: Self = Self::Seconds(0.0);
 
-    /// The unit's names in shows, the first of which is printed for one.
-    pub(super) const UNITS: [(fn(f64) -> Self, &'static [&'static str]); 3] =
-        [(Self::Seconds, &["s"]), (Self::Beats, &["beat", "beats"]), (Self::Bars, &["bar", "bars"])];
+    /// The units.
+    pub(super) const UNITS: [Unit; 3] = [
+        Unit { of: Self::Seconds, names: &["s"] },
+        Unit { of: Self::Beats, names: &["beat", "beats"] },
+        Unit { of: Self::Bars, names: &["bar", "bars"] },
+    ];
 
     /// The number without its unit.
     pub fn number(self) -> f64 {
@@ -79,6 +82,14 @@ impl Length {
             Self::Seconds(number) | Self::Beats(number) | Self::Bars(number) => number,
         }
     }
+}
+
+/// A unit of lengths.
+pub(super) struct Unit {
+    /// A length of so many.
+    pub of: fn(f64) -> Length,
+    /// Its names in shows; the first is printed for one, the last for several.
+    pub names: &'static [&'static str],
 }
 
 /// How a scene comes.

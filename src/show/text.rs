@@ -71,8 +71,10 @@ fn set(setting: &Setting) -> String {
 /// A length without its sign.
 fn length(length: Length) -> String {
     let number = length.number().abs();
-    let names =
-        Length::UNITS.iter().find(|(of, _)| of(length.number()) == length).map_or(&["s"][..], |unit| unit.1);
+    let names = Length::UNITS
+        .iter()
+        .find(|unit| (unit.of)(length.number()) == length)
+        .map_or(&["s"][..], |unit| unit.names);
     let of_one = names.first().copied().unwrap_or("s");
     let unit = if number == 1.0 { of_one } else { names.last().copied().unwrap_or(of_one) };
     format!("{number} {unit}")

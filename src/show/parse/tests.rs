@@ -84,7 +84,7 @@ fn what_is_too_much_is_over_a_limit() {
 
 prop_compose! {
     fn length()(number in 0u32..400, unit in 0usize..3) -> Length {
-        (Length::UNITS[unit].0)(f64::from(number) / 4.0)
+        (Length::UNITS[unit].of)(f64::from(number) / 4.0)
     }
 }
 
