@@ -34,6 +34,9 @@ const USUAL_SECONDS: f64 = 2.0;
 /// A group that usually rises less than this counts as rising that much.
 const USUAL_MIN: f32 = 0.05;
 
+/// What is usual before anything is heard: about what it is in noise.
+const USUAL_AT_FIRST: f32 = 0.2;
+
 /// A rise of more than this many times the usual one counts as that many, so that one group alone is no onset.
 const SUDDEN_MOST: f32 = 8.0;
 
@@ -81,18 +84,16 @@ impl Flux {
         }
         let weight = |group: usize| (edges[group].max(1) as f64 * bin_hz).powf(WEIGHT_POWER);
         let all: f64 = (0..GROUPS).map(weight).sum();
-        let mut flux = Self {
+        Self {
             edges,
             weights: std::array::from_fn(|group| (weight(group) / all) as f32),
             last: [[0.0; GROUPS]; LAG],
             loudest: 0.0,
             loudest_of: [0.0; GROUPS],
-            usual: [0.0; GROUPS],
+            usual: [USUAL_AT_FIRST; GROUPS],
             kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
             learned: (hop_seconds / USUAL_SECONDS) as f32,
-        };
-        flux.restart();
-        flux
+        }
     }
 
     /// Forgets everything.
@@ -100,7 +101,7 @@ impl Flux {
         self.last = [[0.0; GROUPS]; LAG];
         self.loudest = 0.0;
         self.loudest_of = [0.0; GROUPS];
-        self.usual = [0.0; GROUPS];
+        self.usual = [USUAL_AT_FIRST; GROUPS];
     }
 
     /// The rise of the next moment, from its power per bin.
@@ -144,7 +145,7 @@ pub(super) const FLUX_MIN: f32 = 0.05;
 
 /// An onset is more sudden than the median of that time by this many times the distance from the median to the lower
 /// quartile, which noise does not reach, ...
-const SUDDEN_SPREADS: f32 = 9.0;
+const SUDDEN_SPREADS: f32 = 8.5;
 /// ... but by no less than the first and no more than the second of these (noise spreads less than dense music), ...
 const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.6);
 /// ... and by this share of the way from the median to the largest.
@@ -158,7 +159,9 @@ pub(super) struct Onsets {
     /// The last rises, in a ring.
     sudden: Vec<f32>,
     flux: Vec<f32>,
+    /// Rises taken, and how many of them count.
     moment: usize,
+    taken: usize,
     sorted: Vec<f32>,
     above: bool,
     apart: u32,
@@ -174,6 +177,7 @@ impl Onsets {
             sudden: ring(SUDDEN_SECONDS),
             flux: ring(FLUX_SECONDS),
             moment: 0,
+            taken: 0,
             sorted: ring(SUDDEN_SECONDS),
             above: false,
             apart,
@@ -185,6 +189,7 @@ impl Onsets {
     pub(super) fn restart(&mut self) {
         self.sudden.fill(0.0);
         self.flux.fill(0.0);
+        (self.moment, self.taken) = (0, 0);
         (self.above, self.since) = (false, self.apart);
     }
 
@@ -196,6 +201,7 @@ impl Onsets {
             ring[place] = value;
         }
         self.moment = self.moment.wrapping_add(1);
+        self.taken = (self.taken + 1).min(self.sudden.len());
         let above = rise.sudden > self.threshold();
         let was_above = std::mem::replace(&mut self.above, above);
         self.since = self.since.saturating_add(1);
@@ -209,14 +215,19 @@ impl Onsets {
 
     /// What an onset exceeds.
     fn threshold(&mut self) -> f32 {
-        self.sorted.copy_from_slice(&self.sudden);
-        let largest = self.sorted.iter().fold(0.0_f32, |largest, sudden| largest.max(*sudden));
-        let half = self.sorted.len() / 2;
-        let (lower, median, _) = self.sorted.select_nth_unstable_by(half, f32::total_cmp);
+        // Before the ring is full its first places are.
+        let sorted = &mut self.sorted[..self.taken];
+        sorted.copy_from_slice(&self.sudden[..self.taken]);
+        let largest = sorted.iter().fold(0.0_f32, |largest, sudden| largest.max(*sudden));
+        let half = sorted.len() / 2;
+        let (lower, median, _) = sorted.select_nth_unstable_by(half, f32::total_cmp);
         let median = *median;
         let quarter = lower.len() / 2;
-        let quartile = lower.select_nth_unstable_by(quarter, f32::total_cmp).1;
-        let above = (SUDDEN_SPREADS * (median - *quartile)).clamp(SUDDEN_ABOVE.0, SUDDEN_ABOVE.1);
+        let quartile = match lower.get(quarter) {
+            Some(_) => *lower.select_nth_unstable_by(quarter, f32::total_cmp).1,
+            None => median,
+        };
+        let above = (SUDDEN_SPREADS * (median - quartile)).clamp(SUDDEN_ABOVE.0, SUDDEN_ABOVE.1);
         median + above.max(SUDDEN_SHARE * (largest - median))
     }
 }

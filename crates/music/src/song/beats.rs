@@ -14,11 +14,11 @@ use crate::onset::FLUX_MIN;
 /// Range of periods, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 /// The likeliest tempo in beats per minute, and what a beat loses a square octave away from it.
-const LIKELY: (f64, f64) = (108.0, 0.9);
+const LIKELY: (f64, f64) = (108.0, 0.6);
 
 /// What a beat is worth, and what strokes at its half and at its quarters add: a sum, and a factor of the logarithm of
 /// the odds of the strength. Halves are struck more often than the rest of a beat, quarters less.
-const BEAT: (f32, f32) = (0.3, 1.5);
+const BEAT: (f32, f32) = (0.0, 1.5);
 /// See [`BEAT`].
 const HALF: (f32, f32) = (0.15, 0.15);
 /// See [`BEAT`].
