@@ -3,13 +3,14 @@
 //! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole moments (the bar
 //! pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to
 //! moment every state moves on by one; at the end of a beat it may change to a nearby period. States at the start of
-//! a beat expect an onset, all others expect none. The model is causal and hears only the flux. Because the states of
-//! a period move together, their ring is rotated instead of copied: a moment costs one multiplication for each state
-//! that starts a beat, and one sum over all states.
+//! a beat expect a stroke, those at its half may have one, those at its quarters rather not. The model is causal and
+//! hears only the flux. Because the states of a period move together, their ring is rotated instead of copied: a
+//! moment costs a few multiplications for each period, and one sum over all states.
 //!
 //! **The beat is inferred, not picked.** A hidden Markov model over periods and phases, filtered forwards, expects
-//! onsets at the start of a beat and none between. Octaves, swing and missing beats are weighed against each other by
-//! the same rule, and the phase predicts the next beat. The model keeps only windowed, held and leaking quantities:
+//! strokes where beats have them. Octaves, swing and missing beats are weighed against each other by the same rule, a
+//! likelihood of tempos counts with each beat, and the phase predicts the next beat. What is told has inertia: another
+//! tempo must be much likelier. The model keeps only windowed, held and leaking quantities:
 //! everything it heard is forgotten within seconds, so that a moment looks the same however it was reached. After a
 //! seek the analysis starts 13 s before the target, because a history spans 10 s.
 
@@ -60,10 +61,10 @@ const TOLD: (f32, f32) = (0.6, 0.25);
 const INERTIA: f32 = 3.0;
 
 /// No tempo is reported before this many onsets.
-const ONSETS_MIN: u32 = 4;
+const ONSETS_MIN: u32 = 2;
 
 /// After this many seconds without an onset nothing is known any more.
-const FORGET_SECONDS: f64 = 4.0;
+const FORGET_SECONDS: f64 = 5.0;
 
 /// Share of its error by which the reported phase is corrected at each moment.
 const PULL: f32 = 0.12;

@@ -145,11 +145,14 @@ pub(super) const FLUX_MIN: f32 = 0.05;
 
 /// An onset is more sudden than the median of that time by this many times the distance from the median to the lower
 /// quartile, which noise does not reach, ...
-const SUDDEN_SPREADS: f32 = 8.5;
+const SUDDEN_SPREADS: f32 = 11.0;
 /// ... but by no less than the first and no more than the second of these (noise spreads less than dense music), ...
-const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.6);
+const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
 /// ... and by this share of the way from the median to the largest.
 const SUDDEN_SHARE: f32 = 0.25;
+
+/// Moments of silence that count as heard before the first moment.
+const SILENT_BEFORE: usize = 16;
 
 /// Two onsets are never closer than this, in seconds.
 const ONSETS_APART: f64 = 0.05;
@@ -215,9 +218,11 @@ impl Onsets {
 
     /// What an onset exceeds.
     fn threshold(&mut self) -> f32 {
-        // Before the ring is full its first places are.
-        let sorted = &mut self.sorted[..self.taken];
-        sorted.copy_from_slice(&self.sudden[..self.taken]);
+        // Before the ring is full its first places are. A little silence before the first moment counts, so that a sound
+        // with which the stream starts begins there.
+        let count = self.taken.max(SILENT_BEFORE).min(self.sudden.len());
+        let sorted = &mut self.sorted[..count];
+        sorted.copy_from_slice(&self.sudden[..count]);
         let largest = sorted.iter().fold(0.0_f32, |largest, sudden| largest.max(*sudden));
         let half = sorted.len() / 2;
         let (lower, median, _) = sorted.select_nth_unstable_by(half, f32::total_cmp);

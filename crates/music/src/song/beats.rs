@@ -3,8 +3,8 @@
 //! The model is the one that listens forward ([`crate::beat`]): states are a period and a phase within it, and the
 //! period may change at the end of a beat. Here the likeliest path through the whole song is decoded by dynamic
 //! programming (Viterbi 1967). As within a beat nothing is decided, it is enough to know, for every moment and period,
-//! the best path that has a beat there and the next one a period later; what is between beats is the same for all
-//! paths (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
+//! the best path that has a beat there and the next one a period later, with what its half and its quarters are worth
+//! (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
 
 use std::collections::VecDeque;
 
