@@ -54,9 +54,9 @@ const MID: std::ops::Range<usize> = 8..21;
 /// See [`BASS`].
 const TREBLE: std::ops::Range<usize> = 21..BAND_COUNT;
 
-/// How many moments after an onset the flux shows it: for windows centred on their moment, and for windows ending at
+/// How many moments after an onset the tracker puts it: for windows centred on their moment, and for windows ending at
 /// it.
-const FLUX_LATE: (f32, f32) = (0.6, 1.6);
+const FLUX_LATE: (f32, f32) = (1.1, 2.1);
 
 /// The long window is not used above this frequency, in hertz.
 const SLOW_HIGHEST_HZ: f64 = 600.0;
@@ -193,7 +193,7 @@ impl Analyzer {
             beat_follower: Follower::new(BEAT_RELEASE, BEAT_RELEASE, hop_seconds),
             drive_follower: Follower::new(DRIVE_SECONDS, DRIVE_SECONDS, hop_seconds),
             gain: AutoGain::new(gain, hop_seconds),
-            flux: Flux::new(short / 2, rate / short as f64),
+            flux: Flux::new(short / 2, rate / short as f64, hop_seconds),
             onsets: Onsets::new(hop_seconds),
             beats: BeatTracker::new(hop_seconds, late),
             last: TimedFeatures::new(0.0, 0, Features::SILENCE),
@@ -300,7 +300,7 @@ impl Analyzer {
         let spectra = [long, middle, short];
         let powers = self.bands.powers(spectra);
         let power = powers.iter().sum();
-        let (loudest, gain_db) = self.gain.follow(power);
+        let gain_db = self.gain.follow(power);
 
         self.last.number = self.moment / self.hop as u64;
         self.last.time = self.moment as f64 / f64::from(self.sample_rate);
@@ -333,7 +333,7 @@ impl Analyzer {
             self.volume_follower.follow(value, (scale * target).min(SAMPLE_MAX));
         }
 
-        let (begins, flux) = self.onsets.follow(self.flux.follow(short, loudest));
+        let (begins, flux) = self.onsets.follow(self.flux.follow(short));
         self.beat_follower.follow(&mut features.beat, 0.0);
         if begins {
             features.beat = 1.0;

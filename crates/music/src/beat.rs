@@ -3,50 +3,68 @@
 //! The tracker is a hidden Markov model. A state is a period and a phase within it, both in whole moments (the bar
 //! pointer of Whiteley, Cemgil and Godsill 2006, with the states of Krebs, Böck and Widmer 2015). From moment to
 //! moment every state moves on by one; at the end of a beat it may change to a nearby period. States at the start of
-//! a beat expect an onset, all others expect none. The model is causal and hears only the flux. Because the states of
-//! a period move together, their ring is rotated instead of copied: a moment costs one multiplication for each state
-//! that starts a beat, and one sum over all states.
+//! a beat expect a stroke, those at its half may have one, those at its quarters rather not. The model is causal and
+//! hears only the flux. Because the states of a period move together, their ring is rotated instead of copied: a
+//! moment costs a few multiplications for each period, and one sum over all states.
 //!
 //! **The beat is inferred, not picked.** A hidden Markov model over periods and phases, filtered forwards, expects
-//! onsets at the start of a beat and none between. Octaves, swing and missing beats are weighed against each other by
-//! the same rule, and the phase predicts the next beat. The model keeps only windowed, held and leaking quantities:
+//! strokes where beats have them. Octaves, swing and missing beats are weighed against each other by the same rule, a
+//! likelihood of tempos counts with each beat, and the phase predicts the next beat. What is told has inertia: another
+//! tempo must be much likelier. The model keeps only windowed, held and leaking quantities:
 //! everything it heard is forgotten within seconds, so that a moment looks the same however it was reached. After a
 //! seek the analysis starts 13 s before the target, because a history spans 10 s.
 
 use std::f32::consts::TAU;
+use std::ops::Range;
 
 /// Range of periods, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
 
-/// A beat starts during this time, in seconds.
-const START_SECONDS: f64 = 0.032;
+/// A beat, its half and its quarters start during this time, in seconds, ...
+const START_SECONDS: f64 = 0.021;
+/// ... and what is struck then sounds this long.
+const HELD_SECONDS: f64 = 0.032;
 
-/// The most likely tempo before anything is heard, in beats per minute, and the distance from it in octaves at which
-/// a tempo is less likely by exp(-1/2).
-const LIKELY: (f64, f64) = (115.0, 1.4);
+/// How likely a strength is at the start of a beat, at its half and at its quarters, relative to the rest of the beat:
+/// a factor, and the power of the odds of the strength. Halves are struck more often than the rest, quarters less,
+/// which tells a beat from half of one.
+const BEAT: (f32, f32) = (1.1, 0.5);
+/// See [`BEAT`].
+const HALF: (f32, f32) = (1.05, 0.05);
+/// See [`BEAT`].
+const QUARTER: (f32, f32) = (1.0, -0.05);
+
+/// The most likely tempo in beats per minute, and the distance from it in octaves at which a tempo is less likely by
+/// exp(-1/2).
+const LIKELY: (f64, f64) = (108.0, 0.9);
+/// The power of that likelihood that counts again with each beat.
+const LIKELY_EACH_BEAT: f64 = 0.7;
 
 /// How unlikely a change of period is at the end of a beat: exp(-this · relative change). A change by one moment
 /// costs no more than the next constant, because most tempos lie between two periods and their beats alternate
 /// between them.
 const TEMPO_STIFFNESS: f32 = 90.0;
 /// See [`TEMPO_STIFFNESS`].
-const NEIGHBOUR: f32 = 0.7;
+const NEIGHBOUR: f32 = 1.2;
 /// Largest change of period from one beat to the next, in moments.
 const REACH: usize = 8;
 
 /// Share of the belief that is redistributed at each moment, so that a new tempo can be found: over periods by what
 /// is likely before anything is heard, over the phases of a period evenly.
-const DOUBT: f32 = 2e-5;
+const DOUBT: f32 = 1e-6;
 
 /// Belief within a tenth of a beat and a twelfth of the tempo around the likeliest state: at or above the first value
 /// a tempo is reported, below the second it is no longer reported.
-const TOLD: (f32, f32) = (0.75, 0.3);
+const TOLD: (f32, f32) = (0.6, 0.25);
+
+/// The told tempo is left only for one that is this many times as likely.
+const INERTIA: f32 = 3.0;
 
 /// No tempo is reported before this many onsets.
-const ONSETS_MIN: u32 = 4;
+const ONSETS_MIN: u32 = 2;
 
 /// After this many seconds without an onset nothing is known any more.
-const FORGET_SECONDS: f64 = 4.0;
+const FORGET_SECONDS: f64 = 5.0;
 
 /// Share of its error by which the reported phase is corrected at each moment.
 const PULL: f32 = 0.12;
@@ -92,8 +110,10 @@ pub(super) struct BeatTracker {
     /// last.
     leaving: Vec<f32>,
     totals: Vec<f32>,
+    /// Moments in which a beat starts, and for which a strength is held.
     start: usize,
-    /// The last values of the flux, held so that an onset lasts as long as the start of a beat.
+    hold: usize,
+    /// The last strengths.
     held: [f32; 4],
     forget: u32,
     since_onset: u32,
@@ -121,6 +141,8 @@ impl BeatTracker {
         let likely: Vec<f64> = likely.collect();
         let sum: f64 = likely.iter().sum();
         let doubt = rings.iter().zip(&likely).map(|(ring, l)| (l / sum / ring.period as f64) as f32);
+        let most = likely.iter().fold(0.0_f64, |most, l| most.max(*l));
+        let again: Vec<f32> = likely.iter().map(|l| (l / most).powf(LIKELY_EACH_BEAT) as f32).collect();
         let weight = |to: usize, from: usize| {
             let moments = rings[to].period.abs_diff(rings[from].period) as f32;
             let beyond = (moments - 1.0).max(0.0) / rings[from].period as f32;
@@ -132,7 +154,7 @@ impl BeatTracker {
             let mut row = [0.0; 2 * REACH + 1];
             for from in near(to) {
                 let all: f32 = near(from).map(|to| weight(to, from)).sum();
-                row[REACH + from - to] = weight(to, from) / all;
+                row[REACH + from - to] = again[to] * weight(to, from) / all;
             }
             row
         });
@@ -146,6 +168,7 @@ impl BeatTracker {
             totals: vec![0.0; count],
             rings,
             start: (START_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
+            hold: (HELD_SECONDS / hop_seconds).round().clamp(1.0, 4.0) as usize,
             held: [0.0; 4],
             forget: (FORGET_SECONDS / hop_seconds) as u32,
             since_onset: 0,
@@ -182,7 +205,7 @@ impl BeatTracker {
         self.move_on();
         self.held.rotate_right(1);
         self.held[0] = flux;
-        let held = self.held[..self.start].iter().fold(0.0_f32, |largest, flux| largest.max(*flux));
+        let held = self.held[..self.hold].iter().fold(0.0_f32, |largest, flux| largest.max(*flux));
         self.observe(held);
         self.tell()
     }
@@ -202,12 +225,16 @@ impl BeatTracker {
 
     /// Weighs the states by what was heard.
     fn observe(&mut self, held: f32) {
-        let likelihood = ((held + 0.03) / (1.03 - held)).sqrt() * 1.1;
+        let odds = (held + 0.03) / (1.03 - held);
+        let [beat, half, quarter] = [BEAT, HALF, QUARTER].map(|(factor, power)| factor * odds.powf(power));
         let mut sum = 0.0;
         for (ring, total) in self.rings.iter().zip(&mut self.totals) {
             let states = &mut self.belief[ring.start..ring.start + ring.period];
-            for place in 0..self.start.min(ring.period) {
-                states[(ring.head + place) % ring.period] *= likelihood;
+            for (quarters, likelihood) in [beat, quarter, half, quarter].into_iter().enumerate() {
+                let first = ring.head + (quarters * ring.period + 2) / 4;
+                for place in first..first + self.start {
+                    states[place % ring.period] *= likelihood;
+                }
             }
             *total = sum_of(states);
             sum += *total;
@@ -224,12 +251,10 @@ impl BeatTracker {
 
     /// The mean phase and tempo around the likeliest period.
     fn tell(&mut self) -> Beat {
-        let best = self.likeliest();
-        let Some(best_ring) = self.rings.get(best) else { return Beat::default() };
-        let reach = (best_ring.period / 12).max(1);
-        let (first, end) = (best.saturating_sub(reach), (best + reach + 1).min(self.rings.len()));
+        let best = self.chosen();
+        let around = self.around(best);
         let (mut x, mut y, mut mass, mut moments) = (0.0, 0.0, 0.0, 0.0);
-        for (ring, total) in self.rings[first..end].iter().zip(&self.totals[first..end]) {
+        for (ring, total) in self.rings[around.clone()].iter().zip(&self.totals[around]) {
             let step = TAU / ring.period as f32;
             let (mut sine, mut cosine) = (0.0_f32, 1.0_f32);
             let (step_sine, step_cosine) = step.sin_cos();
@@ -265,14 +290,34 @@ impl BeatTracker {
         self.told
     }
 
-    /// The period with the most belief.
-    fn likeliest(&self) -> usize {
-        let mut best = (0, 0.0);
-        for (index, total) in self.totals.iter().enumerate() {
-            if *total > best.1 {
-                best = (index, *total);
-            }
+    /// The ring of the told tempo, unless another one is much likelier.
+    fn chosen(&self) -> usize {
+        let best = self.likeliest(0..self.rings.len());
+        if self.told.tempo <= 0.0 {
+            return best;
         }
-        best.0
+        let shortest = self.rings.first().map_or(0, |ring| ring.period);
+        let period = (60.0 * self.moments_per_second / self.told.tempo).round() as usize;
+        let told = self.likeliest(self.around(period.saturating_sub(shortest).min(self.rings.len() - 1)));
+        let belief = |ring: usize| self.totals[self.around(ring)].iter().sum::<f32>();
+        if belief(best) < INERTIA * belief(told) { told } else { best }
+    }
+
+    /// Rings whose tempo lies within a twelfth of that of `ring`.
+    fn around(&self, ring: usize) -> Range<usize> {
+        let reach = self.rings.get(ring).map_or(0, |ring| (ring.period / 12).max(1));
+        ring.saturating_sub(reach)..(ring + reach + 1).min(self.rings.len())
+    }
+
+    /// The ring with the most belief among these.
+    fn likeliest(&self, among: Range<usize>) -> usize {
+        let start = among.start;
+        let totals = self.totals[among].iter().enumerate();
+        totals
+            .fold(
+                (start, 0.0),
+                |best, (index, total)| if *total > best.1 { (start + index, *total) } else { best },
+            )
+            .0
     }
 }

@@ -89,9 +89,8 @@ impl AutoGain {
         (self.power, self.gain_db) = (0.0, 0.0);
     }
 
-    /// Takes the power of a moment (1: a full-scale sine in both channels). Returns the power of the loudest recent
-    /// moment, and the gain in decibels.
-    pub(super) fn follow(&mut self, power: f32) -> (f32, f32) {
+    /// Takes the power of a moment (1: a full-scale sine in both channels). Returns the gain in decibels.
+    pub(super) fn follow(&mut self, power: f32) -> f32 {
         self.power_follower.follow(&mut self.power, power);
         if let Some(slot) = self.held.get_mut(self.next) {
             *slot = self.power;
@@ -100,7 +99,7 @@ impl AutoGain {
         let loudest = self.held.iter().fold(0.0_f32, |loudest, power| loudest.max(*power));
         let wanted = if self.gain == Gain::Auto { gain_at(decibels(loudest)) } else { 0.0 };
         self.gain_follower.follow(&mut self.gain_db, wanted);
-        (loudest, self.gain_db)
+        self.gain_db
     }
 }
 
@@ -133,12 +132,12 @@ mod tests {
     #[test]
     fn a_change_is_gone_over_to_and_without_one_there_is_no_gain() {
         let mut gain = AutoGain::new(Gain::Off, 0.01);
-        let after = |gain: &mut AutoGain| (0..200).fold(0.0, |_, _| gain.follow(1e-3).1);
+        let after = |gain: &mut AutoGain| (0..200).fold(0.0, |_, _| gain.follow(1e-3));
         assert_eq!(after(&mut gain).to_bits(), 0.0_f32.to_bits());
         gain.set(Gain::Auto);
         assert!(after(&mut gain) > 9.0, "quiet sound is lifted");
         gain.set(Gain::Off);
-        assert!(gain.follow(1e-3).1 > 1.0, "it falls at once");
+        assert!(gain.follow(1e-3) > 1.0, "it falls at once");
         assert!(after(&mut gain).abs() < 1e-3);
     }
 }

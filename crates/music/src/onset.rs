@@ -3,34 +3,77 @@
 use super::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 
 /// Groups of bins whose rise is measured, in equal ratios from 30 Hz to 16 kHz.
-const GROUPS: usize = 20;
+const GROUPS: usize = 30;
 
-/// Strength of the logarithmic compression of a group's amplitude: log(1 + this · amplitude).
+/// Strength of the logarithmic compression of a group's level: log(1 + this · level).
 const COMPRESSION: f32 = 20.0;
 
-/// Powers below this (-70 dB) are too weak for a sound to begin.
-const POWER_MIN: f32 = 1e-7;
+/// Amplitudes below this (-70 dB) are too weak for a sound to begin.
+const AMPLITUDE_MIN: f32 = 3e-4;
+
+/// How far the levels of groups are made alike (adaptive whitening; Stowell and Plumbley 2007): 0 leaves them as they
+/// are, at 1 the loudest recent amplitude of each group is 1. So what lies under a loud chord, in other groups than
+/// its tones, counts.
+const WHITENING: f32 = 0.4;
+
+/// Time in which the loudest amplitudes are forgotten, in seconds.
+const LOUDEST_SECONDS: f64 = 4.0;
+
+/// No group's loudest amplitude counts as less than this share of the loudest of all (-50 dB).
+const GROUP_MIN: f32 = 3e-3;
 
 /// Moments between the two spectra that are compared: windows of two hops that do not overlap.
 const LAG: usize = 2;
 
-/// Groups below this frequency have weight 1, those above have less: drums and basses carry the beat, hats fill it.
-const WEIGHT_HZ: f64 = 300.0;
+/// Groups weigh as their frequency to this power: drums and basses carry the beat, hats fill it.
+const WEIGHT_POWER: f64 = -0.2;
 
-/// Spectral flux of a moment: the sum over groups of the rise of log(1 + 20·a), where a is the group's amplitude
-/// relative to that of the loudest recent moment. Falls count nothing. A group is compared with the largest value
-/// that it and its neighbours had two moments ago, so that a gliding tone causes no rise (Böck and Widmer 2013,
-/// "maximum filter vibrato suppression").
+/// Time over which it is learned how much a group usually rises, in seconds.
+const USUAL_SECONDS: f64 = 2.0;
+
+/// A group that usually rises less than this counts as rising that much.
+const USUAL_MIN: f32 = 0.05;
+
+/// What is usual before anything is heard: about what it is in noise.
+const USUAL_AT_FIRST: f32 = 0.2;
+
+/// A rise of more than this many times the usual one counts as that many, so that one group alone is no onset.
+const SUDDEN_MOST: f32 = 8.0;
+
+/// A rise teaches as no more than this many times the usual one, so that strokes do not become usual.
+const TEACHES_MOST: f32 = 3.0;
+
+/// How the spectrum of a moment rises above that of the moment before.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Rise {
+    /// The spectral flux: the weighted mean over groups of the rise of log(1 + 20·level), 0 or more. A group's level
+    /// is relative to the loudest recent amplitude of all and, in part, of the group. Falls count nothing.
+    pub(super) flux: f32,
+    /// The mean over groups of how many times as much each rises as it usually does, 0 to [`SUDDEN_MOST`]. In steady
+    /// noise the groups rise each for themselves, so that their mean stays near 1; where a sound begins they rise
+    /// together.
+    pub(super) sudden: f32,
+}
+
+/// Measures rises.
 pub(super) struct Flux {
     /// First bins of the groups, and the end of the last.
     edges: [usize; GROUPS + 1],
+    /// Their sum is 1.
     weights: [f32; GROUPS],
     last: [[f32; GROUPS]; LAG],
+    /// The loudest recent amplitude of all, and of each group.
+    loudest: f32,
+    loudest_of: [f32; GROUPS],
+    usual: [f32; GROUPS],
+    /// Share of the loudest that is left after a moment, and share of the usual rise that a moment adds.
+    kept: f32,
+    learned: f32,
 }
 
 impl Flux {
-    /// For power spectra of `bins` bins of `bin_hz` hertz.
-    pub(super) fn new(bins: usize, bin_hz: f64) -> Self {
+    /// For power spectra of `bins` bins of `bin_hz` hertz, `hop_seconds` apart.
+    pub(super) fn new(bins: usize, bin_hz: f64, hop_seconds: f64) -> Self {
         let hz = |group: f64| BAND_LOWEST_HZ * (BAND_HIGHEST_HZ / BAND_LOWEST_HZ).powf(group / GROUPS as f64);
         let mut edges = [0; GROUPS + 1];
         let mut least = 1;
@@ -39,54 +82,90 @@ impl Flux {
             *edge = ((hz(group as f64) / bin_hz).round() as usize).max(least).min(bins);
             least = *edge + 1;
         }
-        let weights = std::array::from_fn(|group| {
-            let middle = edges[group] as f64 * bin_hz;
-            (WEIGHT_HZ / middle.max(WEIGHT_HZ)).powf(0.5) as f32
-        });
-        Self { edges, weights, last: [[0.0; GROUPS]; LAG] }
+        let weight = |group: usize| (edges[group].max(1) as f64 * bin_hz).powf(WEIGHT_POWER);
+        let all: f64 = (0..GROUPS).map(weight).sum();
+        Self {
+            edges,
+            weights: std::array::from_fn(|group| (weight(group) / all) as f32),
+            last: [[0.0; GROUPS]; LAG],
+            loudest: 0.0,
+            loudest_of: [0.0; GROUPS],
+            usual: [USUAL_AT_FIRST; GROUPS],
+            kept: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
+            learned: (hop_seconds / USUAL_SECONDS) as f32,
+        }
     }
 
     /// Forgets everything.
     pub(super) fn restart(&mut self) {
         self.last = [[0.0; GROUPS]; LAG];
+        self.loudest = 0.0;
+        self.loudest_of = [0.0; GROUPS];
+        self.usual = [USUAL_AT_FIRST; GROUPS];
     }
 
-    /// The flux of the next moment, 0 or more, from its power per bin and the power of the loudest recent moment.
-    pub(super) fn follow(&mut self, power: &[f32], loudest: f32) -> f32 {
-        let scale = 1.0 / loudest.max(POWER_MIN);
-        let now: [f32; GROUPS] = std::array::from_fn(|group| {
+    /// The rise of the next moment, from its power per bin.
+    pub(super) fn follow(&mut self, power: &[f32]) -> Rise {
+        let amplitudes: [f32; GROUPS] = std::array::from_fn(|group| {
             let bins = power.get(self.edges[group]..self.edges[group + 1]).unwrap_or_default();
-            (1.0 + COMPRESSION * (bins.iter().sum::<f32>() * scale).sqrt()).ln()
+            bins.iter().sum::<f32>().sqrt()
         });
+        let all = amplitudes.iter().map(|amplitude| amplitude * amplitude).sum::<f32>().sqrt();
+        self.loudest = all.max(self.loudest * self.kept).max(AMPLITUDE_MIN);
+        let mut rise = Rise::default();
+        let mut now = [0.0; GROUPS];
         let [before, ..] = self.last;
-        let flux = (0..GROUPS).map(|group| {
-            let around = &before[group.saturating_sub(1)..(group + 2).min(GROUPS)];
-            let base = around.iter().fold(0.0_f32, |largest, value| largest.max(*value));
-            self.weights[group] * (now[group] - base).max(0.0)
-        });
-        let flux = flux.sum();
+        for (group, amplitude) in amplitudes.into_iter().enumerate() {
+            let loudest = &mut self.loudest_of[group];
+            *loudest = amplitude.max(*loudest * self.kept);
+            let of_group = (*loudest / self.loudest).clamp(GROUP_MIN, 1.0);
+            let level = amplitude / self.loudest / of_group.powf(WHITENING);
+            now[group] = (1.0 + COMPRESSION * level).ln();
+            let rises = (now[group] - before[group]).max(0.0);
+            let usual = &mut self.usual[group];
+            let sudden = rises / (USUAL_MIN + *usual);
+            *usual += self.learned * (rises.min(TEACHES_MOST * (USUAL_MIN + *usual)) - *usual);
+            rise.flux += self.weights[group] * rises;
+            rise.sudden += self.weights[group] * sudden.min(SUDDEN_MOST);
+        }
         self.last.rotate_left(1);
         self.last[LAG - 1] = now;
-        flux
+        rise
     }
 }
 
-/// How far back the flux is compared, in seconds.
-const THRESHOLD_SECONDS: f64 = 1.5;
+/// How far back the suddenness of a rise is compared, in seconds.
+const SUDDEN_SECONDS: f64 = 2.4;
 
-/// An onset exceeds the mean flux of that time by this share of the way from the mean to the largest.
-const THRESHOLD_SHARE: f32 = 0.4;
+/// How far back its flux is compared, in seconds.
+const FLUX_SECONDS: f64 = 1.2;
 
-/// Less flux than this is no onset: noise reaches as much, drums have 5 to 20.
-const FLUX_MIN: f32 = 2.5;
+/// Less flux than this is weak, even where nothing is stronger.
+pub(super) const FLUX_MIN: f32 = 0.05;
+
+/// An onset is more sudden than the median of that time by this many times the distance from the median to the lower
+/// quartile, which noise does not reach, ...
+const SUDDEN_SPREADS: f32 = 11.0;
+/// ... but by no less than the first and no more than the second of these (noise spreads less than dense music), ...
+const SUDDEN_ABOVE: (f32, f32) = (0.6, 1.45);
+/// ... and by this share of the way from the median to the largest.
+const SUDDEN_SHARE: f32 = 0.25;
+
+/// Moments of silence that count as heard before the first moment.
+const SILENT_BEFORE: usize = 16;
 
 /// Two onsets are never closer than this, in seconds.
-const ONSETS_APART: f64 = 0.1;
+const ONSETS_APART: f64 = 0.05;
 
-/// Finds onsets in the flux with an adaptive threshold, at once: nothing that comes later is needed.
+/// Finds onsets in the rises with an adaptive threshold, at once: nothing that comes later is needed.
 pub(super) struct Onsets {
-    recent: Vec<f32>,
-    next: usize,
+    /// The last rises, in a ring.
+    sudden: Vec<f32>,
+    flux: Vec<f32>,
+    /// Rises taken, and how many of them count.
+    moment: usize,
+    taken: usize,
+    sorted: Vec<f32>,
     above: bool,
     apart: u32,
     since: u32,
@@ -95,37 +174,65 @@ pub(super) struct Onsets {
 impl Onsets {
     /// For moments `hop_seconds` apart.
     pub(super) fn new(hop_seconds: f64) -> Self {
-        let recent = vec![0.0; (THRESHOLD_SECONDS / hop_seconds).ceil() as usize];
+        let ring = |seconds: f64| vec![0.0; (seconds / hop_seconds).ceil() as usize];
         let apart = (ONSETS_APART / hop_seconds).round() as u32;
-        Self { recent, next: 0, above: false, apart, since: apart }
+        Self {
+            sudden: ring(SUDDEN_SECONDS),
+            flux: ring(FLUX_SECONDS),
+            moment: 0,
+            taken: 0,
+            sorted: ring(SUDDEN_SECONDS),
+            above: false,
+            apart,
+            since: apart,
+        }
     }
 
     /// Forgets everything.
     pub(super) fn restart(&mut self) {
-        self.recent.fill(0.0);
+        self.sudden.fill(0.0);
+        self.flux.fill(0.0);
+        (self.moment, self.taken) = (0, 0);
         (self.above, self.since) = (false, self.apart);
     }
 
-    /// Takes the flux of a moment. Returns whether a sound begins there, and the flux relative to the largest recent
+    /// Takes the rise of a moment. Returns whether a sound begins there, and the flux relative to the largest recent
     /// one, 0..1.
-    pub(super) fn follow(&mut self, flux: f32) -> (bool, f32) {
-        if let Some(slot) = self.recent.get_mut(self.next) {
-            *slot = flux;
+    pub(super) fn follow(&mut self, rise: Rise) -> (bool, f32) {
+        for (ring, value) in [(&mut self.sudden, rise.sudden), (&mut self.flux, rise.flux)] {
+            let place = self.moment % ring.len();
+            ring[place] = value;
         }
-        self.next = (self.next + 1) % self.recent.len();
-        // Summed from the oldest on, so that the sum does not depend on where the ring begins.
-        let (newer, older) = self.recent.split_at(self.next);
-        let mean = older.iter().chain(newer).sum::<f32>() / self.recent.len() as f32;
-        let largest = self.recent.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
-        let was_above = std::mem::replace(
-            &mut self.above,
-            flux >= FLUX_MIN && flux > mean + THRESHOLD_SHARE * (largest - mean),
-        );
+        self.moment = self.moment.wrapping_add(1);
+        self.taken = (self.taken + 1).min(self.sudden.len());
+        let above = rise.sudden > self.threshold();
+        let was_above = std::mem::replace(&mut self.above, above);
         self.since = self.since.saturating_add(1);
-        let begins = self.above && !was_above && self.since >= self.apart;
+        let begins = above && !was_above && self.since >= self.apart;
         if begins {
             self.since = 0;
         }
-        (begins, (flux / largest).min(1.0))
+        let strongest = self.flux.iter().fold(FLUX_MIN, |largest, flux| largest.max(*flux));
+        (begins, (rise.flux / strongest).min(1.0))
+    }
+
+    /// What an onset exceeds.
+    fn threshold(&mut self) -> f32 {
+        // Before the ring is full its first places are. A little silence before the first moment counts, so that a sound
+        // with which the stream starts begins there.
+        let count = self.taken.max(SILENT_BEFORE).min(self.sudden.len());
+        let sorted = &mut self.sorted[..count];
+        sorted.copy_from_slice(&self.sudden[..count]);
+        let largest = sorted.iter().fold(0.0_f32, |largest, sudden| largest.max(*sudden));
+        let half = sorted.len() / 2;
+        let (lower, median, _) = sorted.select_nth_unstable_by(half, f32::total_cmp);
+        let median = *median;
+        let quarter = lower.len() / 2;
+        let quartile = match lower.get(quarter) {
+            Some(_) => *lower.select_nth_unstable_by(quarter, f32::total_cmp).1,
+            None => median,
+        };
+        let above = (SUDDEN_SPREADS * (median - quartile)).clamp(SUDDEN_ABOVE.0, SUDDEN_ABOVE.1);
+        median + above.max(SUDDEN_SHARE * (largest - median))
     }
 }

@@ -3,19 +3,26 @@
 //! The model is the one that listens forward ([`crate::beat`]): states are a period and a phase within it, and the
 //! period may change at the end of a beat. Here the likeliest path through the whole song is decoded by dynamic
 //! programming (Viterbi 1967). As within a beat nothing is decided, it is enough to know, for every moment and period,
-//! the best path that has a beat there and the next one a period later; what is between beats is the same for all
-//! paths (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
+//! the best path that has a beat there and the next one a period later, with what its half and its quarters are worth
+//! (Krebs, Böck and Widmer 2015; Ellis 2007 for beats as a sum of rewards).
 
 use std::collections::VecDeque;
 
 use super::listener::{Heard, Moment};
+use crate::onset::FLUX_MIN;
 
 /// Range of periods, in beats per minute.
 const TEMPO: (f64, f64) = (215.0, 52.0);
-/// The likeliest tempo in beats per minute, and the distance from it in octaves at which a beat loses [`UNLIKELY`].
-const LIKELY: (f64, f64) = (115.0, 1.0);
-/// See [`LIKELY`].
-const UNLIKELY: f32 = 0.35;
+/// The likeliest tempo in beats per minute, and what a beat loses a square octave away from it.
+const LIKELY: (f64, f64) = (108.0, 0.6);
+
+/// What a beat is worth, and what strokes at its half and at its quarters add: a sum, and a factor of the logarithm of
+/// the odds of the strength. Halves are struck more often than the rest of a beat, quarters less.
+const BEAT: (f32, f32) = (0.0, 1.5);
+/// See [`BEAT`].
+const HALF: (f32, f32) = (0.15, 0.15);
+/// See [`BEAT`].
+const QUARTER: (f32, f32) = (0.0, -0.15);
 
 /// Cost of a change of period per relative change, and of one to the neighbouring period: most tempos lie between two.
 const TEMPO_STIFFNESS: f32 = 250.0;
@@ -26,8 +33,6 @@ const REACH: usize = 6;
 
 /// The onset strength is relative to its largest value within this time before and after, in seconds...
 const LARGEST_SECONDS: f64 = 1.5;
-/// ... which counts as at least this: noise reaches as much, drums have 5 to 20.
-const FLUX_MIN: f32 = 2.5;
 /// Times of windows after which onsets show in the flux, in moments.
 const FLUX_LATE: f64 = 0.6;
 
@@ -36,11 +41,10 @@ const STRETCH: usize = 56_250;
 /// See [`STRETCH`].
 const OVERLAP: usize = 1_875;
 
-/// Beats have at least this many times the onset strength of all moments, and this share of them must be struck; a
-/// swell of chords has neither. (Steady white noise may still pass for a beat.)
-const CONTRAST_MIN: f32 = 2.2;
-/// See [`CONTRAST_MIN`].
-const STRUCK_MIN: f32 = 0.5;
+/// At this share of the beats a sound must begin; in noise and in a swell of chords none does.
+const STRUCK_MIN: f32 = 0.1;
+/// Moments before and after a beat in which a sound that begins is its own.
+const AROUND: usize = 2;
 /// Fewer beats are none.
 const BEATS_MIN: usize = 8;
 
@@ -100,21 +104,21 @@ pub(super) fn beats(heard: &Heard) -> Vec<f64> {
         start = end - OVERLAP;
     }
     let found = sounding(&found, &heard.moments);
-    if is_steady(found, &strengths) {
+    if is_steady(found, &heard.moments) {
         found.iter().map(|moment| refined(*moment, &strengths) * heard.hop_seconds).collect()
     } else {
         Vec::new()
     }
 }
 
-/// What a beat at each moment is worth: the logarithm of how much likelier it makes the strengths there.
-fn rewards(strengths: &[f32]) -> Vec<f32> {
+/// The logarithm of the odds of the strength that is held at each moment.
+fn odds(strengths: &[f32]) -> Vec<f32> {
     let at = |index: usize| strengths.get(index).copied().unwrap_or_default();
-    let worth = |index: usize| {
+    let odds = |index: usize| {
         let held = at(index).max(0.9 * at(index + 1)).max(0.9 * at(index.wrapping_sub(1))).min(1.0);
-        1.5 * ((held + 0.03) / (1.03 - held)).ln() + 0.8
+        ((held + 0.03) / (1.03 - held)).ln()
     };
-    (0..strengths.len()).map(worth).collect()
+    (0..strengths.len()).map(odds).collect()
 }
 
 /// The moments of the likeliest path's beats.
@@ -122,11 +126,12 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     let period = |tempo: f64| (60.0 / tempo / hop_seconds).round().max(2.0) as usize;
     let (shortest, longest) = (period(TEMPO.0), period(TEMPO.1));
     let count = longest - shortest + 1;
-    let rewards = rewards(strengths);
+    let odds = odds(strengths);
+    let worth = |(sum, factor): (f32, f32), moment: usize| sum + factor * odds[moment];
     let likely: Vec<f32> = (shortest..=longest)
         .map(|period| {
-            let octaves = (60.0 / (period as f64 * hop_seconds) / LIKELY.0).log2() / LIKELY.1;
-            -UNLIKELY * (octaves * octaves) as f32
+            let octaves = (60.0 / (period as f64 * hop_seconds) / LIKELY.0).log2();
+            -(LIKELY.1 * octaves * octaves) as f32
         })
         .collect();
     let changing = |from: usize, to: usize| {
@@ -142,11 +147,18 @@ fn path_through(strengths: &[f32], hop_seconds: f64) -> Vec<usize> {
     let mut came_from = vec![0_u8; strengths.len() * count];
     // What arrives at a moment, by the period that it ends; padded.
     let mut arriving = vec![f32::NEG_INFINITY; count + 2 * REACH];
-    for (moment, reward) in rewards.iter().enumerate() {
+    for moment in 0..strengths.len() {
+        let reward = worth(BEAT, moment);
         for (index, arrives) in arriving[REACH..REACH + count].iter_mut().enumerate() {
-            let from = moment as isize - (shortest + index) as isize;
-            // Before the first beat nothing was lost.
-            *arrives = if from < 0 { 0.0 } else { best[from as usize % rows * count + index] };
+            let period = shortest + index;
+            *arrives = match moment.checked_sub(period) {
+                // Before the first beat nothing was lost.
+                None => 0.0,
+                Some(from) => {
+                    let quarters = worth(QUARTER, from + period / 4) + worth(QUARTER, from + 3 * period / 4);
+                    best[from % rows * count + index] + quarters + worth(HALF, from + period / 2)
+                }
+            };
         }
         let row = moment % rows * count;
         for to in 0..count {
@@ -197,22 +209,14 @@ fn sounding<'a>(beats: &'a [usize], moments: &[Moment]) -> &'a [usize] {
     beats.get(from..to).unwrap_or_default()
 }
 
-/// Whether the beats stand out from what is between them.
-fn is_steady(beats: &[usize], strengths: &[f32]) -> bool {
-    let (Some(first), Some(last)) = (beats.first(), beats.last()) else { return false };
-    if beats.len() < BEATS_MIN {
-        return false;
-    }
-    let at = |beat: usize| {
-        strengths[beat.saturating_sub(1)..(beat + 2).min(strengths.len())]
-            .iter()
-            .fold(0.0_f32, |a, b| a.max(*b))
+/// Whether sounds begin at the beats.
+fn is_steady(beats: &[usize], moments: &[Moment]) -> bool {
+    let begins = |beat: usize| {
+        let around = beat.saturating_sub(AROUND)..(beat + AROUND + 1).min(moments.len());
+        moments.get(around).unwrap_or_default().iter().any(|moment| moment.begins)
     };
-    let struck = beats.iter().filter(|beat| at(**beat) > 0.3).count() as f32 / beats.len() as f32;
-    let between = &strengths[*first..=*last];
-    let mean_between = between.iter().sum::<f32>() / between.len() as f32;
-    let mean_at = beats.iter().map(|beat| at(*beat)).sum::<f32>() / beats.len() as f32;
-    mean_at >= CONTRAST_MIN * mean_between && struck >= STRUCK_MIN
+    let struck = beats.iter().filter(|beat| begins(**beat)).count();
+    beats.len() >= BEATS_MIN && struck as f32 >= STRUCK_MIN * beats.len() as f32
 }
 
 /// The beat's place between moments, where the onset next to it is.

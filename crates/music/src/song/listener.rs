@@ -8,7 +8,7 @@ use crate::StereoFrame;
 use crate::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 use crate::decimate::Decimator;
 use crate::limits::LIMITS;
-use crate::onset::Flux;
+use crate::onset::{Flux, Onsets};
 use crate::spectrum::Spectrum;
 
 /// Bands of the timbre, in equal ratios from 30 Hz to 16 kHz.
@@ -33,14 +33,16 @@ const LOW_HZ: f64 = 150.0;
 /// Above this frequency lies what hats and noises fill, in hertz.
 const HIGH_HZ: f64 = 4_000.0;
 
-/// Time in which the loudest moment, to which onsets are compared, is forgotten, in seconds.
+/// Time in which the loudest moment, to which low and high sounds are compared, is forgotten, in seconds.
 const LOUDEST_SECONDS: f64 = 8.0;
 
 /// What is kept of the moments of a hop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
-    /// Rise of the spectrum, as [`Flux`] measures it.
+    /// The spectral flux.
     pub(super) flux: f32,
+    /// Whether a sound begins.
+    pub(super) begins: bool,
     /// Rise of the low band's amplitude, relative to the loudest amplitude of late.
     pub(super) low_rise: f32,
     /// The same of what is above [`HIGH_HZ`].
@@ -114,6 +116,7 @@ pub struct SongListener {
     filled: usize,
     short: Spectrum,
     flux: Flux,
+    onsets: Onsets,
     /// Ends of the timbre's bands, in bins.
     edges: [usize; TIMBRE_BANDS + 1],
     low_end: usize,
@@ -166,7 +169,8 @@ impl SongListener {
             buffer: vec![[0.0; 2]; short.max(hop + 4 * decimator.step())],
             filled: short.max(hop + 4 * decimator.step()) - hop,
             short: Spectrum::new(short, |_| 1.0),
-            flux: Flux::new(short / 2, bin_hz),
+            flux: Flux::new(short / 2, bin_hz, hop_seconds),
+            onsets: Onsets::new(hop_seconds),
             edges,
             low_end: bin(LOW_HZ) + 1,
             high_start: bin(HIGH_HZ),
@@ -241,7 +245,7 @@ impl SongListener {
         let bins = self.short.power(&self.buffer[self.buffer.len() - SHORT_HOPS * self.hop..]);
         let power: f32 = bins[1..].iter().sum();
         self.loudest = power.max(self.loudest * self.forget);
-        let flux = self.flux.follow(bins, self.loudest);
+        let rise = self.flux.follow(bins);
         let low_power: f32 = bins[1..self.low_end].iter().sum();
         let high_power: f32 = bins[self.high_start..].iter().sum();
         for (sum, edges) in self.timbre.iter_mut().zip(self.edges.windows(2)) {
@@ -255,7 +259,8 @@ impl SongListener {
         self.before.rotate_left(1);
         self.before[SHORT_HOPS - 1] = now;
         self.heard.moments.push(Moment {
-            flux,
+            flux: rise.flux,
+            begins: self.onsets.follow(rise).0,
             low_rise: rises[0],
             high_rise: rises[1],
             power,

@@ -2,6 +2,9 @@
 
 use super::listener::{Heard, SLOW_HOPS, TIMBRE_BANDS};
 
+/// Noise has about this much flux.
+const FLUX_OF_NOISE: f32 = 0.1;
+
 /// The range of levels that count, in decibels below the loudest moment.
 const RANGE_DB: f32 = 60.0;
 
@@ -70,7 +73,7 @@ fn unit(heard: &Heard, from: f64, to: f64, loudest: f32) -> Unit {
     let count = moments.len().max(1) as f32;
     unit.level = level(moments.iter().map(|moment| moment.power).sum::<f32>() / count);
     unit.low = level(moments.iter().map(|moment| moment.low_power).sum::<f32>() / count);
-    unit.onsets = moments.iter().map(|moment| (moment.flux - 1.0).max(0.0)).sum::<f32>() / count;
+    unit.onsets = moments.iter().map(|moment| (moment.flux - FLUX_OF_NOISE).max(0.0)).sum::<f32>() / count;
     unit
 }
 

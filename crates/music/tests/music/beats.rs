@@ -1,6 +1,7 @@
 //! Beats that are foretold, and onsets, against rhythms whose beats are known.
 
 use crate::rhythm::{Pattern, RATE, clicks, drums, f_measure, play};
+use crate::signals::{analyze, noise, signal};
 use mariana_music::{Alignment, Analyzer, FeatureTrack, StereoFrame};
 
 /// Length of each rhythm, in seconds; beats count from [`SETTLED`] on.
@@ -112,4 +113,84 @@ fn silence_and_steady_sound_have_no_beat_and_the_end_of_a_rhythm_is_noticed() {
         (0..SECONDS as usize * RATE as usize).map(|n| [(n as f32 * 0.03).sin() * 0.3; 2]).collect();
     let track = track_of(&tone, Alignment::Centred);
     assert!((20..150).all(|tenth| track.at(f64::from(tenth) / 10.0).tempo == 0.0));
+}
+
+/// The times at which sounds begin.
+fn onsets_of(frames: &[StereoFrame]) -> Vec<f64> {
+    let begins = |moment: &&mariana_music::TimedFeatures| moment.features.beat == 1.0;
+    analyze(RATE, frames).iter().filter(begins).map(|moment| moment.time).collect()
+}
+
+/// A short tone after each `gap` seconds.
+fn click_at(t: f64, gap: f64) -> f64 {
+    let since = t % gap;
+    (std::f64::consts::TAU * 1_500.0 * since).sin() * (-since / 0.004).exp()
+}
+
+/// A chord of three tones of eight partials each.
+fn organ(t: f64, lowest_hz: f64) -> f64 {
+    let partial =
+        |hz: f64, number: u32| (std::f64::consts::TAU * hz * f64::from(number) * t).sin() / f64::from(number);
+    let tones = [1.0, 1.2599, 1.4983].map(|ratio| lowest_hz * ratio);
+    tones.iter().map(|hz| (1..=8).map(|number| partial(*hz, number)).sum::<f64>()).sum::<f64>() / 4.0
+}
+
+#[test]
+fn a_click_under_a_loud_chord_is_an_onset() {
+    for lowest_hz in [110.0, 220.0] {
+        let frames = signal(RATE, 12.0, |t| {
+            // 12 dB below the chord, which reaches 0.52.
+            let click = if t < 2.0 { 0.0 } else { 0.13 * click_at(t, 0.5) };
+            [0.4 * organ(t, lowest_hz) + click; 2]
+        });
+        let onsets = onsets_of(&frames);
+        let clicks = (5..23).map(|half| f64::from(half) / 2.0);
+        let heard = |click: &f64| onsets.iter().any(|onset| (onset - click).abs() < 0.03);
+        let missed: Vec<f64> = clicks.filter(|click| !heard(click)).collect();
+        assert!(missed.len() <= 1, "over {lowest_hz} Hz the clicks at {missed:?} are missed");
+        let false_ones = onsets.iter().filter(|onset| (1.0..1.9).contains(*onset)).count();
+        assert_eq!(false_ones, 0, "in the chord alone, over {lowest_hz} Hz");
+    }
+}
+
+#[test]
+fn clicks_in_quick_succession_are_told_apart() {
+    for gap in [0.06, 0.08, 0.1] {
+        let onsets = onsets_of(&signal(RATE, 6.0, |t| [0.4 * click_at(t, gap); 2]));
+        let expected = 4.0 / gap;
+        let found = onsets.iter().filter(|onset| (1.0..5.0).contains(*onset)).count() as f64;
+        assert!((found / expected - 1.0).abs() < 0.05, "{found} of {expected} clicks {gap} s apart");
+    }
+}
+
+#[test]
+fn steady_noise_and_vibrato_begin_nothing() {
+    let mut state = 7;
+    let (mut slow, mut slower) = (0.0, 0.0);
+    let mut colour = |number: usize| {
+        let white = noise(&mut state);
+        slow += 0.1 * (white - slow);
+        slower += 0.005 * (white - slower);
+        [0.3 * white, 0.8 * slow, 3.0 * slower][number]
+    };
+    let mut sounds: Vec<(&str, Vec<StereoFrame>)> = ["white", "dull", "brown"]
+        .into_iter()
+        .enumerate()
+        .map(|(number, name)| (name, signal(RATE, 20.0, |_| [colour(number); 2])))
+        .collect();
+    let vibrato = |t: f64| {
+        // 6 times a second by half a semitone.
+        let turns = 440.0 * t
+            + 440.0 * 0.03 / (std::f64::consts::TAU * 6.0) * (std::f64::consts::TAU * 6.0 * t).sin();
+        (1..=6).map(|n| (std::f64::consts::TAU * turns * f64::from(n)).sin() / f64::from(n)).sum::<f64>()
+    };
+    sounds.push(("vibrato", signal(RATE, 20.0, |t| [0.3 * vibrato(t); 2])));
+    for (name, frames) in sounds {
+        let moments = analyze(RATE, &frames);
+        let later = || moments.iter().filter(|moment| (1.0..19.9).contains(&moment.time));
+        let onsets: Vec<f64> =
+            later().filter(|moment| moment.features.beat == 1.0).map(|moment| moment.time).collect();
+        assert!(onsets.is_empty(), "{name} begins at {onsets:?}");
+        assert!(later().all(|moment| moment.features.tempo == 0.0), "{name} has a tempo");
+    }
 }

@@ -151,17 +151,17 @@ pub(crate) fn f_measure(found: &[f64], truth: &[f64], from: f64, to: f64) -> f64
     let inside = |time: &f64| (from..to).contains(time);
     let (mut hits, mut next) = (0, 0);
     let mut false_beats = found.iter().filter(|beat| inside(beat)).count();
-    let truth: Vec<f64> = truth.iter().filter(|beat| inside(beat)).copied().collect();
-    for time in &truth {
+    for time in truth {
         while found.get(next).is_some_and(|beat| *beat < time - TOLERANCE) {
             next += 1;
         }
         if let Some(beat) = found.get(next).filter(|beat| **beat <= time + TOLERANCE) {
-            hits += 1;
             next += 1;
-            // One beyond the border may match one within it.
+            // Of a pair, one may lie beyond the border.
+            hits += usize::from(inside(time));
             false_beats -= usize::from(inside(beat));
         }
     }
-    2.0 * f64::from(hits) / (hits as usize + false_beats + truth.len()).max(1) as f64
+    let truths = truth.iter().filter(|beat| inside(beat)).count();
+    2.0 * hits as f64 / (hits + false_beats + truths).max(1) as f64
 }
