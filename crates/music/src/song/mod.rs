@@ -9,7 +9,7 @@
 //! Everything that needs the whole song runs at its end, over the little that was kept of it.
 
 /// Goes up when the same samples give another structure, so that a structure that was kept is not taken for it.
-pub const STRUCTURE_VERSION: u32 = 1;
+pub const STRUCTURE_VERSION: u32 = 2;
 
 mod bars;
 mod beats;
