@@ -8,6 +8,9 @@ use crate::scenes::{Loader, SceneSource};
 use crate::show::{Programme, ShowError, ShowSource};
 use mariana_music::SongStructure;
 
+/// The number of a track that is an input.
+pub(super) const LIVE: u64 = 0;
+
 /// What there is to say of a show.
 pub(super) enum News {
     /// This is the show now, or there is none.
@@ -150,7 +153,8 @@ impl Direction {
         match made.show {
             Ok((programme, None)) => {
                 // Of a song without sections the director knows no more than whoever listens.
-                let says_something = self.named.is_some() || programme.plan().stays().len() > 1;
+                let is_live = made.track == LIVE;
+                let says_something = is_live || self.named.is_some() || programme.plan().stays().len() > 1;
                 says_something.then(|| News::Programme(Some(Arc::new(programme))))
             }
             Ok((programme, Some(text))) => {

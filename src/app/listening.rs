@@ -228,11 +228,6 @@ impl Listening {
         self.listed
     }
 
-    /// Whether a song is listened to, not an input.
-    pub(super) fn plays_song(&self) -> bool {
-        self.sound.plays_song()
-    }
-
     /// What is known of the whole track that was heard last.
     pub(super) fn present_structure(&self) -> Option<Arc<SongStructure>> {
         self.structure(self.track)

@@ -36,6 +36,7 @@ use super::window_thread::Waker;
 use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::show::LiveDirector;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
 
@@ -50,6 +51,8 @@ pub(super) struct Stage {
     renderer: Renderer,
     pub(super) scene: SceneStage,
     direction: Direction,
+    /// Chooses scenes while an input is listened to.
+    live: Option<LiveDirector>,
     pace: DrawingPace,
     reports: Reports,
     input: UserInput,

@@ -94,6 +94,15 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
     script
 }
 
+/// The scene for music of this energy of which nothing else is known, after those that were seen; none without scenes.
+pub(super) fn next_scene(cards: &[SceneCard], seen: &[usize], energy: f32) -> Option<usize> {
+    let (of_letter, visits) = (HashMap::new(), Vec::new());
+    let mut director = Director { cards, seed: seen.len() as u64, of_letter, seen: seen.to_vec(), visits };
+    let when = When { anchor: Anchor::Start, offset: Length::ZERO };
+    let change = Change { when, time: 0.0, reason: Reason::Long, letter: None, before: energy, energy };
+    director.choose(seen.len(), &change)
+}
+
 fn entry(when: When, scene: &str, camera: Option<String>, transition: Option<Transition>) -> Entry {
     Entry { when, scene: scene.to_owned(), camera, transition, settings: Vec::new(), span: Span::default() }
 }

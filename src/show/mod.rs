@@ -11,6 +11,7 @@
 
 mod bar_lines;
 mod director;
+mod live;
 mod parse;
 mod plan;
 mod programme;
@@ -20,6 +21,7 @@ mod text;
 
 pub use bar_lines::BarLines;
 pub use director::{SceneCard, direct};
+pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use plan::{Entrance, Moment, Move, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, seed_of};

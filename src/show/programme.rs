@@ -111,9 +111,25 @@ pub struct Programme {
     plan: Plan,
     script: Script,
     scenes: BTreeMap<String, SceneSource>,
+    cards: Vec<SceneCard>,
 }
 
 impl Programme {
+    /// The same scenes by another plan.
+    pub(super) fn with_plan(&self, plan: Plan) -> Self {
+        Self { plan, ..self.clone() }
+    }
+
+    /// Whether the director made it.
+    pub fn is_directed(&self) -> bool {
+        !self.cards.is_empty()
+    }
+
+    /// What is known of the scenes among which the director chose; nothing if he did not.
+    pub(super) fn cards(&self) -> &[SceneCard] {
+        &self.cards
+    }
+
     /// Scenes that are cut from one to the next at these moments, in seconds.
     pub fn of_cuts(scenes: impl IntoIterator<Item = (f64, SceneSource)>) -> Self {
         let mut programme = Self::default();
@@ -168,7 +184,7 @@ impl Programme {
         let script = direct(song, &cards, seed_of(song));
         let (plan, _) = resolved(&script, song, &known);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Self { plan, script, scenes }
+        Self { plan, script, scenes, cards }
     }
 
     fn of_text(
@@ -202,7 +218,7 @@ impl Programme {
         let (plan, left_out) = resolved(script, song, &known);
         let told = told(&left_out, &parsed.sources);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok((Self { plan, script: script.clone(), scenes }, told))
+        Ok((Self { plan, script: script.clone(), scenes, cards: Vec::new() }, told))
     }
 
     /// What is on when.
@@ -327,6 +343,7 @@ mod tests {
             "param size = 1 in 0 .. 2\ncamera near { }\nlength(p) - size",
         )
         .unwrap();
+        std::fs::write(folder.path().join("bare.scene"), "length(p) - 1").unwrap();
         let path = folder.path().join("my.show");
         std::fs::write(&path, text).unwrap();
         (folder, path)
@@ -351,7 +368,7 @@ mod tests {
             ("at start none.scene", "none.scene"),
             ("at start orbb", "orbb"),
             ("at start own.scene camera far", "its cameras are near"),
-            ("at start orb camera far", "no cameras with names"),
+            ("at start bare.scene camera far", "no cameras with names"),
             ("at start own.scene\nset swell = 1", "its parameters are size"),
             ("at start own.scene flyy", "my.show:1:20"),
         ] {

@@ -39,6 +39,12 @@ impl SceneStage {
         self.revision += 1;
     }
 
+    /// Follows a show that is the same as before up to this moment.
+    pub(in crate::app) fn extend_programme(&mut self, programme: Arc<Programme>) {
+        self.directed.programme = Some(programme);
+        (self.directed.entered, self.directed.last_time, self.directed.overruled) = (None, None, None);
+    }
+
     /// Whether there is a show.
     pub(in crate::app) fn is_directed(&self) -> bool {
         self.directed.programme.is_some()

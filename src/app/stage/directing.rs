@@ -1,26 +1,47 @@
 //! Lets the scenes follow the song, as the director or a show file says.
 
 use super::Stage;
-use crate::app::direction::News;
+use crate::app::direction::{LIVE, News};
 use crate::app::settings_panel::SettingChange;
 use crate::config::FollowChoice;
+use crate::show::{Hearing, LiveDirector};
 use mariana_player::Moment;
+use std::sync::Arc;
 
 impl Stage {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
         let (song, list) = (self.listening.structure(moment.track), self.listening.listed());
+        // Of an input nothing is known before it is heard.
+        let song = if moment.track == LIVE { Some(Arc::default()) } else { song };
         let scene = &self.scene;
         match self.direction.update(moment.track, list, song, || scene.all_sources()) {
             Some(News::Programme(programme)) => {
                 if programme.is_some() {
                     tracing::info!("the scenes follow the song");
                 }
-                self.scene.set_programme(programme);
+                self.live = None;
+                match programme {
+                    Some(programme) if moment.track == LIVE && programme.is_directed() => {
+                        self.live = Some(LiveDirector::new((*programme).clone()));
+                    }
+                    other => self.scene.set_programme(other),
+                }
             }
             Some(News::Problem { heading, text }) => self.scene.set_problem(heading, text),
             None => {}
+        }
+        if let Some(live) = &mut self.live {
+            let (features, time) = (&moment.features, moment.song_time);
+            let (tempo, phase) = (features.tempo, features.phase);
+            let heard = Hearing { time, energy: moment.song.energy, tempo, phase };
+            if let Some(programme) = live.hear(heard).map(Arc::new) {
+                match self.scene.is_directed() {
+                    true => self.scene.extend_programme(programme),
+                    false => self.scene.set_programme(Some(programme)),
+                }
+            }
         }
         self.scene.follow(moment.song_time);
     }
@@ -30,9 +51,6 @@ impl Stage {
         let follows = self.direction.follows(self.listening.listed());
         let (follow, words) = match follows {
             true => (FollowChoice::Off, "the scene stays: A lets the scenes follow the song"),
-            false if !self.listening.plays_song() => {
-                (FollowChoice::On, "the scenes follow songs, and an input is listened to")
-            }
             false => (FollowChoice::On, "the scenes follow the song: K keeps one, A ends it"),
         };
         self.change_setting(SettingChange::Follow(follow));

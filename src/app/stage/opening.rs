@@ -141,6 +141,7 @@ impl Opening<'_> {
             renderer,
             scene,
             direction,
+            live: None,
             pace: DrawingPace::new(choices.quality, fps, now),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),

@@ -48,8 +48,11 @@ fn a_show_follows_the_song() {
 
 #[test]
 fn loud_music_is_cut_between_cameras() {
-    let cards =
-        vec![card("fire", (0.7, 1.0), "hot", &["near", "far"]), card("lake", (0.0, 0.3), "calm", &["near"])];
+    let cards = vec![
+        card("fire", (0.7, 1.0), "hot", &["near", "far"]),
+        card("lake", (0.0, 0.3), "calm", &["near"]),
+        card("street", (0.4, 0.6), "busy", &[]),
+    ];
     let (plan, _) = resolve(&direct(&song(), &cards, 1), &song(), |_, _| None);
     let of = |range: std::ops::Range<f64>| {
         let mut cameras: Vec<_> = plan
