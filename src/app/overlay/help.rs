@@ -67,7 +67,7 @@ impl Table {
             .collect();
         let caps_width = |row: &Row| row.caps.iter().map(|cap| cap.size().x + em * 1.4).sum::<f32>();
         Self {
-            row_height: (1.75 * em).round(),
+            row_height: (1.75 * em).floor(),
             caps_width: rows.iter().map(caps_width).fold(0.0, f32::max),
             meaning_width: rows.iter().map(|row| row.meaning.size().x).fold(0.0, f32::max),
             heading: text("Keys", style::DIM),
