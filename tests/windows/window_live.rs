@@ -70,6 +70,23 @@ fn what_the_computer_plays_is_shown_and_silence_costs_little() {
 }
 
 #[test]
+fn an_input_has_a_show_when_it_is_asked_for() {
+    let desktop = Desktop::start();
+    let server = SoundServer::start(desktop.folder());
+    let mut app = desktop.listen(&["--system", "--size", "64x36", "--scene", LEVEL, "-v"]);
+    app.wait_for_title("the formula", |title| title.contains("(formula"));
+    let _tone = server.play_tone("viz", 440.0);
+    app.press(&["a"]);
+    app.wait_until_told("the scenes follow the song");
+    app.wait_for_title("a scene of the director's choice", |title| {
+        title.contains("live") && !title.contains("formula") && !title.contains("preparing")
+    });
+    app.press(&["a"]);
+    let told = quit(app);
+    assert!(!told.contains("panicked"), "{told}");
+}
+
+#[test]
 fn the_source_is_changed_by_a_key_and_remembered_by_name() {
     let desktop = Desktop::start();
     let server = SoundServer::start(desktop.folder());

@@ -207,7 +207,7 @@ fn tracks_are_forgotten_and_hints_stay_away_where_that_was_chosen() {
     app.wait_for_title("what was left", |title| title.contains("2/2"));
     app.press(&["g"]);
     wait_for_panel();
-    app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
+    app.press(&["Down", "Down", "Down", "Down", "Down", "Down", "Down", "Return"]);
     wait_for_setting(&desktop, "last_tracks = \"off\"");
     assert!(!listed.exists(), "the list is still there");
     app.press(&["Down", "Return"]);
