@@ -33,7 +33,11 @@ float light_visibility(vec3 p, vec3 normal, vec3 to_light, float light_t, float 
     end = min(end, steep_span(origin, to_light).y);
 #endif
     float t = max(span.x, 0.02);
+#ifdef BLEND
     float growth = SHADOW_STEP_GROWTH + shadow_step_growth;
+#else
+    float growth = SHADOW_STEP_GROWTH;
+#endif
     float visible = 1.0;
     float previous = 1e4;
     float stride = 1e4;

@@ -42,7 +42,7 @@ struct Clause {
 pub(super) struct Encoder {
     /// The compounds that may be used ..
     compounds: Compounds,
-    /// .. where they need no more registers than this.
+    /// .. where the program needs no more registers than this. None may.
     registers_max: usize,
     /// The clauses of the program, last first.
     list: Vec<Clause>,
@@ -100,8 +100,8 @@ impl Values for Uncompounded<'_> {
 pub(super) struct TooManyRegisters;
 
 impl Encoder {
-    /// An encoder that uses these compounds, and at most so many registers where a program can do with them: a
-    /// compound reads its operands later than its parts did, so it may need more.
+    /// An encoder that uses at most so many registers, and these compounds where there are enough: a compound reads its
+    /// operands later than its parts did, so it may need more.
     pub(super) fn new(compounds: Compounds, registers_max: usize) -> Self {
         Self {
             compounds,
@@ -119,6 +119,9 @@ impl Encoder {
     }
 
     /// The texels of the program that gives some of its roots.
+    ///
+    /// # Errors
+    /// The program needs more registers than the encoder may use.
     pub(super) fn encode(
         &mut self,
         program: &Program,
@@ -130,7 +133,8 @@ impl Encoder {
         if self.compounds != Compounds::NONE && highest.is_none_or(|highest| highest > self.registers_max) {
             highest = self.encode_with(Compounds::NONE, program, &roots);
         }
-        self.registers = self.registers.max(highest.ok_or(TooManyRegisters)?);
+        let highest = highest.filter(|highest| *highest <= self.registers_max).ok_or(TooManyRegisters)?;
+        self.registers = self.registers.max(highest);
         Ok(&self.texels)
     }
 

@@ -298,6 +298,9 @@ fn fold(
     let unknown = Arg::Value(program::PENUMBRA);
     let reads_frame =
         |op: Op| !matches!(numbers, Numbers::Of(_)) && op.properties().has(Properties::READS_FRAME);
+    // What such an operator gives is unknown even where its operands are numbers. Other operands stay: they take
+    // registers.
+    let no_number = |arg: Arg| if let Arg::Number(_) = arg { unknown } else { arg };
     let mut places = vec![Arg::Number(0.0); graph_nodes];
     for (index, node) in nodes {
         places[*index] = match *node {
@@ -308,8 +311,12 @@ fn fold(
                 Numbers::Of(frame) => Arg::Number(frame.value(input)),
             },
             Node::Input(_) | Node::Texture { .. } => of_point(*node),
-            Node::Unary(op, _) if reads_frame(op) => program.push(op, unknown, Arg::Number(0.0), frame),
-            Node::Binary(op, ..) if reads_frame(op) => program.push(op, unknown, unknown, frame),
+            Node::Unary(op, a) if reads_frame(op) => {
+                program.push(op, no_number(places[a.index()]), Arg::Number(0.0), frame)
+            }
+            Node::Binary(op, a, b) if reads_frame(op) => {
+                program.push(op, no_number(places[a.index()]), no_number(places[b.index()]), frame)
+            }
             Node::Unary(op, a) => program.push(op, places[a.index()], Arg::Number(0.0), frame),
             Node::Binary(op, a, b) => program.push(op, places[a.index()], places[b.index()], frame),
         };

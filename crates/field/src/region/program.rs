@@ -85,8 +85,20 @@ impl Default for Program {
 }
 
 impl Program {
+    /// [`Program::push`], where 0 - (0 - x) is x, too. Then x is kept for longer than without, and the program may need
+    /// a register more.
+    #[inline]
+    pub(super) fn push_shorter(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
+        if let (Op::Sub, Arg::Number(0.0), Arg::Value(value)) = (op, a, b)
+            && let Some(Step { op: Op::Sub, form: Form::NumberLeft, b, number: 0.0, .. }) = self.step(value)
+        {
+            return Arg::Value(b);
+        }
+        self.push(op, a, b, frame)
+    }
+
     /// Appends a step and says where its value is found. Simplifications that are exact in floating point are done at
-    /// once.
+    /// once. None of them makes the program keep more values at a time: known numbers never take registers.
     #[inline]
     pub(super) fn push(&mut self, op: Op, a: Arg, b: Arg, frame: &FrameInputs) -> Arg {
         use Arg::Number;
@@ -100,14 +112,6 @@ impl Program {
             }
             (Op::Add | Op::Sub, a, Number(0.0)) | (Op::Mul | Op::Div, a, Number(1.0)) => return a,
             (Op::Add, Number(0.0), b) | (Op::Mul, Number(1.0), b) => return b,
-            (Op::Sub, Number(0.0), Arg::Value(value)) => {
-                // 0 - (0 - x) is x.
-                if let Some(Step { op: Op::Sub, form: Form::NumberLeft, b, number: 0.0, .. }) =
-                    self.step(value)
-                {
-                    return Arg::Value(b);
-                }
-            }
             (Op::SquareAdd, Number(0.0), b) => return b,
             (Op::OutsideAdd, Number(inside), b) if inside <= 0.0 => return b,
             (Op::Mask, Number(condition), b) => return if condition == 0.0 { Number(0.0) } else { b },

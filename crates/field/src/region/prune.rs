@@ -188,7 +188,7 @@ impl ChoiceTrace {
                     }
                     _ => {
                         let (a, b) = (moved(places, step.first()), moved(places, step.second()));
-                        short.push(step.op, a, b, frame)
+                        short.push_shorter(step.op, a, b, frame)
                     }
                 }
             } else if number & bit != 0 {

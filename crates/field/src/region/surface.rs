@@ -246,8 +246,6 @@ pub(crate) struct Shortener<'a> {
     grid: Grid,
     /// By cell of that grid: whether programs may be asked in it.
     asked: Vec<bool>,
-    /// Most registers of a tape.
-    registers: usize,
     /// Texels there is room for.
     room: usize,
     /// Nodes of programs there is time for.
@@ -277,7 +275,6 @@ impl<'a> Shortener<'a> {
             frame,
             grid,
             asked: (0..SIDE.pow(3)).map(may_meet).collect(),
-            registers,
             room,
             nodes: NODES_MAX,
             encoder: Encoder::new(compounds, registers),
@@ -414,13 +411,10 @@ impl<'a> Shortener<'a> {
         }
         let outputs: Vec<usize> = (0..program.roots.len()).collect();
         let beside = beside(program);
-        self.encoder.registers = 0;
         let texels = self.encoder.encode(program, &outputs).map(<[Texel]>::to_vec);
         let fits = texels.ok().filter(|texels| {
             let texels = texels.len() + beside;
-            self.encoder.registers <= self.registers
-                && texels as f32 <= SHORTER_SHARE * whole as f32
-                && texels <= self.room
+            texels as f32 <= SHORTER_SHARE * whole as f32 && texels <= self.room
         });
         let tape = fits.map(|texels| {
             self.room -= texels.len() + beside;

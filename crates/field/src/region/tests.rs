@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::graph::{Point, random};
-use crate::tape::{PointEvaluator, Tape, TapeOptions};
+use crate::tape::{PointEvaluator, Tape, TapeOptions, opcode};
 use crate::world::testing::{SPEAKERS, world_of};
 
 /// A frame of a world with some sound.
@@ -198,6 +198,52 @@ fn a_tree_in_parts_is_the_same_tree() {
     }
 }
 
+/// How many registers a tape of the tree touches, with those of its results.
+fn registers_of(tree: &Regions, tape: u32) -> usize {
+    let mut most = 0;
+    for texel in &tree.texels[tape as usize..] {
+        for word in [texel[0], texel[2]] {
+            let [number, output, a, b] = word.to_le_bytes();
+            let bytes = match (number, number & 0xC0) {
+                (opcode::END, _) => [0, a, b],
+                // The operand of LOAD, and the form of other clauses.
+                (opcode::LOAD, _) => [output, 0, 0],
+                (_, 0x80) => [output, a, 0],
+                (_, 0xC0) => [output, 0, b],
+                _ => [output, a, b],
+            };
+            most = bytes.into_iter().fold(most, |most, byte| most.max(usize::from(byte) + 1));
+        }
+        if texel[2] & 255 == u32::from(opcode::END) {
+            break;
+        }
+    }
+    most
+}
+
+#[test]
+fn what_the_place_in_the_history_is_computed_from_has_registers() {
+    // Of each sum one half is kept while the other is computed, and nothing else takes as many registers.
+    fn sum(first: u32, count: u32) -> String {
+        match count {
+            1 => format!("length(p - vec3({first}, 0.5 * {first}, 2))"),
+            _ => format!("({} - {})", sum(first, count / 2), sum(first + count / 2, count / 2)),
+        }
+    }
+    let place = format!("0.01 * {}", sum(0, 64));
+    let world = world_of(&format!("p.y - history({place}, 0.1 * p.x)"));
+    let plan = RegionPlan::new(&world);
+    let (inputs, loud) = (inputs_of(&world, 3.0, 0.0), inputs_of(&world, 3.0, 0.7));
+    for inputs in [inputs, loud] {
+        for cells in [true, false] {
+            let tree = plan.build(&inputs, &RegionOptions { cells, texels_max: 1 << 22, ..Default::default() });
+            let registers = registers_of(&tree, tree.whole_tape);
+            assert!(registers <= plan.variant().registers, "{registers}, but {:?}", plan.variant());
+            assert!(registers > 8, "{registers} are rounded up to as many");
+        }
+    }
+}
+
 #[test]
 fn an_operator_in_a_branch_of_the_frame_is_in_the_variant() {
     // More expressions than can be hoisted, so that the choice stays in the program.
@@ -294,6 +340,10 @@ proptest! {
             let got = tree.distance(at, penumbra, &frame);
             prop_assert!(random::same(got[0], wanted[0]), "{at:?} bound {} {}", got[0], wanted[0]);
             prop_assert!(random::same(got[1], wanted[1]), "{at:?} estimate {} {}", got[1], wanted[1]);
+            let tape = tree.cell_at(at).map_or(tree.whole_tape, |cell| cell.tape);
+            for tape in [tape, tree.whole_tape] {
+                prop_assert!(registers_of(&tree, tape) <= plan.variant().registers, "{:?}", plan.variant());
+            }
             if let Some(cell) = tree.cell_at(at) {
                 let holds = cell.bound <= 0.0 || cell.bound <= wanted[0];
                 prop_assert!(holds, "{at:?}: {cell:?}, but {}", wanted[0]);

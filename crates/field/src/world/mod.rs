@@ -211,8 +211,7 @@ impl World {
     ) -> Result<Self, WorldError> {
         let graph_error = |source| WorldError::Graph { scene: name.to_owned(), source };
         let tape_error = |source| WorldError::Tape { scene: name.to_owned(), source };
-        let traits = SceneFeatures::of(&scene, glow.is_some());
-        let roots = roots(&mut scene, rest.as_ref(), glow);
+        let (glow, roots) = (glow.is_some(), roots(&mut scene, rest.as_ref(), glow));
         scene.graph.check().map_err(graph_error)?;
         let frame_tape = FrameTape::build(&scene, &planes).map_err(tape_error)?;
         let Traced { bounds, steep, tamed, shadow_step_growth } = match (traced, &rest) {
@@ -220,6 +219,7 @@ impl World {
             (None, Some(_)) => Traced::of(&scene, &roots, &frame_tape).map_err(tape_error)?,
             (None, None) => Traced::default(),
         };
+        let traits = SceneFeatures::of(&scene, glow, shadow_step_growth > 0.0);
         let (graph, roots, hoisted) = hoist::hoist(&scene.graph, &roots).map_err(graph_error)?;
         Ok(Self {
             name: name.to_owned(),

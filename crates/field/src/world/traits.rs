@@ -19,14 +19,16 @@ pub struct SceneFeatures {
     pub glow: bool,
     /// A lens that is not sharp everywhere.
     pub lens: bool,
+    /// Two scenes in one, where a lamp of one may be among the surfaces of the other.
+    pub blend: bool,
 }
 
 impl SceneFeatures {
     /// All of them.
-    pub const ALL: Self = Self { panels: true, mirrors: true, blur: true, glow: true, lens: true };
+    pub const ALL: Self = Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true };
 
     /// The features of a scene.
-    pub(super) fn of(scene: &Scene, glow: bool) -> Self {
+    pub(super) fn of(scene: &Scene, glow: bool, blend: bool) -> Self {
         let some = |value: NodeId| scene.graph.as_constant(value).is_none_or(|value| value > 0.0);
         let mirrors = scene.materials.iter().any(|material| some(material.reflect));
         Self {
@@ -35,6 +37,7 @@ impl SceneFeatures {
             blur: mirrors && scene.materials.iter().any(|material| some(material.blur)),
             glow,
             lens: some(scene.camera.aperture),
+            blend,
         }
     }
 
@@ -46,6 +49,7 @@ impl SceneFeatures {
             (self.blur, "BLUR"),
             (self.glow, "GLOW"),
             (self.lens, "LENS"),
+            (self.blend, "BLEND"),
         ];
         all.into_iter().filter_map(|(is_there, define)| is_there.then_some(define))
     }
