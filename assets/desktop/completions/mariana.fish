@@ -150,7 +150,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand video" -l alpha -d 'Leav
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s q -l quiet -d 'Tell nothing but mistakes'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_using_subcommand video" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma' -r -F
+complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l plot -d 'Draw the song on one page: waveform, energy, beats, bars, sections, builds, drops, chords, chroma, and the show that follows it' -r -F
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l gain -d 'Whether quiet and loud sound are levelled in the values from 0 to 1' -r -f -a "auto\t''
 off\t''"
 complete -c mariana -n "__fish_mariana_using_subcommand analyze" -l fps -d 'Lines per second' -r
