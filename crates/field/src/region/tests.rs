@@ -236,7 +236,8 @@ fn what_the_place_in_the_history_is_computed_from_has_registers() {
     let (inputs, loud) = (inputs_of(&world, 3.0, 0.0), inputs_of(&world, 3.0, 0.7));
     for inputs in [inputs, loud] {
         for cells in [true, false] {
-            let tree = plan.build(&inputs, &RegionOptions { cells, texels_max: 1 << 22, ..Default::default() });
+            let tree =
+                plan.build(&inputs, &RegionOptions { cells, texels_max: 1 << 22, ..Default::default() });
             let registers = registers_of(&tree, tree.whole_tape);
             assert!(registers <= plan.variant().registers, "{registers}, but {:?}", plan.variant());
             assert!(registers > 8, "{registers} are rounded up to as many");

@@ -25,7 +25,8 @@ pub struct SceneFeatures {
 
 impl SceneFeatures {
     /// All of them.
-    pub const ALL: Self = Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true };
+    pub const ALL: Self =
+        Self { panels: true, mirrors: true, blur: true, glow: true, lens: true, blend: true };
 
     /// The features of a scene.
     pub(super) fn of(scene: &Scene, glow: bool, blend: bool) -> Self {
