@@ -573,11 +573,11 @@ fn the_window_closes_while_a_driver_is_still_compiling() {
     wait_for_color(&app, "the first scene", SEEN_RED);
     app.press(&["n"]);
     app.wait_until_told("own2 is requested, compiled");
-    // Meanwhile it draws in another size, as before.
-    app.xdotool(&["windowsize", app.window(), "40", "50"]);
-    app.wait_for_size((40, 50));
+    // Meanwhile it draws in another size, as before, beside the words that say what is being prepared.
+    app.xdotool(&["windowsize", app.window(), "160", "240"]);
+    app.wait_for_size((160, 240));
     wait_until("the first scene in another size", || {
-        app.picture().dimensions() == (40, 50) && color(&app) == SEEN_RED
+        app.picture().dimensions() == (160, 240) && color(&app) == SEEN_RED
     });
     app.press(&["q"]);
     let (status, told) = app.wait_for_end(QUIT_LIMIT);
