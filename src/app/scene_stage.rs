@@ -16,6 +16,7 @@ mod directed;
 mod drawing;
 mod fading;
 mod kept;
+mod mixing;
 mod requests;
 mod told;
 mod universal;
@@ -33,6 +34,7 @@ use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
 use fading::Fading;
 use kept::KeptPrograms;
+use mixing::Mixing;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
@@ -115,6 +117,7 @@ pub(super) struct SceneStage {
     ahead: Ahead,
     directed: Directed,
     fading: Fading,
+    mixing: Mixing,
     edits: Edits,
     /// The picture that is being drawn.
     making: Option<Making>,
@@ -175,6 +178,7 @@ impl SceneStage {
             ahead: Ahead::with(loaders.ahead),
             directed: Directed::default(),
             fading: Fading::of(ways.fade),
+            mixing: Mixing::default(),
             edits: Edits::default(),
             making: None,
             // Without threads it would be compiled between frames, which then come late.
@@ -276,17 +280,18 @@ impl SceneStage {
 
     fn cast(&self, id: u64) -> Option<&Cast> {
         let staged = [&self.on_stage, &self.coming].into_iter().flatten();
-        staged.chain(self.ahead.casts()).find(|cast| cast.id == id)
+        staged.chain(self.mixing.cast()).chain(self.ahead.casts()).find(|cast| cast.id == id)
     }
 
     fn cast_mut(&mut self, id: u64) -> Option<&mut Cast> {
         let staged = [&mut self.on_stage, &mut self.coming].into_iter().flatten();
-        staged.chain(self.ahead.casts_mut()).find(|cast| cast.id == id)
+        staged.chain(self.mixing.cast_mut()).chain(self.ahead.casts_mut()).find(|cast| cast.id == id)
     }
 
     /// Every scene that is there.
     fn casts(&self) -> impl Iterator<Item = &Cast> {
-        [&self.on_stage, &self.coming, &self.before].into_iter().flatten().chain(self.ahead.casts())
+        let staged = [&self.on_stage, &self.coming, &self.before].into_iter().flatten();
+        staged.chain(self.mixing.cast()).chain(self.ahead.casts())
     }
 
     /// Shows a line for a moment.
@@ -297,7 +302,11 @@ impl SceneStage {
 
     /// The mode of the scene on the stage; none before there is one.
     pub(super) fn mode(&self) -> Option<Mode> {
-        let cast = self.on_stage.as_ref()?;
+        self.mode_of(self.on_stage.as_ref()?)
+    }
+
+    /// The mode in which a scene is drawn; none if no program can draw it.
+    fn mode_of(&self, cast: &Cast) -> Option<Mode> {
         let order = match self.choice {
             SdfChoice::Interpreted => [Mode::Interpreted, Mode::Compiled],
             SdfChoice::Compiled | SdfChoice::Auto => [Mode::Compiled, Mode::Interpreted],
@@ -319,8 +328,8 @@ impl SceneStage {
     pub(super) fn note_frame_time(&mut self, time: Duration) {
         let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return };
         let built = cast.resources.regions();
-        // Views are drawn by other programs.
-        if self.view().is_some() {
+        // Views are drawn by other programs, and during a fade two scenes are drawn.
+        if self.view().is_some() || self.mixing.cast().is_some() {
             return;
         }
         if built.is_some_and(|built| self.regions.note_frame_time((cast.id, mode), &built, time)) {
@@ -343,9 +352,10 @@ impl SceneStage {
         self.revision
     }
 
-    /// Whether the scene on the stage reads curves of the sound.
+    /// Whether what is drawn reads curves of the sound.
     pub(super) fn hears_curves(&self) -> bool {
-        self.on_stage.as_ref().is_none_or(|cast| cast.hears_curves)
+        let drawn = [self.on_stage.as_ref(), self.before.as_ref(), self.mixing.cast()];
+        self.on_stage.is_none() || drawn.into_iter().flatten().any(|cast| cast.hears_curves)
     }
 
     /// Whether the scene on the stage also moves without sound.

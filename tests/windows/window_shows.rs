@@ -107,13 +107,15 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     let place = Place::new();
     let show = place.path("my.show");
     let text = "at start red.scene\nat 4 s green.scene melt over 2 s\n set level = 0.2 -> 1 over 8 s\n\
-                at 14 s blue.scene portal over 2 s\n";
+                at 14 s blue.scene portal over 2 s\n\
+                at 29 s red.scene fade over 2 s\nat 34 s red.scene fade over 4 s\n set level = 0.3\n";
     place.write("my.show", text);
     let mut app = place.open(&["--show", &show]);
     app.wait_until_told("the scenes follow the song");
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
-    for (seconds, time) in [(0, "0"), (10, "10"), (5, "5"), (15, "15"), (20, "20")] {
+    let times = [(0, "0"), (10, "10"), (5, "5"), (15, "15"), (30, "30"), (35, "35"), (20, "20")];
+    for (seconds, time) in times {
         go_to(&mut app, seconds);
         let wanted = place.still(&show, time);
         wait_until(&format!("the still of {time} s"), || app.picture() == wanted);

@@ -168,6 +168,19 @@ impl Ahead {
         })
     }
 
+    /// Gives a source away that is prepared and was drawn once.
+    pub(super) fn give(&mut self, source: &SceneSource) -> Option<Cast> {
+        let neighbour = self.all_mut().find(|neighbour| neighbour.source.as_ref() == Some(source))?;
+        if !matches!(neighbour.state, State::Loaded { is_rehearsed: true, .. }) {
+            return None;
+        }
+        neighbour.source = None;
+        match std::mem::replace(&mut neighbour.state, State::Unasked) {
+            State::Loaded { cast, .. } => Some(*cast),
+            _ => None,
+        }
+    }
+
     /// Whether there is room for another scene.
     fn has_room_for(&self, world: &World) -> bool {
         let taken: u64 = self.casts().map(|cast| bytes_of(cast.resources.world())).sum();

@@ -3,12 +3,14 @@
 //! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. Where
 //! it was not ready in time, or the machine cannot draw it, the scenes fade instead.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::ahead::WantedAhead;
 use super::{Cast, SceneStage};
 use crate::scenes::{SceneSource, camera_number};
 use crate::show::{Programme, Stay, blend_kind};
+use mariana_field::world::World;
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -27,8 +29,31 @@ pub(super) struct Directed {
     pub(super) asked: Option<SceneSource>,
     /// When the show was last followed, in seconds of the song.
     last_time: Option<f64>,
+    /// Whether that was the same moment as the time before.
+    stands_still: bool,
     /// What comes next.
     upcoming: [Option<SceneSource>; 2],
+}
+
+impl Directed {
+    pub(super) fn programme(&self) -> Option<&Programme> {
+        self.programme.as_deref()
+    }
+
+    /// Whether the user went somewhere else in that stay.
+    pub(super) fn is_overruled(&self, index: usize) -> bool {
+        self.overruled == Some(index)
+    }
+
+    /// When the show was last followed, in seconds of the song.
+    pub(super) fn last_time(&self) -> Option<f64> {
+        self.last_time
+    }
+
+    /// Whether the song stands still.
+    pub(super) fn stands_still(&self) -> bool {
+        self.stands_still
+    }
 }
 
 impl SceneStage {
@@ -79,6 +104,7 @@ impl SceneStage {
         let blended = moment.leaving.and_then(|(from, _)| blend_of(&programme, from, moment.stay));
         // While the song stands still there is time for what was not prepared.
         let stands_still = self.directed.last_time.replace(time) == Some(time);
+        self.directed.stands_still = stands_still;
         if is_new || (stands_still && blended.is_some()) {
             let mixes = blended.as_ref().is_some_and(|blend| stands_still || self.has_ready(blend));
             self.directed.entered = Some((moment.index, mixes));
@@ -86,6 +112,9 @@ impl SceneStage {
         let mixes = self.directed.entered.is_some_and(|(_, mixes)| mixes);
         let wanted = blended.filter(|_| mixes).unwrap_or_else(|| scene.clone());
         self.directed.upcoming = upcoming(&programme, moment.index, &wanted);
+        if let Some((leaving, _)) = moment.leaving.filter(|_| stands_still && !mixes) {
+            self.need_leaving(&programme, leaving, time);
+        }
         if wanted == self.source {
             self.directed.asked = Some(wanted);
             return;
@@ -107,6 +136,20 @@ impl SceneStage {
         self.ask_for_source(wanted);
     }
 
+    /// Prepares the scene that goes, if it is not there although the song stands still in its fade.
+    fn need_leaving(&mut self, programme: &Programme, leaving: &Stay, time: f64) {
+        let Some(source) = programme.source(&leaving.scene).filter(|_| self.under(time).is_none()) else {
+            return;
+        };
+        match self.ahead.give(source) {
+            Some(cast) => self.take_leaving(cast),
+            None => {
+                let [first, _] = std::mem::take(&mut self.directed.upcoming);
+                self.directed.upcoming = [Some(source.clone()), first];
+            }
+        }
+    }
+
     /// What is prepared ahead: what the show has next, or else the neighbours in the list.
     pub(super) fn wanted_ahead(&self) -> WantedAhead {
         if self.directed.asked.is_some() {
@@ -125,41 +168,21 @@ impl SceneStage {
     /// else, or where the user moved a slider, as the sliders stand.
     pub(super) fn staged(&self, cast: &Cast, time: f64) -> (Vec<f32>, Option<usize>) {
         let world = cast.resources.world();
-        let mut sliders = cast.sliders.iter();
-        let mut numbers: Vec<f32> = (world.scene.params.iter())
-            .map(|param| {
-                if param.is_number {
-                    param.default
-                } else {
-                    sliders.next().map_or(param.default, |one| one.value)
-                }
-            })
-            .collect();
-        let Some(programme) = &self.directed.programme else { return (numbers, None) };
-        let Some(moment) = programme.plan().at(time) else { return (numbers, None) };
-        let is_moved = |name: &str| self.moved.contains_key(name);
-        let mut put = |range: std::ops::Range<usize>, stay: &Stay| {
-            let moved = stay.params_at(time);
-            let params = world.scene.params.iter().zip(&mut numbers);
-            for (param, number) in params.skip(range.start).take(range.len()) {
-                let value = moved.iter().find(|(name, _)| *name == param.name && !is_moved(name));
-                if let Some((_, value)) = value {
-                    *number = *value;
-                }
-            }
-        };
+        let moment =
+            self.directed.programme().and_then(|programme| Some((programme, programme.plan().at(time)?)));
+        let Some((programme, moment)) = moment else { return (unmoved(cast), None) };
         let (SceneSource::Blend(_), Some(split)) = (&cast.source, world.blended) else {
-            if programme.source(&moment.stay.scene) != Some(&cast.source) {
-                return (numbers, None);
-            }
-            put(0..world.scene.params.len(), moment.stay);
-            return (numbers, camera_number(world, moment.stay.camera.as_deref()));
+            return match programme.source(&moment.stay.scene) == Some(&cast.source) {
+                true => self.staged_in(cast, moment.stay, time),
+                false => (unmoved(cast), None),
+            };
         };
+        let mut numbers = unmoved(cast);
         let last = world.scene.params.len().saturating_sub(1);
         let share = match moment.leaving {
             Some((from, share)) => {
-                put(0..split, from);
-                put(split..last, moment.stay);
+                self.move_params(world, &mut numbers, 0..split, (from, time));
+                self.move_params(world, &mut numbers, split..last, (moment.stay, time));
                 share
             }
             None => 1.0,
@@ -170,12 +193,46 @@ impl SceneStage {
         (numbers, None)
     }
 
+    /// The same in a certain stay.
+    pub(super) fn staged_in(&self, cast: &Cast, stay: &Stay, time: f64) -> (Vec<f32>, Option<usize>) {
+        let (world, mut numbers) = (cast.resources.world(), unmoved(cast));
+        self.move_params(world, &mut numbers, 0..world.scene.params.len(), (stay, time));
+        (numbers, camera_number(world, stay.camera.as_deref()))
+    }
+
+    /// Moves some of the parameters as a stay does, but for those that the user moved.
+    fn move_params(
+        &self,
+        world: &World,
+        numbers: &mut [f32],
+        range: Range<usize>,
+        (stay, time): (&Stay, f64),
+    ) {
+        let moved = stay.params_at(time);
+        let params = world.scene.params.iter().zip(numbers);
+        for (param, number) in params.skip(range.start).take(range.len()) {
+            let is_moved = self.moved.contains_key(&param.name);
+            let value = moved.iter().find(|(name, _)| *name == param.name && !is_moved);
+            if let Some((_, value)) = value {
+                *number = *value;
+            }
+        }
+    }
+
     /// Whether the same scene looks different from moment to moment, whatever is heard.
     pub(super) fn is_moved_by_the_show(&self) -> bool {
         let of_blend =
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
     }
+}
+
+/// The parameters of a scene that no show moves: as the sliders stand.
+fn unmoved(cast: &Cast) -> Vec<f32> {
+    let mut sliders = cast.sliders.iter();
+    let params = cast.resources.world().scene.params.iter();
+    let mut slider = |default| sliders.next().map_or(default, |one| one.value);
+    params.map(|param| if param.is_number { param.default } else { slider(param.default) }).collect()
 }
 
 /// The source of a transition that mixes the worlds of two stays.

@@ -5,10 +5,12 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::mixing::Place;
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::dynamic_resolution::Level;
 use crate::app::scene_regions::{Shown, Wishes};
 use crate::config::SdfChoice;
+use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::error::GpuError;
 use crate::gpu::program::Program;
 use crate::gpu::renderer::{Progress, Renderer};
@@ -50,11 +52,15 @@ pub(crate) struct Drawn {
 pub(super) struct Making {
     /// The scene, its mode and its view.
     of: (u64, Mode, Option<ViewChoice>),
+    /// Where the scene is found that is drawn first, because it fades away under it; none if that is done.
+    under: Option<Place>,
     program: Rc<Program>,
     legend: Option<Arc<LegendPicture>>,
     shown: Shown,
     /// How long it will take, in seconds, as far as is known.
     seconds: Option<f64>,
+    /// How long what lies under it took.
+    spent: Duration,
 }
 
 impl SceneStage {
@@ -68,45 +74,41 @@ impl SceneStage {
         renderer: &mut Renderer,
         picture: WantedPicture,
     ) -> Result<Option<Drawn>, GpuError> {
-        let WantedPicture { moment, sound, size, aspect, level } = picture;
-        let Some((cast, mode)) = self.on_stage.as_ref().zip(self.mode()) else { return Ok(None) };
-        let now = (cast.id, mode, self.views.choice());
-        let is_of_use = |making: &Making| {
-            (making.shown.size, making.shown.edges) == (size, level.edges) && making.of == now
-        };
+        let shown = self.on_stage.as_ref().map(|cast| cast.id).zip(self.mode());
+        let Some((id, mode)) = shown else { return Ok(None) };
+        let now = (id, mode, self.views.choice());
+        let (size, edges) = (picture.size, picture.level.edges);
+        let is_of_use =
+            |making: &Making| (making.shown.size, making.shown.edges) == (size, edges) && making.of == now;
         if !self.making.as_ref().is_some_and(is_of_use) {
             self.making = None;
-            let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
-            let (params, camera) = self.staged(cast, moment.song_time);
-            let wishes = Wishes { params: &params, camera, hand: self.hand };
-            let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
-            let Some((frame, shown)) = drawable else { return Ok(None) };
-            let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
-            renderer.set_edge_samples(shown.edges);
-            self.own_pitch = frame.own_pitch();
-            self.fading.begin_picture(renderer, Instant::now());
-            let (program, legend) = match self.views.program(cast, mode) {
-                None => {
-                    renderer.begin(&frame, &cast.resources)?;
-                    (cast.program(mode).cloned(), None)
-                }
-                Some((view, mode, program)) => {
-                    let legend = self.views.begin(renderer, &frame, (cast, mode), view)?;
-                    (Some(program), legend)
-                }
-            };
-            let Some(program) = program else { return Ok(None) };
-            self.making = Some(Making { of: now, program, legend, shown, seconds: None });
+            self.end_fade(picture.moment.song_time);
         }
-        let Some(making) = &mut self.making else { return Ok(None) };
-        let progress = match renderer.go_on(&cast.resources, &making.program, GO)? {
-            Progress::Finished { spent } => Ok(Drawn { shown: making.shown, spent }),
-            Progress::Going { seconds } => Err(seconds),
+        let drawn = loop {
+            if self.making.is_none() {
+                self.making = self.begin(renderer, now, &picture)?;
+            }
+            let Some(Making { under, program, .. }) = &self.making else { return Ok(None) };
+            let (under, cast) = (*under, under.map_or(self.on_stage.as_ref(), |place| self.cast_at(place)));
+            let Some(cast) = cast else { return Ok(None) };
+            let progress = renderer.go_on(&cast.resources, program, GO)?;
+            let Some(making) = &mut self.making else { return Ok(None) };
+            match (progress, under) {
+                (Progress::Finished { spent }, Some(_)) => {
+                    renderer.keep_light()?;
+                    self.mixing.note_light(spent);
+                    self.making = None;
+                }
+                (Progress::Finished { spent }, None) => {
+                    break Drawn { shown: making.shown, spent: making.spent + spent };
+                }
+                (Progress::Going { seconds }, under) => {
+                    making.seconds = seconds.filter(|_| under.is_none());
+                    return Ok(None);
+                }
+            }
         };
-        if let Err(seconds) = progress {
-            making.seconds = seconds;
-            return Ok(None);
-        }
+        self.mixing.end();
         if let Some(Making { legend, .. }) = self.making.take() {
             renderer.put_legend(legend.as_deref())?;
         }
@@ -114,11 +116,78 @@ impl SceneStage {
         if self.fading.goes_on() {
             self.revision += 1;
         }
-        if let Some(before) = self.before.take() {
-            self.ahead.keep(before);
-            self.forget_obsolete();
+        self.let_go_of_the_one_before(drawn.shown.moment.song_time);
+        Ok(Some(drawn))
+    }
+
+    /// Begins a picture of the scene on the stage, or first of what fades away under it. None if its regions are
+    /// awaited.
+    fn begin(
+        &mut self,
+        renderer: &mut Renderer,
+        of: (u64, Mode, Option<ViewChoice>),
+        picture: &WantedPicture,
+    ) -> Result<Option<Making>, GpuError> {
+        let WantedPicture { moment, size, aspect, level, .. } = *picture;
+        let wanted = Shown { moment, size, edges: level.edges, revision: self.revision };
+        let (wanted, sound) = self.mixing.resume(wanted, picture.sound.clone());
+        let time = wanted.moment.song_time;
+        let under = self.under(time);
+        let lit = self.mixing.lit().filter(|_| under.is_some());
+        // What fades away is drawn first.
+        let beneath = under.as_ref().filter(|_| lit.is_none());
+        if beneath.is_some() {
+            self.mixing.begin(wanted, sound.clone());
         }
-        Ok(progress.ok())
+        let place = beneath.map_or(Place::OnStage, |under| under.place);
+        let cast = self.cast_at(place);
+        let Some((cast, mode)) = cast.and_then(|cast| Some((cast, self.mode_of(cast)?))) else {
+            return Ok(None);
+        };
+        let (params, camera) = match beneath {
+            Some(under) => self.staged_in(cast, &under.stay, time),
+            None => self.staged(cast, time),
+        };
+        let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand };
+        let cast = place.find(self.on_stage.as_ref(), self.before.as_ref(), &self.mixing);
+        let Some(cast) = cast else { return Ok(None) };
+        let wishes = Wishes { params: &params, camera, hand };
+        let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
+        let Some((frame, shown)) = drawable else { return Ok(None) };
+        if under.is_some() && shown != wanted {
+            // An older tree has come; both scenes are drawn at one moment.
+            return Ok(None);
+        }
+        let frame = frame.in_window(cast.resources.world(), aspect, level.quality);
+        renderer.set_edge_samples(shown.edges);
+        let making = |program| Making {
+            of,
+            under: beneath.map(|under| under.place),
+            program,
+            legend: None,
+            shown,
+            seconds: None,
+            spent: lit.unwrap_or_default(),
+        };
+        if beneath.is_some() {
+            renderer.begin_light(&frame, &cast.resources)?;
+            return Ok(cast.program(mode).cloned().map(making));
+        }
+        self.own_pitch = frame.own_pitch();
+        match &under {
+            Some(under) => renderer.set_fade(Some(under.share)),
+            None => self.fading.begin_picture(renderer, Instant::now()),
+        }
+        Ok(match self.views.program(cast, mode) {
+            None => {
+                renderer.begin(&frame, &cast.resources)?;
+                cast.program(mode).cloned().map(making)
+            }
+            Some((view, mode, program)) => {
+                let legend = self.views.begin(renderer, &frame, (cast, mode), view)?;
+                Some(Making { legend, ..making(program) })
+            }
+        })
     }
 
     /// Whether a picture was begun and is not finished.
@@ -199,7 +268,9 @@ impl SceneStage {
 
     /// Lets the scene that goes fade into the one that comes. Views stand for numbers and are cut.
     pub(super) fn fade_if_it_can(&mut self) {
-        if self.views.choice().is_none() {
+        if self.fades_with_both() {
+            self.fading.cut();
+        } else if self.views.choice().is_none() {
             self.fading.want();
         }
     }

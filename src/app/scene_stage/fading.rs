@@ -1,4 +1,4 @@
-//! How one scene gives way to another in the picture: it fades, or is cut.
+//! How one scene gives way to another in the picture: it fades, or is cut. Fades of a show are in [`super::mixing`].
 //!
 //! The scene that goes stands still meanwhile: its last picture is mixed into those of the one that comes
 //! ([`Renderer::keep_light`]).
@@ -63,7 +63,7 @@ impl Fading {
 
     /// What comes next does not fade.
     pub(super) fn cut(&mut self) {
-        self.state = State::None;
+        (self.state, self.next) = (State::None, None);
     }
 
     /// Whether the next picture differs from this one because of a fade.

@@ -23,7 +23,8 @@ impl Renderer {
     /// # Errors
     /// No room for it.
     pub fn keep_light(&mut self) -> Result<bool, GpuError> {
-        self.fade = self.exposed()?.map(|light| Fade { light, share: 1.0 });
+        let old = self.fade.take().map(|fade| fade.light);
+        self.fade = self.exposed(old)?.map(|light| Fade { light, share: 1.0 });
         Ok(self.fade.is_some())
     }
 
@@ -33,12 +34,16 @@ impl Renderer {
     /// # Errors
     /// No room for it.
     pub fn read_light(&self) -> Result<Vec<f32>, GpuError> {
-        Ok(self.exposed()?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
+        Ok(self.exposed(None)?.map_or_else(Vec::new, |light| light.read_rgba32f(0)))
     }
 
-    fn exposed(&self) -> Result<Option<Target>, GpuError> {
+    /// That light, in `room` if it has the same size.
+    fn exposed(&self, room: Option<Target>) -> Result<Option<Target>, GpuError> {
         let (Some(picture), Some(targets)) = (&self.finished_light, &self.targets) else { return Ok(None) };
-        let light = Target::new(&self.gl, targets.first.size(), &[Texel::Rgba16F], None)?.smooth();
+        let light = match room.filter(|room| room.size() == targets.first.size()) {
+            Some(room) => room,
+            None => Target::new(&self.gl, targets.first.size(), &[Texel::Rgba16F], None)?.smooth(),
+        };
         self.prepare_passes();
         self.post.bind_picture(picture, self.edge_samples);
         self.post.expose(&targets.post, picture, &targets.first, &light)?;

@@ -43,6 +43,8 @@ pub enum Progress {
 pub(super) struct Making {
     picture: Picture,
     is_view: bool,
+    /// Whether only its light is wanted, to be mixed into another picture.
+    only_light: bool,
     pass: Pass,
     parts: Parts,
     spent: Duration,
@@ -87,6 +89,17 @@ impl Renderer {
         let tree = scene.tree_of(frame);
         scene.upload_inputs(frame);
         self.begin_block(frame.size, (&frame.block(scene.world(), &tree), &frame.picture))
+    }
+
+    /// Begins a picture of which only the light is wanted, for [`Renderer::keep_light`]; what was finished before is shown
+    /// until the next picture is finished.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw`].
+    pub fn begin_light(&mut self, frame: &Frame, scene: &SceneResources) -> Result<(), GpuError> {
+        self.begin(frame, scene)?;
+        self.making.iter_mut().for_each(|making| making.only_light = true);
+        Ok(())
     }
 
     /// Continues the picture that was begun, in the same scene and with one program, for about `patience`; until the
@@ -198,6 +211,7 @@ impl Renderer {
         self.making = Some(Making {
             picture: *picture,
             is_view: false,
+            only_light: false,
             pass: Pass::First,
             parts: Parts::default(),
             spent: Duration::ZERO,
@@ -249,8 +263,10 @@ impl Renderer {
         costs.keep(program, cost);
         (self.targets, self.timer) = (Some(targets), timer);
         let progress = if finished? {
-            self.stands = None;
-            self.is_limited = false;
+            if !making.only_light {
+                self.stands = None;
+                self.is_limited = false;
+            }
             self.finished_light = (!making.is_view).then_some(making.picture);
             let (draws, largest) = making.draws;
             tracing::debug!("a picture in {draws} draws, the largest of {largest} pixels");
@@ -325,7 +341,7 @@ impl Renderer {
             }
             (Pass::Post, _) => return Ok(true),
             _ => {
-                self.finish_light(targets, &making.picture)?;
+                self.finish_light(targets, making)?;
                 (Pass::Post, Parts::default())
             }
         };
@@ -416,16 +432,19 @@ impl Renderer {
         Ok(())
     }
 
-    /// Makes the picture of all samples.
-    fn finish_light(&self, targets: &Targets, picture: &Picture) -> Result<(), GpuError> {
+    /// Makes the picture of all samples, or only its light.
+    fn finish_light(&self, targets: &Targets, making: &Making) -> Result<(), GpuError> {
         targets.first.bind_color(0, unit_of("picture"));
         match &targets.edges {
             Edges::Stencil(sum) => sum.bind_color(0, unit_of("extra_samples")),
             Edges::List(list) => list.bind_samples(),
         }
         self.post.resolve(&targets.post, self.edge_samples.block())?;
+        if making.only_light {
+            return Ok(());
+        }
         let fade = self.fade.as_ref().map(Fade::mixed_in);
-        self.post.finish(&targets.post, picture, &targets.first, fade)
+        self.post.finish(&targets.post, &making.picture, &targets.first, fade)
     }
 
     /// Sets the states in which all samples are drawn, the first and the further ones: some drivers compile a program
