@@ -55,6 +55,8 @@ pub enum Action {
     ToggleFollow,
     /// Keep the scene that is on while scenes follow the song, or not.
     ToggleKeep,
+    /// Bring what a show file holds for a key.
+    NextCue,
     /// Show or hide the parameters' sliders.
     ToggleSliders,
     /// Show or hide the line about the scene.
@@ -237,6 +239,13 @@ pub const BINDINGS: &[Binding] = &[
         written: "K",
         action: Action::ToggleKeep,
         meaning: "keep this scene while scenes follow the song, or not",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::Enter)],
+        written: "Enter",
+        action: Action::NextCue,
+        meaning: "the next cue of a show file",
         repeats: false,
     },
     Binding {

@@ -231,6 +231,7 @@ impl Show {
             Action::ChangeScene { forward } => stage.scene.go(forward),
             Action::ToggleFollow => stage.toggle_follow(),
             Action::ToggleKeep => stage.toggle_keep(),
+            Action::NextCue => stage.next_cue(),
             Action::ToggleSliders => stage.desk.panels.toggle_sliders(),
             Action::ToggleCorner => stage.desk.panels.toggle_corner(),
             Action::ToggleFullscreen => stage.toggle_fullscreen(),

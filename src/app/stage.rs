@@ -1,5 +1,6 @@
 //! What lives as long as the window: the sound, the scene, the pace of the drawing, the reports, and the overlay.
 
+mod cues;
 mod desk;
 mod directing;
 mod drawing;
@@ -13,6 +14,7 @@ use std::time::{Duration, Instant};
 
 use winit::event::WindowEvent;
 
+use cues::Cues;
 use desk::Desk;
 pub(super) use opening::{Opening, renewed};
 
@@ -53,6 +55,7 @@ pub(super) struct Stage {
     direction: Direction,
     /// Chooses scenes while an input is listened to.
     live: Option<LiveDirector>,
+    cues: Cues,
     pace: DrawingPace,
     reports: Reports,
     input: UserInput,

@@ -99,7 +99,7 @@ impl ShowPainter {
             let (model, frame) = self.frame(moment.stay, time, sound, size)?;
             return self.easel.draw(&model, frame);
         };
-        if let Some(kind) = blend_kind(moment.stay.entrance.way)
+        if let Some(kind) = blend_kind(moment.stay.entrance)
             && let Some(model) = self.blend(leaving, moment.stay, kind)?
         {
             let of =

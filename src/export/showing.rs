@@ -40,6 +40,11 @@ impl Showing {
                 if let Some(left_out) = left_out {
                     tracing::warn!("parts of the show do not fit the song:\n{left_out}");
                 }
+                if let cues @ 1.. = programme.cues().len() {
+                    tracing::warn!(
+                        "{cues} entries of the show wait for a key (`at cue`) and do not come: only a window has keys"
+                    );
+                }
                 programme
             }
         };

@@ -17,6 +17,7 @@ use super::bar_lines::BarLines;
 use super::script::{Anchor, Entry, Length, Script, Transition, When};
 use changes::{Change, Reason, changes, in_build};
 use mariana_field::lang::{About, Span, Way};
+use mariana_field::world::PortalShape;
 use mariana_music::SongStructure;
 
 /// What the director knows of a scene.
@@ -67,13 +68,14 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
     for (index, change) in changes.iter().enumerate() {
         let Some(card) = director.choose(index, change) else { return script };
         let before = director.seen.last().and_then(|before| cards.get(*before));
-        let transition = before.map(|before| transition(change, before, &cards[card]));
+        let coin = chance(seed, index, card) < 0.5;
+        let transition = before.map(|before| transition(change, before, &cards[card], coin));
         director.seen.push(card);
         let end = changes.get(index + 1).map_or(song.seconds, |next| next.time);
         let views = director.views(card, index, change);
         // What flows begins before the border, so that it has come when the section begins.
         let lead = match transition {
-            Some(Transition { way: Way::Melt | Way::Portal, length: Length::Bars(bars) }) => bars / 2.0,
+            Some(Transition { way: Way::Melt | Way::Portal, length: Length::Bars(bars), .. }) => bars / 2.0,
             _ => 0.0,
         };
         let mut when = change.when.clone();
@@ -87,8 +89,7 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
                 break;
             }
             let when = When { anchor: Anchor::Bar(bar), offset: Length::ZERO };
-            let cut = Transition { way: Way::Cut, length: Length::ZERO };
-            script.entries.push(entry(when, &cards[card].scene, camera.clone(), Some(cut)));
+            script.entries.push(entry(when, &cards[card].scene, camera.clone(), Some(Transition::CUT)));
         }
     }
     script
@@ -176,11 +177,10 @@ impl<'a> Director<'a> {
     }
 }
 
-/// How a scene comes.
-fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard) -> Transition {
-    let cut = Transition { way: Way::Cut, length: Length::ZERO };
+/// How a scene comes; `coin` chooses between what fits as well.
+fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool) -> Transition {
     if change.reason == Reason::Drop {
-        return cut;
+        return Transition::CUT;
     }
     let by_energy = match (change.before, change.energy) {
         (before, now) if before < CALM && now < CALM => Way::Melt,
@@ -190,10 +190,14 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard) -> Transiti
     };
     let way = to.about.enter.or(from.about.leave).unwrap_or(by_energy);
     match way {
-        Way::Cut => cut,
-        Way::Melt if change.energy < CALM => Transition { way, length: Length::Bars(4.0) },
-        Way::Melt | Way::Portal => Transition { way, length: Length::Bars(2.0) },
-        Way::Fade => Transition { way, length: Length::Bars(1.0) },
+        Way::Cut => Transition::CUT,
+        Way::Melt if change.energy < CALM => Transition::new(way, Length::Bars(4.0)),
+        Way::Melt => Transition::new(way, Length::Bars(2.0)),
+        Way::Portal => {
+            let shape = if coin { PortalShape::Ball } else { PortalShape::Plane };
+            Transition { shape, ..Transition::new(way, Length::Bars(2.0)) }
+        }
+        Way::Fade => Transition::new(way, Length::Bars(1.0)),
     }
 }
 

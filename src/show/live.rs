@@ -62,7 +62,7 @@ impl LiveDirector {
             // Another input, or the first moment.
             self.energies = [heard.energy; 2];
             self.stays.clear();
-            return self.enter(heard, Entrance { way: Way::Fade, seconds: 1.0 });
+            return self.enter(heard, Entrance::new(Way::Fade, 1.0));
         }
         for (energy, over) in self.energies.iter_mut().zip(OVER) {
             *energy += (heard.energy - *energy) * (step / over).min(1.0) as f32;
@@ -81,7 +81,7 @@ impl LiveDirector {
             false if now < LOUD => (Way::Fade, 2.0),
             false => (Way::Cut, 0.0),
         };
-        self.enter(heard, Entrance { way, seconds })
+        self.enter(heard, Entrance::new(way, seconds))
     }
 
     /// The scene that was next comes now, and another one is next.
@@ -93,7 +93,7 @@ impl LiveDirector {
             None => self.chosen(heard.time, entrance)?,
         };
         self.stays.push(stay);
-        let next = self.chosen(SOME_DAY, Entrance { way: Way::Cut, seconds: 0.0 })?;
+        let next = self.chosen(SOME_DAY, Entrance::CUT)?;
         self.stays.push(next);
         let surplus = self.stays.len().saturating_sub(KEPT + 2);
         self.stays.drain(..surplus);

@@ -6,7 +6,8 @@
 //! at section B        tunnel  camera inside  melt over 2 bars
 //!   set swell = 0.2 -> 0.5 over 8 bars after 1 bar
 //! at drop 1 - 1 beat  city    cut
-//! at 2:31.5           "my own/orb.scene"  portal over 3 s
+//! at 2:31.5           "my own/orb.scene"  portal plane over 3 s
+//! at cue              letters  fade over 1 bar
 //! ```
 //!
 //! Each line is read for itself, so that one mistake hides no other.
@@ -16,6 +17,7 @@ mod words;
 use super::script::{Anchor, Entry, Length, Script, Setting, Transition, When};
 use crate::limits::LIMITS;
 use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
+use mariana_field::world::{BlendKind, PortalShape};
 use words::{Kind, Word, lines};
 
 /// A text that was read.
@@ -137,12 +139,13 @@ impl<'a> Reader<'a> {
     }
 
     fn when(&mut self) -> Read<When> {
-        const ANCHORS: [&str; 6] = ["start", "end", "bar", "section", "drop", "build"];
+        const ANCHORS: [&str; 7] = ["start", "end", "bar", "section", "drop", "build", "cue"];
         let word = self.expect("a moment", "such as `start`, `1:30`, `bar 17`, `section B` or `drop 1`")?;
         let anchor = match (word.kind, word.text) {
             (Kind::Number, _) => Anchor::Time(self.clock(word)?),
             (Kind::Name, "start") => Anchor::Start,
             (Kind::Name, "end") => Anchor::End,
+            (Kind::Name, "cue") => Anchor::Cue,
             (Kind::Name, "bar") => Anchor::Bar(self.count("a bar's number")?),
             (Kind::Name, "drop") => Anchor::Drop(self.count_or_first()?),
             (Kind::Name, "build") => Anchor::Build(self.count_or_first()?),
@@ -164,7 +167,7 @@ impl<'a> Reader<'a> {
                 let near = nearest(word.text, ANCHORS);
                 return Err(Box::new(match near {
                     Some(_) => unknown.did_you_mean(near),
-                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1` or `build 1`"),
+                    None => unknown.hint("a moment is `start`, `end`, `1:30`, `12 s`, `bar 17`, `section B 2`, `drop 1`, `build 1` or `cue`"),
                 }));
             }
         };
@@ -222,10 +225,18 @@ impl<'a> Reader<'a> {
         };
         self.at += 1;
         if way == Way::Cut {
-            return Ok(Some(Transition { way, length: Length::ZERO }));
+            return Ok(Some(Transition::CUT));
         }
+        let named = self.peek().filter(|_| way == Way::Portal).and_then(|word| BlendKind::named(word.text));
+        let shape = match named {
+            Some(BlendKind::Portal(shape)) => {
+                self.at += 1;
+                shape
+            }
+            _ => PortalShape::default(),
+        };
         let length = if self.eat("over") { self.length()? } else { Length::Bars(1.0) };
-        Ok(Some(Transition { way, length }))
+        Ok(Some(Transition { way, shape, length }))
     }
 
     fn setting(&mut self) -> Read<Setting> {

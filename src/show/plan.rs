@@ -29,8 +29,20 @@ pub struct Stay {
 pub struct Entrance {
     /// The way.
     pub way: Way,
+    /// The shape of a portal.
+    pub shape: PortalShape,
     /// How long it takes, in seconds.
     pub seconds: f64,
+}
+
+impl Entrance {
+    /// At once.
+    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, seconds: 0.0 };
+
+    /// In a way that takes some seconds; a portal is a ball.
+    pub fn new(way: Way, seconds: f64) -> Self {
+        Self { way, seconds, ..Self::CUT }
+    }
 }
 
 /// A parameter that moves from one value to another.
@@ -98,10 +110,10 @@ impl Plan {
 }
 
 /// How worlds are blended in a way that is no mixture of pictures.
-pub fn blend_kind(way: Way) -> Option<BlendKind> {
-    match way {
+pub fn blend_kind(entrance: Entrance) -> Option<BlendKind> {
+    match entrance.way {
         Way::Melt => Some(BlendKind::Melt),
-        Way::Portal => Some(BlendKind::Portal(PortalShape::Ball)),
+        Way::Portal => Some(BlendKind::Portal(entrance.shape)),
         Way::Cut | Way::Fade => None,
     }
 }
@@ -144,7 +156,7 @@ mod tests {
     use super::*;
 
     fn stay(start: f64, way: Way, seconds: f64) -> Stay {
-        let entrance = Entrance { way, seconds };
+        let entrance = Entrance::new(way, seconds);
         Stay { start, scene: format!("at {start}"), camera: None, entrance, moves: Vec::new() }
     }
 

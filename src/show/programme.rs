@@ -105,12 +105,17 @@ impl Known {
     }
 }
 
+/// How a scene likes to come and to go.
+type Liked = (Option<Way>, Option<Way>);
+
 /// See the module.
 #[derive(Debug, Clone, Default)]
 pub struct Programme {
     plan: Plan,
     script: Script,
     scenes: BTreeMap<String, SceneSource>,
+    /// How scenes like to come and to go.
+    ways: BTreeMap<String, Liked>,
     cards: Vec<SceneCard>,
 }
 
@@ -137,8 +142,7 @@ impl Programme {
         for (start, source) in scenes {
             let scene = name_of(&source);
             programme.scenes.insert(scene.clone(), source);
-            let entrance = Entrance { way: Way::Cut, seconds: 0.0 };
-            stays.push(Stay { start, scene, camera: None, entrance, moves: Vec::new() });
+            stays.push(Stay { start, scene, camera: None, entrance: Entrance::CUT, moves: Vec::new() });
         }
         programme.plan = Plan::new(stays);
         programme
@@ -182,9 +186,10 @@ impl Programme {
             })
             .collect();
         let script = direct(song, &cards, seed_of(song));
-        let (plan, _) = resolved(&script, song, &known);
+        let ways = ways_of(&known);
+        let (plan, _) = resolved(&script, song, &[], &ways);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Self { plan, script, scenes, cards }
+        Self { plan, script, scenes, ways, cards }
     }
 
     fn of_text(
@@ -215,10 +220,22 @@ impl Programme {
                 return Err(ShowError::NoParam { scene, param: setting.param.clone(), hint });
             }
         }
-        let (plan, left_out) = resolved(script, song, &known);
+        let ways = ways_of(&known);
+        let (plan, left_out) = resolved(script, song, &[], &ways);
         let told = told(&left_out, &parsed.sources);
         let scenes = known.into_iter().map(|(name, scene)| (name, scene.source)).collect();
-        Ok((Self { plan, script: script.clone(), scenes, cards: Vec::new() }, told))
+        Ok((Self { plan, script: script.clone(), scenes, ways, cards: Vec::new() }, told))
+    }
+
+    /// The same show where the key was pressed at these moments, in seconds, for which entries wait.
+    pub fn with_cues(&self, song: &SongStructure, cues: &[f64]) -> Self {
+        let (plan, _) = resolved(&self.script, song, cues, &self.ways);
+        self.with_plan(plan)
+    }
+
+    /// The scenes that wait for a key, in their order.
+    pub fn cues(&self) -> Vec<&str> {
+        self.script.cues().map(|entry| entry.scene.as_str()).collect()
     }
 
     /// What is on when.
@@ -257,14 +274,19 @@ impl Programme {
     }
 }
 
+fn ways_of(known: &BTreeMap<String, Known>) -> BTreeMap<String, Liked> {
+    known.iter().map(|(name, scene)| (name.clone(), (scene.about.enter, scene.about.leave))).collect()
+}
+
 fn resolved(
     script: &Script,
     song: &SongStructure,
-    known: &BTreeMap<String, Known>,
+    cues: &[f64],
+    ways: &BTreeMap<String, Liked>,
 ) -> (Plan, Vec<Diagnostic>) {
-    resolve(script, song, |from, to| {
-        let about = |name: &str| known.get(name).map(|scene| &scene.about);
-        about(to).and_then(|about| about.enter).or(from.and_then(about).and_then(|about| about.leave))
+    resolve(script, song, cues, |from, to| {
+        let liked = |name: &str| ways.get(name).copied().unwrap_or_default();
+        liked(to).0.or(from.and_then(|from| liked(from).1))
     })
 }
 

@@ -7,41 +7,49 @@ use mariana_field::lang::{Diagnostic, Span, Way};
 use mariana_music::SongStructure;
 
 /// How a scene comes of which neither the script nor the scene says more.
-const USUAL: Transition = Transition { way: Way::Fade, length: Length::Seconds(1.0) };
+const USUAL: Transition = Transition { way: Way::Fade, length: Length::Seconds(1.0), ..Transition::CUT };
 /// How long a transition takes of which only the way is known.
 const USUAL_BARS: f64 = 1.0;
 
-/// The plan of a script for a song, and what of the script is not in it because the song does not have it. `likes` tells how a scene likes to come, given
-/// the one that goes and the one that comes.
+/// The plan of a script for a song, and what of the script is not in it because the song does not have it. `cues` are the
+/// moments at which the key was pressed for which entries may wait, in seconds; those for which it was not are not in the
+/// plan. `likes` tells how a scene likes to come, given the one that goes and the one that comes.
 pub fn resolve(
     script: &Script,
     song: &SongStructure,
+    cues: &[f64],
     likes: impl Fn(Option<&str>, &str) -> Option<Way>,
 ) -> (Plan, Vec<Diagnostic>) {
     let lines = BarLines::of(song);
     let mut left_out = Vec::new();
     let mut stays: Vec<Stay> = Vec::new();
     let mut last: Option<(f64, Span)> = None;
+    let mut cues = cues.iter();
     for entry in &script.entries {
-        let start = match time_of(&entry.when, song, &lines) {
-            Ok(start) => start,
+        let is_cue = entry.when.anchor == Anchor::Cue;
+        let cue = if is_cue { cues.next().copied() } else { None };
+        let start = match time_of(&entry.when, song, cue, &lines) {
+            Ok(Some(start)) => start,
+            Ok(None) => continue,
             Err(missing) => {
                 let missed = Diagnostic::new(entry.span, missing.sentence);
                 left_out.push(missed.label("left out").hint(missing.hint));
                 continue;
             }
         };
-        if let Some((before, span)) = last.filter(|(before, _)| start < *before) {
+        if let Some((before, span)) = last.filter(|(before, _)| start < *before && !is_cue) {
             let back = format!("this is at {}, which is before {}", clock(start), clock(before));
             let backwards =
                 Diagnostic::new(entry.span, back).label("left out").note(span, "what comes before it");
             left_out.push(backwards.hint("write what comes first above what comes later"));
             continue;
         }
-        last = Some((start, entry.span));
+        if !is_cue {
+            last = Some((start, entry.span));
+        }
         let transition = entry.transition.unwrap_or_else(|| {
             let way = likes(stays.last().map(|stay| stay.scene.as_str()), &entry.scene);
-            way.map_or(USUAL, |way| Transition { way, length: Length::Bars(USUAL_BARS) })
+            way.map_or(USUAL, |way| Transition::new(way, Length::Bars(USUAL_BARS)))
         });
         let seconds = lasting(transition.length, start, &lines);
         let mut moves: Vec<Move> = (entry.settings.iter())
@@ -62,7 +70,7 @@ pub fn resolve(
             start,
             scene: entry.scene.clone(),
             camera: entry.camera.clone(),
-            entrance: Entrance { way: transition.way, seconds },
+            entrance: Entrance { way: transition.way, shape: transition.shape, seconds },
             moves,
         });
     }
@@ -75,7 +83,13 @@ struct Missing {
     hint: String,
 }
 
-fn time_of(when: &When, song: &SongStructure, lines: &BarLines) -> Result<f64, Missing> {
+/// When that is; none if it waits for its cue.
+fn time_of(
+    when: &When,
+    song: &SongStructure,
+    cue: Option<f64>,
+    lines: &BarLines,
+) -> Result<Option<f64>, Missing> {
     let numbered = |what: &str, number: u32, times: &[f64]| {
         let index = (number as usize).checked_sub(1);
         index.and_then(|index| times.get(index)).copied().ok_or_else(|| Missing {
@@ -90,6 +104,10 @@ fn time_of(when: &When, song: &SongStructure, lines: &BarLines) -> Result<f64, M
         Anchor::Start => 0.0,
         Anchor::End => song.seconds,
         Anchor::Time(seconds) => *seconds,
+        Anchor::Cue => match cue {
+            Some(seconds) => seconds,
+            None => return Ok(None),
+        },
         Anchor::Bar(bar) => lines.time_of(f64::from(*bar)),
         Anchor::Drop(number) => numbered("drop", *number, &song.drops)?,
         Anchor::Build(number) => {
@@ -111,7 +129,7 @@ fn time_of(when: &When, song: &SongStructure, lines: &BarLines) -> Result<f64, M
             numbered(&format!("section {letter}"), *number, &starts)?
         }
     };
-    Ok(anchor + lasting(when.offset, anchor, lines))
+    Ok(Some(anchor + lasting(when.offset, anchor, lines)))
 }
 
 /// How many seconds a length takes from `start` on.
@@ -176,7 +194,8 @@ mod tests {
     fn resolved(text: &str) -> (Plan, Vec<String>) {
         let parsed = parse("test.show", text);
         let script = parsed.script.clone().unwrap_or_else(|| panic!("{}", parsed.render(false)));
-        let (plan, left_out) = resolve(&script, &song(), |_, to| (to == "liked").then_some(Way::Melt));
+        let (plan, left_out) =
+            resolve(&script, &song(), &[3.0, 40.0], |_, to| (to == "liked").then_some(Way::Melt));
         (plan, left_out.into_iter().map(|one| one.message).collect())
     }
 
@@ -219,6 +238,17 @@ mod tests {
             "this is at 0:02.5, which is before 0:30",
         ];
         assert_eq!(left_out, wanted);
+    }
+
+    #[test]
+    fn what_waits_for_a_key_comes_when_it_was_pressed() {
+        let (plan, left_out) = resolved(
+            "at start one\nat cue two cut\nat 10 s three\nat cue + 1 bar four\nat 30 s five\nat cue six",
+        );
+        assert_eq!(left_out, [""; 0]);
+        let stays: Vec<(f64, &str)> =
+            plan.stays().iter().map(|stay| (stay.start, stay.scene.as_str())).collect();
+        assert_eq!(stays, [(0.0, "one"), (3.0, "two"), (10.0, "three"), (30.0, "five"), (42.0, "four")]);
     }
 
     #[test]

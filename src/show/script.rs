@@ -1,6 +1,7 @@
 //! A show as it is written down: what comes at which moment of a song, in the words of musicians.
 
 use mariana_field::lang::{Span, Way};
+use mariana_field::world::PortalShape;
 
 /// A show. Its entries stand in the order in which they were written.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -52,6 +53,15 @@ pub enum Anchor {
     Drop(u32),
     /// The start of a build, from 1.
     Build(u32),
+    /// When whoever leads the show presses a key, once for each entry of this kind.
+    Cue,
+}
+
+impl Script {
+    /// The entries that wait for a key, in their order.
+    pub fn cues(&self) -> impl Iterator<Item = &Entry> {
+        self.entries.iter().filter(|entry| entry.when.anchor == Anchor::Cue)
+    }
 }
 
 /// A length of time.
@@ -97,8 +107,20 @@ pub(super) struct Unit {
 pub struct Transition {
     /// The way.
     pub way: Way,
+    /// The shape of a portal.
+    pub shape: PortalShape,
     /// How long it takes; nothing for a cut.
     pub length: Length,
+}
+
+impl Transition {
+    /// At once.
+    pub const CUT: Self = Self { way: Way::Cut, shape: PortalShape::Ball, length: Length::ZERO };
+
+    /// In a way that takes some time; a portal is a ball.
+    pub fn new(way: Way, length: Length) -> Self {
+        Self { way, length, ..Self::CUT }
+    }
 }
 
 /// A parameter that moves, or is set.

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::resolve::clock;
 use super::script::{Anchor, Entry, Length, Script, Setting};
 use mariana_field::lang::Way;
+use mariana_field::world::{BlendKind, PortalShape};
 
 /// The text of a script, below lines of comment.
 pub fn print(script: &Script, comments: &[String]) -> String {
@@ -24,6 +25,9 @@ pub fn print(script: &Script, comments: &[String]) -> String {
         }
         if let Some(transition) = entry.transition {
             let _ = write!(text, "  {}", transition.way.name());
+            if transition.way == Way::Portal && transition.shape != PortalShape::default() {
+                let _ = write!(text, " {}", BlendKind::Portal(transition.shape).name());
+            }
             if transition.way != Way::Cut {
                 let _ = write!(text, " over {}", length(transition.length));
             }
@@ -41,6 +45,7 @@ fn moment(entry: &Entry) -> String {
     let anchor = match &entry.when.anchor {
         Anchor::Start => "start".to_owned(),
         Anchor::End => "end".to_owned(),
+        Anchor::Cue => "cue".to_owned(),
         Anchor::Time(seconds) => clock(*seconds),
         Anchor::Bar(bar) => numbered("bar", *bar),
         Anchor::Drop(number) => numbered("drop", *number),

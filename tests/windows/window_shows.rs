@@ -132,6 +132,28 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
 }
 
 #[test]
+fn enter_brings_the_next_cue_of_a_show() {
+    let place = Place::new();
+    place.write("my.show", "at start red.scene\nat cue green.scene cut\nat cue blue.scene fade over 1 s\n");
+    let show = place.path("my.show");
+    let mut app = place.open(&["--show", &show, "--scene", &place.path("red.scene")]);
+    app.wait_until_told("the scenes follow the song");
+    app.wait_until_told("green is ready ahead");
+    wait_for_channel(&app, 0);
+    app.press(&["Return"]);
+    wait_for_channel(&app, 1);
+    app.press(&["Return"]);
+    wait_for_channel(&app, 2);
+    // Before the first press there is what was there then; and there the first cue waits again.
+    app.press(&["space"]);
+    go_to(&mut app, 0);
+    wait_for_channel(&app, 0);
+    app.press(&["Return"]);
+    wait_for_channel(&app, 1);
+    quit(app);
+}
+
+#[test]
 fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
     let place = Place::new();
     place.write("my.show", "at start red.scene\nat 10 s green.scene cut\nat 20 s blue.scene cut\n");

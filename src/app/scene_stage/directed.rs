@@ -31,6 +31,8 @@ pub(super) struct Directed {
     last_time: Option<f64>,
     /// Whether that was the same moment as the time before.
     stands_still: bool,
+    /// What the next press of the key for cues brings.
+    cue: Option<SceneSource>,
     /// What comes next.
     upcoming: [Option<SceneSource>; 2],
 }
@@ -57,16 +59,20 @@ impl Directed {
 }
 
 impl SceneStage {
-    /// Follows a show from now on, or none.
-    pub(in crate::app) fn set_programme(&mut self, programme: Option<Arc<Programme>>) {
+    /// Follows a show from now on, or none. `cue` is what may come at any moment.
+    pub(in crate::app) fn set_programme(
+        &mut self,
+        programme: Option<Arc<Programme>>,
+        cue: Option<SceneSource>,
+    ) {
         let is_locked = self.directed.is_locked && programme.is_some();
-        self.directed = Directed { programme, is_locked, ..Directed::default() };
+        self.directed = Directed { programme, cue, is_locked, ..Directed::default() };
         self.revision += 1;
     }
 
     /// Follows a show that is the same as before up to this moment.
-    pub(in crate::app) fn extend_programme(&mut self, programme: Arc<Programme>) {
-        self.directed.programme = Some(programme);
+    pub(in crate::app) fn extend_programme(&mut self, programme: Arc<Programme>, cue: Option<SceneSource>) {
+        (self.directed.programme, self.directed.cue) = (Some(programme), cue);
         (self.directed.entered, self.directed.last_time, self.directed.overruled) = (None, None, None);
     }
 
@@ -111,7 +117,8 @@ impl SceneStage {
         }
         let mixes = self.directed.entered.is_some_and(|(_, mixes)| mixes);
         let wanted = blended.filter(|_| mixes).unwrap_or_else(|| scene.clone());
-        self.directed.upcoming = upcoming(&programme, moment.index, &wanted);
+        let cue = self.directed.cue.as_ref();
+        self.directed.upcoming = upcoming(&programme, moment.index, &wanted, cue);
         if let Some((leaving, _)) = moment.leaving.filter(|_| stands_still && !mixes) {
             self.need_leaving(&programme, leaving, time);
         }
@@ -240,11 +247,16 @@ fn blend_of(programme: &Programme, from: &Stay, to: &Stay) -> Option<SceneSource
     if from.scene == to.scene {
         return None;
     }
-    programme.blend(from, to, blend_kind(to.entrance.way)?).map(|blend| SceneSource::Blend(Arc::new(blend)))
+    programme.blend(from, to, blend_kind(to.entrance)?).map(|blend| SceneSource::Blend(Arc::new(blend)))
 }
 
-/// The next two sources behind the one that is wanted now, in a stay.
-fn upcoming(programme: &Programme, index: usize, wanted: &SceneSource) -> [Option<SceneSource>; 2] {
+/// The next two sources behind the one that is wanted now, in a stay, of which the first may be that of a cue.
+fn upcoming(
+    programme: &Programme,
+    index: usize,
+    wanted: &SceneSource,
+    cue: Option<&SceneSource>,
+) -> [Option<SceneSource>; 2] {
     let stays = programme.plan().stays();
     let mut found: Vec<SceneSource> = Vec::new();
     let add = |found: &mut Vec<SceneSource>, source: Option<SceneSource>| {
@@ -259,6 +271,11 @@ fn upcoming(programme: &Programme, index: usize, wanted: &SceneSource) -> [Optio
         }
         add(&mut found, blend_of(programme, from, to).filter(|_| to.entrance.seconds > 0.0));
         add(&mut found, programme.source(&to.scene).cloned());
+    }
+    found.truncate(2);
+    if let Some(cue) = cue.filter(|cue| *cue != wanted && !found.contains(cue)) {
+        // It may come sooner than anything else.
+        found.insert(0, cue.clone());
     }
     let mut found = found.into_iter();
     [found.next(), found.next()]

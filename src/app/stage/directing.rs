@@ -1,6 +1,7 @@
 //! Lets the scenes follow the song, as the director or a show file says.
 
 use super::Stage;
+use super::cues::Pressed;
 use crate::app::direction::{LIVE, News};
 use crate::app::settings_panel::SettingChange;
 use crate::config::FollowChoice;
@@ -16,17 +17,21 @@ impl Stage {
         // Of an input nothing is known before it is heard.
         let song = if moment.track == LIVE { Some(Arc::default()) } else { song };
         let scene = &self.scene;
-        match self.direction.update(moment.track, list, song, || scene.all_sources()) {
+        match self.direction.update(moment.track, list, song.clone(), || scene.all_sources()) {
             Some(News::Programme(programme)) => {
                 if programme.is_some() {
                     tracing::info!("the scenes follow the song");
                 }
                 self.live = None;
+                self.cues.take(moment.track, programme.clone(), song);
                 match programme {
                     Some(programme) if moment.track == LIVE && programme.is_directed() => {
                         self.live = Some(LiveDirector::new((*programme).clone()));
                     }
-                    other => self.scene.set_programme(other),
+                    other => {
+                        let cued = self.cues.programme().or(other);
+                        self.scene.set_programme(cued, self.cues.next());
+                    }
                 }
             }
             Some(News::Problem { heading, text }) => self.scene.set_problem(heading, text),
@@ -38,12 +43,31 @@ impl Stage {
             let heard = Hearing { time, energy: moment.song.energy, tempo, phase };
             if let Some(programme) = live.hear(heard).map(Arc::new) {
                 match self.scene.is_directed() {
-                    true => self.scene.extend_programme(programme),
-                    false => self.scene.set_programme(Some(programme)),
+                    true => self.scene.extend_programme(programme, None),
+                    false => self.scene.set_programme(Some(programme), None),
                 }
             }
         }
         self.scene.follow(moment.song_time);
+    }
+
+    /// Brings what a show file holds for a key.
+    pub(in crate::app) fn next_cue(&mut self) {
+        let words = match self.listening.now() {
+            _ if !self.scene.is_directed() => "no show is on: A lets the scenes follow the song".to_owned(),
+            None => return,
+            Some(moment) => match self.cues.press(moment.song_time) {
+                Pressed::NoCues => {
+                    "this show has no cues: `at cue SCENE` in a show file waits for Enter".to_owned()
+                }
+                Pressed::NoneLeft => "that was the last cue of the show".to_owned(),
+                Pressed::Cue { programme, number, of, scene } => {
+                    self.scene.extend_programme(Arc::new(programme), self.cues.next());
+                    format!("cue {number} of {of}: {scene}")
+                }
+            },
+        };
+        self.reports.answer(words);
     }
 
     /// Lets the scenes follow the songs, or stay as they are.

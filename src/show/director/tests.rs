@@ -26,7 +26,7 @@ fn cards() -> Vec<SceneCard> {
 fn a_show_follows_the_song() {
     let script = direct(&song(), &cards(), 7);
     let text = print(&script, &[]);
-    let (plan, left_out) = resolve(&script, &song(), |_, _| None);
+    let (plan, left_out) = resolve(&script, &song(), &[], |_, _| None);
     assert!(left_out.is_empty(), "{text}");
     let on = |time: f64| plan.at(time).unwrap().stay.scene.as_str();
     // Calm, in between, and from the drop on loud; the calm section comes back with its scene.
@@ -53,7 +53,7 @@ fn loud_music_is_cut_between_cameras() {
         card("lake", (0.0, 0.3), "calm", &["near"]),
         card("street", (0.4, 0.6), "busy", &[]),
     ];
-    let (plan, _) = resolve(&direct(&song(), &cards, 1), &song(), |_, _| None);
+    let (plan, _) = resolve(&direct(&song(), &cards, 1), &song(), &[], |_, _| None);
     let of = |range: std::ops::Range<f64>| {
         let mut cameras: Vec<_> = plan
             .stays()
@@ -114,7 +114,7 @@ proptest! {
         }).collect();
         let script = direct(&song, &cards(), seed);
         let text = print(&script, &[]);
-        let (plan, left_out) = resolve(&script, &song, |_, _| None);
+        let (plan, left_out) = resolve(&script, &song, &[], |_, _| None);
         prop_assert!(left_out.is_empty(), "{}\n{:?}", text, left_out);
         prop_assert_eq!(plan.stays().len(), script.entries.len());
         let mut scenes: Vec<(f64, &str)> = plan.stays().iter().map(|stay| (stay.start, stay.scene.as_str())).collect();
@@ -124,6 +124,6 @@ proptest! {
             prop_assert!(is_drop || pair[1].0 - pair[0].0 > 3.0, "{}", text);
         }
         let again = parse("test.show", &text).script.unwrap();
-        prop_assert_eq!(resolve(&again, &song, |_, _| None).0, plan, "{}", text);
+        prop_assert_eq!(resolve(&again, &song, &[], |_, _| None).0, plan, "{}", text);
     }
 }

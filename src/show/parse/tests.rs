@@ -17,7 +17,7 @@ fn a_show_is_read() {
     let tunnel = &read.entries[1];
     assert_eq!(tunnel.when, When { anchor: Anchor::Section("B".to_owned(), 2), offset: Length::Beats(1.5) });
     assert_eq!(tunnel.camera.as_deref(), Some("inside"));
-    assert_eq!(tunnel.transition, Some(Transition { way: Way::Melt, length: Length::Bars(2.0) }));
+    assert_eq!(tunnel.transition, Some(Transition::new(Way::Melt, Length::Bars(2.0))));
     let swell = Setting {
         param: "swell".to_owned(),
         from: -0.2,
@@ -91,13 +91,13 @@ prop_compose! {
 prop_compose! {
     fn entry()(
         anchor in prop_oneof![
-            Just(Anchor::Start), Just(Anchor::End), (0u32..90_000).prop_map(|t| Anchor::Time(f64::from(t) / 8.0)),
+            Just(Anchor::Start), Just(Anchor::End), Just(Anchor::Cue), (0u32..90_000).prop_map(|t| Anchor::Time(f64::from(t) / 8.0)),
             (1u32..999).prop_map(Anchor::Bar), (1u32..9).prop_map(Anchor::Drop), (1u32..9).prop_map(Anchor::Build),
             ("[A-Z]{1,2}", 1u32..9).prop_map(|(letter, number)| Anchor::Section(letter, number)),
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        way in 0usize..5, over in length(), swell in proptest::option::of((-9i16..9, -9i16..9, length(), length())),
+        way in 0usize..5, is_plane in any::<bool>(), over in length(), swell in proptest::option::of((-9i16..9, -9i16..9, length(), length())),
     ) -> Entry {
         let negative = |length| match length {
             Length::Seconds(number) => Length::Seconds(-number),
@@ -107,6 +107,7 @@ prop_compose! {
         let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
         let transition = Way::ALL.get(way).map(|way| Transition {
             way: *way,
+            shape: if *way == Way::Portal && is_plane { PortalShape::Plane } else { PortalShape::Ball },
             length: if *way == Way::Cut { Length::ZERO } else { over },
         });
         let settings = swell.into_iter().map(|(from, to, over, after)| Setting {

@@ -48,6 +48,11 @@ impl BlendKind {
         (BlendKind::Portal(PortalShape::Plane), "plane", "the other scene is behind a moving plane"),
     ];
 
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        Self::ALL.into_iter().find(|(kind, ..)| *kind == self).map_or("", |(_, name, _)| name)
+    }
+
     /// The kind of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|(_, known, _)| *known == name).map(|(kind, ..)| kind)

@@ -10,9 +10,10 @@ use crate::graph::{Graph, NodeId, Op};
 use crate::lang::Camera;
 
 /// The shape in which the second scene appears.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum PortalShape {
     /// A ball around the camera's target that grows beyond everything.
+    #[default]
     Ball,
     /// The half space to the left of a plane along the line of sight that moves to the right.
     Plane,
