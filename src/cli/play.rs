@@ -188,7 +188,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     let tracks = match (listen, last_tracks) {
         (Some(_), _) => None,
         (None, Some(list)) => {
-            let repeat = last.repeat.as_deref().and_then(repeat_of).unwrap_or(repeat);
+            let repeat = last.repeat.as_deref().and_then(Repeat::named).unwrap_or(repeat);
             // Tracks that have gone meanwhile cost the list, never the start.
             match Playlist::open_at(&[list], repeat, last.shuffled || arguments.shuffle, Some(last.track)) {
                 Ok(opened) if opened.playable => {
@@ -215,11 +215,6 @@ fn fits((width, height): (u32, u32)) -> bool {
     let sides = LIMITS.picture_side_min.max(64)..=LIMITS.picture_side_max;
     let pixels = u64::from(width) * u64::from(height);
     sides.contains(&width) && sides.contains(&height) && pixels <= LIMITS.picture_pixels_max
-}
-
-fn repeat_of(name: &str) -> Option<Repeat> {
-    let modes = [("all", Repeat::All), ("one", Repeat::One), ("off", Repeat::Off)];
-    modes.into_iter().find(|(known, _)| *known == name).map(|(_, repeat)| repeat)
 }
 
 /// The scene of the last show, if it can still be shown; else the first one, and a sentence.

@@ -201,6 +201,21 @@ pub enum Repeat {
     Off,
 }
 
+impl Repeat {
+    /// All of them with their names.
+    const NAMES: [(Self, &'static str); 3] = [(Self::All, "all"), (Self::One, "one"), (Self::Off, "off")];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        Self::NAMES.into_iter().find(|(repeat, _)| *repeat == self).map_or("", |(_, name)| name)
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::NAMES.into_iter().find(|(_, known)| *known == name).map(|(repeat, _)| repeat)
+    }
+}
+
 /// What is asked of a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Wanted {

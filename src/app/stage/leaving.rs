@@ -3,7 +3,6 @@
 use super::Stage;
 use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
-use mariana_player::track::Repeat;
 
 /// A track of which less is left than this is not gone on with, in seconds: the next one begins.
 const LEFT_MIN: f64 = 5.0;
@@ -37,7 +36,7 @@ impl Stage {
                 show.seconds = if is_over { 0.0 } else { status.position };
             }
             show.shuffled = status.shuffled;
-            show.repeat = Some(repeat_name(status.repeat).to_owned());
+            show.repeat = Some(status.repeat.name().to_owned());
             // A track inside the program has no file, and a part of one cannot be named in a list.
             let files = list.entries.iter().map(|track| track.file.clone().filter(|_| track.start.is_none()));
             let files = files.collect::<Option<Vec<_>>>().filter(|_| self.choices.last_tracks);
@@ -62,13 +61,5 @@ fn name_of(source: &SceneSource) -> Option<String> {
         SceneSource::File(path) => std::path::absolute(path).ok()?.to_str().map(str::to_owned),
         SceneSource::Formula(_) => None,
         SceneSource::Blend(blend) => name_of(&blend.to.source),
-    }
-}
-
-fn repeat_name(repeat: Repeat) -> &'static str {
-    match repeat {
-        Repeat::All => "all",
-        Repeat::One => "one",
-        Repeat::Off => "off",
     }
 }
