@@ -37,10 +37,26 @@ const CALM: f32 = 0.45;
 const LOUD: f32 = 0.6;
 /// From this energy on cameras change twice as often.
 const VERY_LOUD: f32 = 0.8;
-/// Bars between the cuts of loud music, and of very loud music.
-const CUT_BARS: [f64; 2] = [4.0, 2.0];
-/// A camera is on for at least so many seconds.
-const CAMERA_SECONDS_MIN: f64 = 4.0;
+
+/// How a scene's cameras follow each other.
+struct Turns {
+    /// Up to this energy.
+    below: f32,
+    /// Every so many bars.
+    bars: f64,
+    /// A camera is on for at least so many seconds.
+    seconds_min: f64,
+    /// One fades into the next over so many bars; 0 cuts.
+    fade: f64,
+}
+
+/// From calm to very loud music.
+const TURNS: [Turns; 4] = [
+    Turns { below: CALM, bars: 6.0, seconds_min: 8.0, fade: 2.0 },
+    Turns { below: LOUD, bars: 4.0, seconds_min: 8.0, fade: 1.0 },
+    Turns { below: VERY_LOUD, bars: 4.0, seconds_min: 4.0, fade: 0.0 },
+    Turns { below: f32::INFINITY, bars: 2.0, seconds_min: 4.0, fade: 0.0 },
+];
 
 /// What speaks for a scene is counted in points; a scene that fits in everything has none against it.
 mod points {
@@ -83,13 +99,18 @@ pub fn direct(song: &SongStructure, cards: &[SceneCard], seed: u64) -> Script {
             when.offset = Length::Bars(-lead);
         }
         script.entries.push(entry(when, &cards[card].scene, views.first().cloned().flatten(), transition));
-        for (number, bar) in cuts(song, &lines, change, end).into_iter().enumerate() {
+        let turns = turns_at(change.energy);
+        for (number, bar) in bars_of(turns, song, &lines, change, end).into_iter().enumerate() {
             let Some(camera) = views.get((number + 1) % views.len().max(1)) else { break };
             if views.len() < 2 {
                 break;
             }
             let when = When { anchor: Anchor::Bar(bar), offset: Length::ZERO };
-            script.entries.push(entry(when, &cards[card].scene, camera.clone(), Some(Transition::CUT)));
+            let how = match turns.fade {
+                0.0 => Transition::CUT,
+                bars => Transition::new(Way::Fade, Length::Bars(bars)),
+            };
+            script.entries.push(entry(when, &cards[card].scene, camera.clone(), Some(how)));
         }
     }
     script
@@ -201,19 +222,25 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
     }
 }
 
+/// How cameras follow each other in music of this energy.
+fn turns_at(energy: f32) -> &'static Turns {
+    let [calm, even, loud, very_loud] = &TURNS;
+    [calm, even, loud].into_iter().find(|turns| energy < turns.below).unwrap_or(very_loud)
+}
+
 /// The bars in which the camera changes, from a change to the next one at `end` seconds.
-fn cuts(song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
-    if change.energy < LOUD || song.beats.is_empty() {
-        return Vec::new();
-    }
+fn bars_of(turns: &Turns, song: &SongStructure, lines: &BarLines, change: &Change<'_>, end: f64) -> Vec<u32> {
     let first = lines.bar_at(change.time + 0.05).floor();
     let bar = lines.time_of(first + 1.0) - lines.time_of(first);
-    let mut step = CUT_BARS[usize::from(change.energy >= VERY_LOUD)];
-    while step * bar < CAMERA_SECONDS_MIN {
+    if song.beats.is_empty() || bar <= 0.0 {
+        return Vec::new();
+    }
+    let mut step = turns.bars;
+    while step * bar < turns.seconds_min {
         step *= 2.0;
     }
     let all = (1..).map(|number| first + f64::from(number) * step);
-    let within = all.take_while(|bar| lines.time_of(*bar) + CAMERA_SECONDS_MIN < end && *bar < 1e6);
+    let within = all.take_while(|bar| lines.time_of(*bar) + turns.seconds_min < end && *bar < 1e6);
     let fits = |bar: &f64| *bar >= 1.0 && !in_build(song, lines, lines.time_of(*bar));
     within.filter(fits).map(|bar| bar as u32).collect()
 }

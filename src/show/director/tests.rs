@@ -1,4 +1,5 @@
 use super::*;
+use crate::show::plan::Entrance;
 use crate::show::resolve::testing::song;
 use crate::show::{parse, print, resolve};
 use proptest::prelude::*;
@@ -67,6 +68,26 @@ fn loud_music_is_cut_between_cameras() {
     };
     assert_eq!(of(32.0..48.0), 3);
     assert_eq!(of(0.0..14.0), 1);
+}
+
+#[test]
+fn calm_music_fades_from_camera_to_camera() {
+    let cards = vec![
+        card("fire", (0.7, 1.0), "hot", &["near", "far"]),
+        card("lake", (0.0, 0.3), "calm", &["near", "far"]),
+    ];
+    let mut song = song();
+    let [calm, .., loud] = &mut song.sections[..] else { panic!() };
+    (calm.end, loud.start, loud.energy) = (40.5, 40.5, 0.9);
+    song.sections = vec![calm.clone(), loud.clone()];
+    (song.builds, song.drops) = (Vec::new(), Vec::new());
+    let script = direct(&song, &cards, 1);
+    let (plan, _) = resolve(&script, &song, &[], |_, _| None);
+    let calm: Vec<_> = plan.stays().iter().filter(|stay| stay.scene == "lake").collect();
+    let starts: Vec<f64> = calm.iter().map(|stay| stay.start).collect();
+    assert_eq!(starts, [0.0, 10.5, 22.5], "{}", print(&script, &[]));
+    assert!(calm[1..].iter().all(|stay| stay.entrance == Entrance::new(Way::Fade, 4.0)), "{calm:?}");
+    assert!(calm[0].camera != calm[1].camera && calm[1].camera != calm[2].camera, "{calm:?}");
 }
 
 #[test]
