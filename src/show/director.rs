@@ -207,6 +207,7 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
         (before, now) if before < CALM && now < CALM => Way::Melt,
         (before, now) if before >= LOUD && now >= LOUD => Way::Cut,
         (before, now) if now > before => Way::Portal,
+        _ if coin => Way::Melt,
         _ => Way::Fade,
     };
     let way = to.about.enter.or(from.about.leave).unwrap_or(by_energy);
