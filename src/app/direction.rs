@@ -8,8 +8,8 @@ use crate::scenes::{Loader, SceneSource};
 use crate::show::{Programme, ShowError, ShowSource};
 use mariana_music::SongStructure;
 
-/// The number of a track that is an input.
-pub(super) const LIVE: u64 = 0;
+/// The number of the track that plays; none for an input.
+pub(super) type OfTrack = Option<u64>;
 
 /// What there is to say of a show.
 pub(super) enum News {
@@ -27,14 +27,14 @@ pub(super) enum News {
 /// What a show is made for.
 #[derive(Default)]
 struct Asked {
-    track: u64,
+    track: OfTrack,
     song: Arc<SongStructure>,
     scenes: Vec<SceneSource>,
 }
 
 /// A show that was made for a track; and what of it does not fit the song.
 struct Made {
-    track: u64,
+    track: OfTrack,
     show: Result<(Programme, Option<String>), ShowError>,
 }
 
@@ -57,7 +57,7 @@ pub(super) struct Direction {
     /// Whether the command line names a scene, which then stays.
     names_scene: bool,
     /// What was asked for last, and for which track.
-    of: Option<(ShowSource, u64)>,
+    of: Option<(ShowSource, OfTrack)>,
 }
 
 impl Direction {
@@ -115,7 +115,7 @@ impl Direction {
     /// Takes note of what plays, and what is known of it. `scenes` are those among which the director chooses.
     pub(super) fn update(
         &mut self,
-        track: u64,
+        track: OfTrack,
         list: Listed,
         song: Option<Arc<SongStructure>>,
         scenes: impl FnOnce() -> Vec<SceneSource>,
@@ -153,7 +153,7 @@ impl Direction {
         match made.show {
             Ok((programme, None)) => {
                 // Of a song without sections the director knows no more than whoever listens.
-                let is_live = made.track == LIVE;
+                let is_live = made.track.is_none();
                 let says_something = is_live || self.named.is_some() || programme.plan().stays().len() > 1;
                 says_something.then(|| News::Programme(Some(Arc::new(programme))))
             }

@@ -233,6 +233,11 @@ impl Listening {
         self.structure(self.track)
     }
 
+    /// The number of the track that is heard at a moment; none if it is an input.
+    pub(super) fn track_of(&self, moment: Moment) -> Option<u64> {
+        self.sound.plays_song().then_some(moment.track)
+    }
+
     /// What is known of a whole track, by its number; nothing of an input.
     pub(super) fn structure(&self, track: u64) -> Option<Arc<SongStructure>> {
         self.songs.as_ref().filter(|_| self.sound.plays_song())?.get(track)

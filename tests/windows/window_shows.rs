@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
 use image::RgbaImage;
+use mariana::scenes::shipped_names;
 use mariana_testing::process::{output_of, wait_until};
 use mariana_testing::wave::write_wav;
 
@@ -90,6 +91,12 @@ fn channel(app: &App<'_>) -> Option<usize> {
     })
 }
 
+/// How far two pictures are apart in the mean of all numbers, of 255.
+fn apart(a: &RgbaImage, b: &RgbaImage) -> f64 {
+    let numbers = a.as_raw().iter().zip(b.as_raw());
+    numbers.map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>() / a.as_raw().len().max(1) as f64
+}
+
 fn wait_for_channel(app: &App<'_>, wanted: usize) {
     wait_until("a colour", || channel(app) == Some(wanted));
 }
@@ -128,6 +135,43 @@ fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     wait_for_channel(&app, 1);
     place.write("my.show", text);
     wait_for_channel(&app, 2);
+    quit(app);
+}
+
+#[test]
+fn the_first_track_of_a_list_was_taken_for_an_input() {
+    let place = Place::new();
+    // Calm, then loud: two sections, and a scene for each.
+    let samples = (0..60 * 48_000).flat_map(|frame: u32| {
+        let (loud, at) = (frame >= 30 * 48_000, (frame % 24_000) as f32);
+        let hiss = (frame.wrapping_mul(2_654_435_761) >> 16) as f32 / 32_768.0 - 1.0;
+        let beat = (-at / 2_000.0).exp() * (0.02 * at).sin();
+        [if loud { 0.5 * beat + 0.3 * hiss } else { 0.05 * beat }; 2]
+    });
+    write_wav(&place.song, 48_000, 2, samples);
+    for (name, range) in [("red", "0 .. 0.3"), ("green", "0.3 .. 0.5"), ("blue", "0.6 .. 1")] {
+        let scene = fs::read_to_string(place.path(&format!("{name}.scene"))).unwrap();
+        place.write(&format!("{name}.scene"), &format!("about {{ energy = {range} }}\n{scene}"));
+    }
+    let show = place.path("auto.show");
+    let mut command = command_in(PROGRAM, place.desktop.folder(), None);
+    command.arg("show").arg(&place.song).args(["-o", &show]);
+    // Those that N goes through in the window.
+    let own = ["red", "green", "blue"].map(|name| place.path(&format!("{name}.scene")));
+    for scene in shipped_names().into_iter().chain(own) {
+        command.args(["--scene", &scene]);
+    }
+    output_of(&mut command, "mariana").unwrap();
+    let mut app = place.open(&["--show", "auto", "--scene", &place.path("red.scene")]);
+    app.wait_until_told("the scenes follow the song");
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    for (seconds, time) in [(10, "10"), (50, "50")] {
+        go_to(&mut app, seconds);
+        let wanted = place.still(&show, time);
+        // A still has more samples at edges.
+        wait_until(&format!("the director's picture of {time} s"), || apart(&app.picture(), &wanted) < 4.0);
+    }
     quit(app);
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::app::direction::OfTrack;
 use crate::scenes::SceneSource;
 use crate::show::Programme;
 use mariana_music::SongStructure;
@@ -10,7 +11,7 @@ use mariana_music::SongStructure;
 #[derive(Default)]
 pub(super) struct Cues {
     /// The track that they were pressed in.
-    track: u64,
+    track: OfTrack,
     /// The show before any was pressed, and the song it is for.
     show: Option<(Arc<Programme>, Arc<SongStructure>)>,
     /// When the key was pressed, in seconds of the song, rising.
@@ -41,7 +42,7 @@ impl Cues {
     /// Takes a show for a track, or the same one after its file has changed: what was pressed stays.
     pub(super) fn take(
         &mut self,
-        track: u64,
+        track: OfTrack,
         show: Option<Arc<Programme>>,
         song: Option<Arc<SongStructure>>,
     ) {
@@ -97,7 +98,7 @@ mod tests {
         let (show, _) = Programme::of_song(&ShowSource::File(path), &song, &[]).unwrap();
         let mut cues = Cues::default();
         assert!(matches!(cues.press(1.0), Pressed::NoCues));
-        cues.take(7, Some(Arc::new(show.clone())), None);
+        cues.take(Some(7), Some(Arc::new(show.clone())), None);
         assert_eq!(cues.next(), Some(SceneSource::Shipped("city".to_owned())));
         let on = |pressed: Pressed, time: f64| match pressed {
             Pressed::Cue { programme, number, of: 2, .. } => {
@@ -113,9 +114,9 @@ mod tests {
         assert_eq!(on(cues.press(20.0), 25.0), (2, "letters".to_owned()));
         assert_eq!(on(cues.press(5.0), 8.0), (1, "city".to_owned()));
         // A save of the file keeps what was pressed, another track does not.
-        cues.take(7, Some(Arc::new(show.clone())), None);
+        cues.take(Some(7), Some(Arc::new(show.clone())), None);
         assert!(cues.programme().is_some());
-        cues.take(8, Some(Arc::new(show)), None);
+        cues.take(Some(8), Some(Arc::new(show)), None);
         assert!(cues.programme().is_none());
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Stage;
 use super::cues::Pressed;
-use crate::app::direction::{LIVE, News};
+use crate::app::direction::News;
 use crate::app::settings_panel::SettingChange;
 use crate::config::FollowChoice;
 use crate::show::{Hearing, LiveDirector};
@@ -13,19 +13,19 @@ impl Stage {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
-        let (song, list) = (self.listening.structure(moment.track), self.listening.listed());
+        let (track, list) = (self.listening.track_of(moment), self.listening.listed());
         // Of an input nothing is known before it is heard.
-        let song = if moment.track == LIVE { Some(Arc::default()) } else { song };
+        let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
         let scene = &self.scene;
-        match self.direction.update(moment.track, list, song.clone(), || scene.all_sources()) {
+        match self.direction.update(track, list, song.clone(), || scene.all_sources()) {
             Some(News::Programme(programme)) => {
                 if programme.is_some() {
                     tracing::info!("the scenes follow the song");
                 }
                 self.live = None;
-                self.cues.take(moment.track, programme.clone(), song);
+                self.cues.take(track, programme.clone(), song);
                 match programme {
-                    Some(programme) if moment.track == LIVE && programme.is_directed() => {
+                    Some(programme) if track.is_none() && programme.is_directed() => {
                         self.live = Some(LiveDirector::new((*programme).clone()));
                     }
                     other => {
