@@ -291,9 +291,6 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     Picture { tone_map, ..mixed }
 }
 
-/// How much thicker it may be, because values may grow slower.
-const FLATTER: f32 = 3.0;
-
 /// Slopes of planes that differ by less are those of parallel planes, rounded.
 const PARALLEL: f32 = 1e-5;
 
@@ -302,7 +299,7 @@ const PARALLEL: f32 = 1e-5;
 ///
 /// Between planes there is more. Below a plane of one side its value is negative, so that surfaces of the other side
 /// swell there, down to the mixed plane; farther below nobody sees them. If the planes are parallel and `apart` from each
-/// other, what swells is at most that thick where values grow like distances.
+/// other, what swells is at most that thick where values grow like distances ([`Side::flatter`]).
 fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
     let apart = match (&a.still_planes, &b.still_planes) {
         (Some(a), Some(b)) if a.is_empty() && b.is_empty() => 0.0,
@@ -318,11 +315,11 @@ fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
         }
         _ => return None,
     };
-    let apart = apart * FLATTER;
+    let swollen = |side: &Side| side.bounds.map(|bounds| bounds.hull(&bounds, apart * side.flatter));
     match (a.rest.is_some(), b.rest.is_some()) {
-        (true, true) => Some(a.bounds?.hull(&b.bounds?, apart)),
-        (true, false) => Some(a.bounds?.hull(&a.bounds?, apart)),
-        (false, true) => Some(b.bounds?.hull(&b.bounds?, apart)),
+        (true, true) => Some(swollen(a)?.hull(&swollen(b)?, 0.0)),
+        (true, false) => swollen(a),
+        (false, true) => swollen(b),
         (false, false) => None,
     }
 }

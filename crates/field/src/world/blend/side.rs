@@ -6,6 +6,9 @@ use super::{Alignment, Steps, World};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
 
+/// See [`Side::flatter`]: of values that were taken for distances.
+const FLATTER: f32 = 3.0;
+
 /// A world in a blend's graph. Its values are distances, or about as large as if they were.
 pub(super) struct Side {
     /// Planes of slope 1.
@@ -16,6 +19,8 @@ pub(super) struct Side {
     pub(super) steep: bool,
     /// The box around everything but planes, if it is known.
     pub(super) bounds: Option<Bounds>,
+    /// How much slower than a distance its values may grow outside of that box.
+    pub(super) flatter: f32,
     /// Everything else.
     pub(super) rest: Option<Steps>,
     /// The numbers of the material of the nearest object.
@@ -77,6 +82,8 @@ impl Side {
             still_planes,
             steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
+            // A tamed value is at least the distance to the box.
+            flatter: if world.tamed.is_some() { 1.0 } else { FLATTER },
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
             glow: glow.map(|glow| glow.map(at)),

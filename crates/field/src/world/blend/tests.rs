@@ -256,6 +256,27 @@ fn a_polynomial_melts_with_the_slope_of_a_distance() {
 }
 
 #[test]
+fn a_polynomial_swells_between_two_floors_within_the_bounds() {
+    let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
+    let deep =
+        world_of("object egg { shape = x^2 + 9/4*z^2 + (y + 1)^2 - 1 }\nobject floor { shape = p.y + 3 }");
+    let melt = World::blend(&star, &deep, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+    let (bounds, own) = (melt.bounds.unwrap(), star.bounds.unwrap());
+    let mut below = 0;
+    for share in [0.05, 0.2, 0.5, 0.8, 0.95] {
+        let inputs = frame(&star, &deep, share);
+        for number in 0..20_000 {
+            let p = [0, 1, 2].map(|axis| 12.0 * cell_hash(number as f32, axis as f32) - 6.0);
+            let is_solid =
+                distance(&melt, p, &inputs) <= 0.0 && value(&melt, melt.planes[0].shape, p, &inputs) >= 0.0;
+            below += usize::from(is_solid && !own.hold(p) && !deep.bounds.unwrap().hold(p));
+            assert!(!is_solid || bounds.hold(p), "{p:?} at {share}");
+        }
+    }
+    assert!(below > 0, "nothing swells");
+}
+
+#[test]
 fn floors_stay_planes_whatever_their_slopes_are() {
     let tilted = world_of("min(3 * p.y + p.x, sphere(p, 1))");
     let level = world_of("min(0.5 * p.y + 1, sphere(p, 1))");
