@@ -275,7 +275,7 @@ impl Traced {
         };
         let frames = steepness::frames(&scene.params).map(|inputs| (around(&inputs), inputs));
         let reach = bounds.map_or(TAMED_REACH, |bounds| TAMED_SHARE * bounds.half());
-        let tamed = steepness::tamed(&tape, frames, reach);
+        let tamed = steepness::tamed(&tape, frames, bounds.as_ref(), reach);
         Ok(Self { bounds, steep: tamed.is_some(), tamed, ..Self::default() })
     }
 }

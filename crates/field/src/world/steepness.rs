@@ -23,6 +23,12 @@ const FLATTEST: f32 = 0.2;
 /// How much larger each scale is that is tried to tame a value, and how many there are: up to 1 / [`FLATTEST`].
 const SCALE_STEP: f32 = 1.1;
 const SCALES: i32 = 18;
+/// The largest power with which such a scale grows from the middle of the bounds.
+const POWER_MAX: i32 = 4;
+/// The shares of the largest reach that are tried; without end a value is left as it is.
+const REACHES: [f32; 5] = [f32::INFINITY, 1.0, 0.5, 0.25, 0.125];
+/// A value is tamed more than another way only if it is so much less flat at its surfaces then.
+const WORTH: f32 = 1.2;
 /// Distances from the camera's target within which a scene without bounds is sampled, in turn: what is small in a world
 /// without end is hardly met by samples from all over it.
 const AROUND: [f32; 4] = [30.0, 10.0, 3.0, 1.0];
@@ -36,51 +42,120 @@ const STEPS: usize = 4;
 /// Clauses that may be evaluated, with their gradients: a few ms.
 const CLAUSES_MAX: usize = 1 << 18;
 
-/// Slopes that were sampled.
-#[derive(Debug, Clone, Default)]
-struct Slopes {
-    /// Values outside of solids and on surfaces, and the slopes there.
-    outside: Vec<(f32, f32)>,
-    /// Slopes on surfaces.
-    surface: Vec<f32>,
+/// A place where the gradient was sampled.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    place: [f32; 3],
+    value: f32,
+    gradient: [f32; 3],
 }
 
-/// A value that is no distance, made like one: divided by `scale` and then by 1 + |value| / `reach`. It is 0 where it was
-/// 0, and away from surfaces it grows less and less.
+/// What was sampled.
+#[derive(Debug, Clone, Default)]
+struct Samples {
+    /// Outside of solids and on surfaces.
+    outside: Vec<Sample>,
+    /// On surfaces.
+    surface: Vec<Sample>,
+}
+
+/// A value that is no distance, made like one. It is 0 where it was 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tamed {
+    /// What the value is divided by first.
     pub(super) scale: f32,
+    /// That it grows from the middle of its bounds, as polynomials do.
+    pub(super) growth: Growth,
+    /// Of the value the arc tangent is taken, in units of this: away from surfaces it grows less and less. May be
+    /// infinite.
     pub(super) reach: f32,
     /// Whether rays may step by it: it is as good as a distance.
     pub(super) is_distance: bool,
 }
 
+/// How a scale grows: (1 + |p - `middle`|² / `half`²) ^ `power`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Growth {
+    pub(super) middle: [f32; 3],
+    pub(super) half: f32,
+    pub(super) power: i32,
+}
+
+impl Growth {
+    /// None at all.
+    const NONE: Self = Self { middle: [0.0; 3], half: 1.0, power: 0 };
+
+    /// Those that are tried: outside of bounds nothing is known that a scale could follow.
+    fn all(bounds: Option<&Bounds>) -> Vec<Self> {
+        let Some(bounds) = bounds else { return vec![Self::NONE] };
+        let middle = [0, 1, 2].map(|axis| 0.5 * (bounds.low[axis] + bounds.high[axis]));
+        (0..=POWER_MAX).map(|power| Self { middle, half: bounds.half(), power }).collect()
+    }
+
+    /// The value of a sample and its slope, divided by what this is there.
+    fn divided(&self, sample: &Sample) -> (f32, f32) {
+        let off = [0, 1, 2].map(|axis| (sample.place[axis] - self.middle[axis]) / self.half);
+        let base = 1.0 + off.iter().map(|part| part * part).sum::<f32>();
+        let grown = base.powi(self.power);
+        let falls = 2.0 * self.power as f32 * sample.value / (base * self.half);
+        let gradient = [0, 1, 2].map(|axis| sample.gradient[axis] - falls * off[axis]);
+        (sample.value / grown, length(gradient) / grown)
+    }
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    v.iter().map(|part| part * part).sum::<f32>().sqrt()
+}
+
 /// None if the value of the tape's first output is a distance; else what makes it like one: it is steeper than 1 in too
 /// many samples, or much flatter at its surfaces. `frames` are the frames to sample, each with the boxes in which its
-/// points begin in turn; a tamed value grows up to `reach`.
+/// points begin in turn. A tamed value grows without end, or up to about `reach` or a part of it.
 pub(super) fn tamed(
     tape: &Tape,
     frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>,
+    bounds: Option<&Bounds>,
     reach: f32,
 ) -> Option<Tamed> {
-    let Slopes { outside, mut surface } = slopes(tape, frames);
+    let Samples { outside, surface } = samples(tape, frames);
+    let steep_many = STEEP_SHARE * outside.len() as f32;
     let too_steep = |slopes: &mut dyn Iterator<Item = f32>| {
-        slopes.filter(|slope| *slope > STEEPEST).count() as f32 > STEEP_SHARE * outside.len() as f32
+        slopes.filter(|slope| *slope > STEEPEST).count() as f32 > steep_many
     };
-    let flat = surface.iter().filter(|slope| **slope < FLATTEST).count();
-    if !too_steep(&mut outside.iter().map(|(_, slope)| *slope)) && 2 * flat <= surface.len() {
+    let flat = surface.iter().filter(|sample| length(sample.gradient) < FLATTEST).count();
+    if !too_steep(&mut outside.iter().map(|sample| length(sample.gradient))) && 2 * flat <= surface.len() {
         return None;
     }
-    surface.sort_by(f32::total_cmp);
-    let usual = surface.get(surface.len() / 2).copied().unwrap_or(1.0);
-    let gentle = (0..SCALES).map(|step| usual * SCALE_STEP.powi(step)).find(|scale| {
-        let slopes = outside.iter().map(|(value, slope)| {
-            let grown = 1.0 + (value / scale).abs() / reach;
-            slope / scale / (grown * grown)
-        });
-        !too_steep(&mut { slopes }) && usual / scale > FLATTEST
-    });
-    Some(Tamed { scale: gentle.unwrap_or(usual), reach, is_distance: gentle.is_some() })
+    let mut best: Option<(f32, Tamed)> = None;
+    let mut plain = Tamed { scale: 1.0, growth: Growth::NONE, reach, is_distance: false };
+    for growth in Growth::all(bounds) {
+        let usual = median(surface.iter().map(|sample| growth.divided(sample).1)).unwrap_or(1.0);
+        if growth.power == 0 {
+            plain.scale = usual;
+        }
+        let divided: Vec<(f32, f32)> = outside.iter().map(|sample| growth.divided(sample)).collect();
+        for reach in REACHES.map(|share| share * reach) {
+            let scales = (0..SCALES).map(|step| usual * SCALE_STEP.powi(step));
+            let gentle = scales.take_while(|scale| usual / scale > FLATTEST).find(|scale| {
+                !too_steep(
+                    &mut divided
+                        .iter()
+                        .map(|(value, slope)| slope / scale / (1.0 + (value / scale / reach).powi(2))),
+                )
+            });
+            let Some(scale) = gentle else { continue };
+            let slope = usual / scale;
+            if best.is_none_or(|(so_far, _)| slope > WORTH * so_far) {
+                best = Some((slope, Tamed { scale, growth, reach, is_distance: true }));
+            }
+        }
+    }
+    Some(best.map_or(plain, |(_, tamed)| tamed))
+}
+
+fn median(numbers: impl Iterator<Item = f32>) -> Option<f32> {
+    let mut numbers: Vec<f32> = numbers.collect();
+    numbers.sort_by(f32::total_cmp);
+    numbers.get(numbers.len() / 2).copied()
 }
 
 /// The boxes in which a scene without bounds is sampled around the camera's target.
@@ -88,8 +163,8 @@ pub(super) fn around(target: [f32; 3]) -> Vec<Bounds> {
     AROUND.map(|reach| Bounds::around(target, reach)).to_vec()
 }
 
-fn slopes(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> Slopes {
-    let mut found = Slopes::default();
+fn samples(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>) -> Samples {
+    let mut found = Samples::default();
     let affordable = CLAUSES_MAX / (tape.clauses().len().max(1) * (STEPS + 1) * FRAMES);
     let points = affordable.clamp(POINTS_MIN, POINTS_MAX);
     for (frame, (regions, inputs)) in frames.enumerate() {
@@ -109,12 +184,13 @@ fn slopes(tape: &Tape, frames: impl Iterator<Item = (Vec<Bounds>, FrameInputs)>)
                 if !value.is_finite() || !slope.is_finite() || slope == 0.0 {
                     break;
                 }
+                let sample = Sample { place: at, value, gradient };
                 let away = value.abs() / slope;
                 if value >= 0.0 || away < 1e-2 * size {
-                    found.outside.push((value, slope));
+                    found.outside.push(sample);
                 }
                 if step == STEPS && away < 1e-3 * size {
-                    found.surface.push(slope);
+                    found.surface.push(sample);
                 }
                 // Newton's method along the gradient.
                 at = [0, 1, 2].map(|axis| at[axis] - value * gradient[axis] / squared);

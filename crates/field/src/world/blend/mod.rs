@@ -16,6 +16,7 @@
 
 mod alignment;
 mod camera;
+mod melt;
 mod portal;
 mod side;
 #[cfg(test)]
@@ -28,13 +29,12 @@ use super::{Bounds, Plane, Rest, Surfaces, Traced, World, WorldError};
 use crate::graph::{Graph, Input, NodeId, Op};
 use crate::lang::{About, Light, Material, Object, Param, Picture, Scene, Sky};
 use crate::limits::LIMITS;
-use crate::world::PLANES_MAX;
 use side::Side;
 
 /// How one scene becomes another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BlendKind {
-    /// The fields are mixed by the share, which keeps a slope of 1.
+    /// The fields are mixed by the share, with a slope of at most 1.
     Melt,
     /// The second scene is inside a shape that grows with the share, the first one outside.
     Portal(PortalShape),
@@ -127,7 +127,7 @@ impl World {
         let (planes, rest, material) = match kind {
             BlendKind::Melt => {
                 let material = mixed_all(&mut graph, &a.material, &b.material, s);
-                let (planes, rest) = melt(&mut graph, &a, &b, s);
+                let (planes, rest) = melt::melt(&mut graph, &a, &b, s);
                 (planes, rest, material)
             }
             BlendKind::Portal(shape) => portal::through(&mut graph, (&a, &b), shape, &camera, s),
@@ -217,36 +217,6 @@ fn within_limits(from: &World, to: &World) -> Result<(), BlendError> {
 /// What cannot be solved as a plane: how far a ray may step, and the estimate.
 type Steps = [NodeId; 2];
 
-/// The mixture of two fields.
-///
-/// A mixture of two minima is the least of all mixtures of their operands. So planes of both scenes stay planes, and
-/// what is left to be traced is far above them.
-fn melt(graph: &mut Graph, a: &Side, b: &Side, s: NodeId) -> (Vec<NodeId>, Option<Steps>) {
-    let pairs = a.planes.len() * b.planes.len();
-    if pairs == 0 || pairs > PLANES_MAX {
-        let (Some(a), Some(b)) = (a.whole(graph), b.whole(graph)) else { return (Vec::new(), None) };
-        return (Vec::new(), Some(mixed_steps(graph, a, b, s)));
-    }
-    let mut planes = Vec::with_capacity(pairs);
-    for &a in &a.planes {
-        for &b in &b.planes {
-            planes.push(graph.mix(a, b, s));
-        }
-    }
-    let (all_a, all_b) = (a.whole(graph), b.whole(graph));
-    let left = all_a.zip(b.rest).map(|(a, b)| mixed_steps(graph, a, b, s));
-    let right = a.rest.zip(all_b).map(|(a, b)| mixed_steps(graph, a, b, s));
-    let rest = match (left, right) {
-        (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
-        (a, b) => a.or(b),
-    };
-    (planes, rest)
-}
-
-fn mixed_steps(graph: &mut Graph, a: Steps, b: Steps, s: NodeId) -> Steps {
-    [0, 1].map(|part| graph.mix(a[part], b[part], s))
-}
-
 /// Lets the solids shrink so far that the eye is not among them: between two cameras there may be anything. The eye
 /// keeps half of the distance that the nearer of both cameras has from its own scene; where that is so already, as at
 /// the beginning and at the end, nothing changes.
@@ -326,9 +296,6 @@ fn picture(graph: &mut Graph, a: &Picture, b: &Picture, s: NodeId) -> Picture {
     Picture { tone_map, ..mixed }
 }
 
-/// How much thicker it may be, because values may grow slower.
-const FLATTER: f32 = 3.0;
-
 /// Slopes of planes that differ by less are those of parallel planes, rounded.
 const PARALLEL: f32 = 1e-5;
 
@@ -337,7 +304,7 @@ const PARALLEL: f32 = 1e-5;
 ///
 /// Between planes there is more. Below a plane of one side its value is negative, so that surfaces of the other side
 /// swell there, down to the mixed plane; farther below nobody sees them. If the planes are parallel and `apart` from each
-/// other, what swells is at most that thick where values grow like distances.
+/// other, what swells is at most that thick where values grow like distances ([`Side::flatter`]).
 fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
     let apart = match (&a.still_planes, &b.still_planes) {
         (Some(a), Some(b)) if a.is_empty() && b.is_empty() => 0.0,
@@ -353,11 +320,11 @@ fn bounds(a: &Side, b: &Side) -> Option<Bounds> {
         }
         _ => return None,
     };
-    let apart = apart * FLATTER;
+    let swollen = |side: &Side| side.bounds.map(|bounds| bounds.hull(&bounds, apart * side.flatter));
     match (a.rest.is_some(), b.rest.is_some()) {
-        (true, true) => Some(a.bounds?.hull(&b.bounds?, apart)),
-        (true, false) => Some(a.bounds?.hull(&a.bounds?, apart)),
-        (false, true) => Some(b.bounds?.hull(&b.bounds?, apart)),
+        (true, true) => Some(swollen(a)?.hull(&swollen(b)?, 0.0)),
+        (true, false) => swollen(a),
+        (false, true) => swollen(b),
         (false, false) => None,
     }
 }

@@ -1,10 +1,13 @@
 //! One of the two worlds of a blend, in the graph of both.
 
-use super::super::steepness::Tamed;
+use super::super::steepness::{Growth, Tamed};
 use super::super::{Bounds, nearby_light, planes};
 use super::{Alignment, Steps, World};
 use crate::graph::{Graph, GraphError, Input, Node, NodeId, Op};
 use crate::lang::{Camera, Light, Picture, Scene, Sky};
+
+/// See [`Side::flatter`]: of values that were taken for distances.
+const FLATTER: f32 = 3.0;
 
 /// A world in a blend's graph. Its values are distances, or about as large as if they were.
 pub(super) struct Side {
@@ -16,6 +19,8 @@ pub(super) struct Side {
     pub(super) steep: bool,
     /// The box around everything but planes, if it is known.
     pub(super) bounds: Option<Bounds>,
+    /// How much slower than a distance its values may grow outside of that box.
+    pub(super) flatter: f32,
     /// Everything else.
     pub(super) rest: Option<Steps>,
     /// The numbers of the material of the nearest object.
@@ -63,7 +68,7 @@ impl Side {
         let rest = rest.map(|rest| {
             [rest.bound, rest.estimate].map(|value| match world.tamed {
                 Some(tamed) => {
-                    let near = like_a_distance(graph, at(value), tamed);
+                    let near = like_a_distance(graph, at(value), own.point, tamed);
                     world.bounds.map_or(near, |bounds| {
                         let far = outside(graph, own.point, &bounds);
                         graph.max(near, far)
@@ -77,6 +82,8 @@ impl Side {
             still_planes,
             steep: world.tamed.is_some_and(|tamed| !tamed.is_distance),
             bounds: world.bounds.map(|bounds| alignment.common_box(&bounds)),
+            // A tamed value is at least the distance to the box.
+            flatter: if world.tamed.is_some() { 1.0 } else { FLATTER },
             rest,
             material: material_of_the_nearest(graph, &scene, on_surface),
             glow: glow.map(|glow| glow.map(at)),
@@ -250,25 +257,50 @@ impl Plane {
 }
 
 /// See [`Tamed`].
-fn like_a_distance(graph: &mut Graph, value: NodeId, tamed: Tamed) -> NodeId {
-    let [scale, reach, one] = [tamed.scale, tamed.reach, 1.0].map(|number| graph.constant(number));
+fn like_a_distance(graph: &mut Graph, value: NodeId, p: Vector, tamed: Tamed) -> NodeId {
+    let one = graph.constant(1.0);
+    let mut scale = graph.constant(tamed.scale);
+    if tamed.growth.power > 0 {
+        let Growth { middle, half, power } = tamed.growth;
+        let mut base = one;
+        for (axis, middle) in p.into_iter().zip(middle) {
+            let (middle, part) = (graph.constant(middle / half), graph.constant(1.0 / half));
+            let off = graph.mul(axis, part);
+            let off = graph.sub(off, middle);
+            let square = graph.square(off);
+            base = graph.add(base, square);
+        }
+        for _ in 0..power {
+            scale = graph.mul(scale, base);
+        }
+    }
     let value = graph.div(value, scale);
-    let size = graph.abs(value);
-    let grown = graph.div(size, reach);
-    let grown = graph.add(grown, one);
-    graph.div(value, grown)
+    if tamed.reach.is_infinite() {
+        return value;
+    }
+    let reach = graph.constant(tamed.reach);
+    let value = graph.div(value, reach);
+    let value = graph.unary(Op::Atan, value);
+    graph.mul(value, reach)
 }
 
-/// How far a point is from the ball around a box; negative inside.
+/// How far a point is from a box; negative inside.
 fn outside(graph: &mut Graph, p: Vector, bounds: &Bounds) -> NodeId {
+    let zero = graph.constant(0.0);
     let off = [0, 1, 2].map(|axis| {
         let middle = graph.constant(0.5 * (bounds.low[axis] + bounds.high[axis]));
-        graph.sub(p[axis], middle)
+        let half = graph.constant(0.5 * (bounds.high[axis] - bounds.low[axis]));
+        let off = graph.sub(p[axis], middle);
+        let off = graph.abs(off);
+        graph.sub(off, half)
     });
-    let squares = (0..3).map(|axis| (0.5 * (bounds.high[axis] - bounds.low[axis])).powi(2));
-    let radius = graph.constant(squares.sum::<f32>().sqrt());
-    let away = graph.length(&off);
-    graph.sub(away, radius)
+    let beyond = off.map(|off| graph.max(off, zero));
+    let beyond = graph.length(&beyond);
+    let [x, y, z] = off;
+    let most = graph.max(x, y);
+    let most = graph.max(most, z);
+    let inside = graph.min(most, zero);
+    graph.add(beyond, inside)
 }
 
 /// The numbers of the material that the nearest object has.

@@ -1,7 +1,8 @@
 //! A blend against the two scenes that it is made of.
 
+use super::melt::DEEPEST;
 use super::*;
-use crate::graph::{FrameInputs, Interval, Point};
+use crate::graph::{FrameInputs, Interval, Point, cell_hash};
 use crate::lang::LightKind;
 use crate::tape::{IntervalEvaluator, PointEvaluator, Tape, TapeOptions};
 use crate::world::testing::{SPEAKERS, world_of};
@@ -49,10 +50,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn a_melt_is_the_mixture_of_both_with_the_slope_of_a_distance(
+    fn a_melt_has_the_surfaces_of_the_mixture_and_the_slope_of_a_distance(
         (a, b) in (scenes(), scenes()),
         share in 0.0..=1.0f32,
-        points in prop::collection::vec(prop::array::uniform3(-8.0..8.0f32), 24),
+        points in prop::collection::vec(prop::array::uniform3(-5.0..5.0f32), 96),
     ) {
         let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
         prop_assert!(!melt.steep);
@@ -60,14 +61,18 @@ proptest! {
         let silence = FrameInputs::default();
         let mut before: Option<([f32; 3], f32)> = None;
         for p in points {
-            let mixed = distance(&melt, p, &inputs);
-            let expected = (1.0 - share) * distance(&a, p, &silence) + share * distance(&b, p, &silence);
-            prop_assert!((mixed - expected).abs() < 1e-3, "{mixed} and not {expected} at {p:?}");
+            let melted = distance(&melt, p, &inputs);
+            let [own, other] = [&a, &b].map(|world| distance(world, p, &silence));
+            let mixture = (1.0 - share) * own + share * other;
+            prop_assert!(melted >= mixture - 1e-3, "{melted} at {p:?} is less than {mixture}");
+            if own.min(other) > -DEEPEST && mixture.abs() > 1e-3 {
+                prop_assert_eq!(melted > 0.0, mixture > 0.0, "{} and {} at {:?}", melted, mixture, p);
+            }
             if let Some((q, other)) = before {
                 let way = (0..3).map(|axis| (p[axis] - q[axis]).powi(2)).sum::<f32>().sqrt();
-                prop_assert!((mixed - other).abs() <= 1.0001 * way + 1e-4, "from {q:?} to {p:?}");
+                prop_assert!((melted - other).abs() <= 1.0001 * way + 1e-4, "from {q:?} to {p:?}");
             }
-            before = Some((p, mixed));
+            before = Some((p, melted));
         }
     }
 
@@ -201,14 +206,74 @@ fn at_either_end_a_blend_is_the_scene_there() {
 fn the_parameters_of_both_stand_side_by_side() {
     let (a, b) =
         (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
-    let params = blended_params((&a.scene, &[0.5]), (&b.scene, &[]), 0.25);
-    assert_eq!(params, [0.5, 2.0, 0.25]);
+    let params = blended_params((&a.scene, &[1.5]), (&b.scene, &[]), 0.25);
+    assert_eq!(params, [1.5, 2.0, 0.25]);
     let melt = World::blend(&a, &b, BlendKind::Melt, &Alignment::NONE, 0.75).unwrap();
     let inputs = FrameInputs { params, ..frame(&a, &b, 0.25) };
-    assert_eq!(distance(&melt, [4.0, 0.0, 0.0], &inputs), 4.0 - 0.75 * 0.5 - 0.25 * 2.0);
+    let expected = 1.6 - 0.75 * 1.5 - 0.25 * 2.0;
+    assert!((distance(&melt, [1.6, 0.0, 0.0], &inputs) - expected).abs() < 1e-6);
     let defaults: Vec<f32> = melt.scene.params.iter().map(|param| param.default).collect();
     assert_eq!(defaults, [1.0, 2.0, 0.75]);
     assert_eq!(blended_params((&a.scene, &[]), (&b.scene, &[]), f32::NAN).last(), Some(&0.0));
+}
+
+#[test]
+fn far_from_a_scene_a_ray_goes_as_fast_as_in_it_alone() {
+    // Up from the ground through the rock around a tunnel both values change by as much, in opposite directions.
+    let (ground, tunnel) = (world_of("p.y + 2 + 0*length(p)"), world_of("2 - length(p.xy)"));
+    let melt = World::blend(&ground, &tunnel, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+    let at = |x: f32, y: f32| distance(&melt, [x, y, 0.0], &frame(&ground, &tunnel, 0.5));
+    for height in [4.0, 10.0, 100.0, 400.0] {
+        assert!((at(0.0, height) - (height + 2.0 - DEEPEST)).abs() < 1e-3, "{} at {height}", at(0.0, height));
+    }
+    assert!(at(3.0, -1.8) < 0.0 && at(10.0, -1.8) > 0.0, "far from the tunnel its rock lies on the ground");
+    assert!(at(0.0, -3.5) >= -DEEPEST, "where the eye is in a solid, little must give way");
+}
+
+#[test]
+fn a_polynomial_melts_with_the_slope_of_a_distance() {
+    // Barth's sextic, whose slope is 0 at its double points and grows with the fifth power of the distance.
+    let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
+    assert!(star.steep);
+    let ball = world_of("sphere(p - vec3(0, 2.5, 0), 1)");
+    for (from, to) in [(&star, &ball), (&ball, &star)] {
+        let melt = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+        assert!(!melt.steep, "rays may step by it");
+        for share in [0.1, 0.5, 0.9] {
+            let inputs = frame(from, to, share);
+            let random = |number: usize, axis: usize| cell_hash(number as f32, axis as f32);
+            let steep = (0..4_000).filter(|&number| {
+                let p = [0, 1, 2].map(|axis| 8.0 * random(number, axis) - 4.0 + [0.0, 2.5, 0.0][axis]);
+                let value = |p: [f32; 3]| value(&melt, melt.scene.distance, p, &inputs);
+                let q = [0, 1, 2].map(|axis| p[axis] + 2e-3 * (random(number, axis + 3) - 0.5));
+                let way = (0..3).map(|axis| (p[axis] - q[axis]).powi(2)).sum::<f32>().sqrt();
+                (value(p) - value(q)).abs() > 1.1 * way + 1e-6
+            });
+            let steep = steep.count();
+            assert!(steep < 40, "{steep} of 4000 at {share}");
+        }
+    }
+}
+
+#[test]
+fn a_polynomial_swells_between_two_floors_within_the_bounds() {
+    let star = world_of(include_str!("../../../../../assets/scenes/barth.scene"));
+    let deep =
+        world_of("object egg { shape = x^2 + 9/4*z^2 + (y + 1)^2 - 1 }\nobject floor { shape = p.y + 3 }");
+    let melt = World::blend(&star, &deep, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+    let (bounds, own) = (melt.bounds.unwrap(), star.bounds.unwrap());
+    let mut below = 0;
+    for share in [0.05, 0.2, 0.5, 0.8, 0.95] {
+        let inputs = frame(&star, &deep, share);
+        for number in 0..5_000 {
+            let p = [0, 1, 2].map(|axis| 12.0 * cell_hash(number as f32, axis as f32) - 6.0);
+            let is_solid =
+                distance(&melt, p, &inputs) <= 0.0 && value(&melt, melt.planes[0].shape, p, &inputs) >= 0.0;
+            below += usize::from(is_solid && !own.hold(p) && !deep.bounds.unwrap().hold(p));
+            assert!(!is_solid || bounds.hold(p), "{p:?} at {share}");
+        }
+    }
+    assert!(below > 0, "nothing swells");
 }
 
 #[test]
