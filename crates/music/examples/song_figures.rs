@@ -7,7 +7,8 @@ mod songs;
 
 use mariana_music::{Mode, SongStructure, Tonality};
 use songs::{
-    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+    Kind, Part, Song, Style, Swell, Truth, Voice, borders, breaks, chords, club, f_measure, labels, pop,
+    structure,
 };
 
 const RATE: u32 = 48_000;
@@ -53,6 +54,37 @@ fn means(name: &str, rows: &[[f64; 4]]) {
         mean(2),
         mean(3)
     );
+}
+
+fn drops() {
+    for (name, form) in [("clubs", club(Mode::Minor)), ("breaks", breaks(Mode::Minor))] {
+        let (mut hits, mut all, mut false_ones) = (0, 0, 0);
+        for style in [Style::FourOnTheFloor, Style::Syncopated, Style::Rock, Style::HalfTime] {
+            for (number, tempo) in [100.0, 110.0, 124.0, 128.0, 140.0, 150.0, 174.0].into_iter().enumerate() {
+                let key = Tonality { root: number as u8 % 6 * 2, mode: Mode::Minor };
+                let song = Song::new(style, tempo, key, form.clone());
+                let (found, truth) = heard(&song);
+                let is_hit = |drop: &&f64| found.drops.iter().any(|f| (f - **drop).abs() < 0.5);
+                let hit = truth.drops.iter().filter(is_hit).count();
+                (hits, all) = (hits + hit, all + truth.drops.len());
+                false_ones += found.drops.len() - hit;
+                if hit < truth.drops.len() {
+                    println!("{name}, {style:?} {tempo}: drops {:?} for {:?}", found.drops, truth.drops);
+                }
+            }
+        }
+        println!("== drops in {name}: {hits} of {all}, {false_ones} false");
+    }
+    for swell in Swell::ALL {
+        let (mut songs, mut drops) = (0, 0);
+        for tempo in [60.0, 70.0, 80.0, 92.0] {
+            for style in [Style::Ballad, Style::SixEight, Style::Rock] {
+                let song = Song::new(style, tempo, major(7), swell.ballad(Mode::Major));
+                (songs, drops) = (songs + 1, drops + heard(&song).0.drops.len());
+            }
+        }
+        println!("== drops in {songs} ballads, {swell:?}: {drops}");
+    }
 }
 
 fn main() {
@@ -114,29 +146,7 @@ fn main() {
         }
     }
     if wanted("drops") {
-        let (mut hits, mut all, mut false_ones) = (0, 0, 0);
-        for (number, tempo) in [110.0, 124.0, 128.0, 140.0, 174.0].into_iter().enumerate() {
-            let key = Tonality { root: number as u8 * 2, mode: Mode::Minor };
-            let song = Song::new(Style::FourOnTheFloor, tempo, key, club(Mode::Minor));
-            let (found, truth) = heard(&song);
-            let hit =
-                truth.drops.iter().filter(|drop| found.drops.iter().any(|f| (f - *drop).abs() < 0.5)).count();
-            (hits, all) = (hits + hit, all + truth.drops.len());
-            false_ones += found.drops.len() - hit;
-            println!(
-                "club {tempo}: drops {:?} for {:?}; builds {:?}",
-                found.drops, truth.drops, found.builds
-            );
-            rhythm_row(&format!("club {tempo}"), &song, &mut Vec::new());
-        }
-        let mut in_ballads = 0;
-        for tempo in [60.0, 70.0, 80.0, 92.0] {
-            for style in [Style::Ballad, Style::SixEight] {
-                let song = Song::new(style, tempo, major(7), ballad(Mode::Major));
-                in_ballads += heard(&song).0.drops.len();
-            }
-        }
-        println!("== drops: {hits} of {all}, {false_ones} false; {in_ballads} in 8 ballads");
+        drops();
     }
     if wanted("keys") {
         let mut right = 0;

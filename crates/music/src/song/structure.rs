@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::bars::{Meter, bars};
 use super::beats::{beats, onset_strengths};
-use super::energy::{ENERGY_STEP, builds_and_drops, energy, peaks};
+use super::drops::{builds_and_drops, eves};
+use super::energy::{ENERGY_STEP, energy, peaks};
 use super::key::{Tonality, chords, key};
 use super::listener::Heard;
 use super::sections::sections;
@@ -164,7 +165,7 @@ impl SongStructure {
         });
         structure.key = key(&of_beats, &triads, &firsts.collect::<Vec<_>>());
         if !beats.is_empty() {
-            let (builds, drops) = builds_and_drops(&bars, &borders);
+            let (builds, drops) = builds_and_drops(&bars, &eves(heard, &of_sound), &borders);
             structure.builds = builds
                 .into_iter()
                 .map(|bars| Stretch { start: bar_times[bars.start], end: bar_times[bars.end] })

@@ -3,7 +3,8 @@
 
 use crate::signals::noise;
 use crate::songs::{
-    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+    Kind, Part, Song, Style, Swell, Truth, Voice, borders, breaks, chords, club, f_measure, labels, pop,
+    structure,
 };
 use mariana_music::limits::LIMITS;
 use mariana_music::{Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
@@ -99,16 +100,29 @@ fn harmony_alone_and_sound_alone_make_sections() {
 }
 
 #[test]
-fn builds_lead_to_drops_and_a_ballad_has_none() {
+fn builds_and_breaks_lead_to_drops() {
     let key = Tonality { root: 4, mode: Mode::Minor };
-    let (found, truth) = heard(&Song::new(Style::FourOnTheFloor, 128.0, key, club(Mode::Minor)));
-    assert_eq!(found.drops.len(), truth.drops.len(), "{:?}, not {:?}", found.drops, truth.drops);
-    for (drop, truly) in found.drops.iter().zip(&truth.drops) {
-        assert!((drop - truly).abs() < 0.1, "{drop} is not {truly}");
-        assert!(found.builds.iter().any(|build| build.end == *drop && build.start < drop - 5.0));
+    for (form, builds) in [(club(Mode::Minor), 2), (breaks(Mode::Minor), 1)] {
+        let (found, truth) = heard(&Song::new(Style::FourOnTheFloor, 128.0, key, form));
+        assert_eq!(found.drops.len(), truth.drops.len(), "{:?}, not {:?}", found.drops, truth.drops);
+        for (drop, truly) in found.drops.iter().zip(&truth.drops) {
+            assert!((drop - truly).abs() < 0.1, "{drop} is not {truly}");
+        }
+        let leads =
+            |drop: &&f64| found.builds.iter().any(|build| build.end == **drop && build.start < **drop - 5.0);
+        assert_eq!(found.drops.iter().filter(leads).count(), builds, "{:?}", found.builds);
     }
-    let (found, _) = heard(&Song::new(Style::Ballad, 72.0, key, ballad(Mode::Minor)));
-    assert!(found.drops.is_empty(), "{:?}", found.drops);
+}
+
+#[test]
+fn a_ballad_has_no_drop_whatever_it_swells_to() {
+    let key = Tonality { root: 4, mode: Mode::Major };
+    for swell in Swell::ALL {
+        for tempo in [70.0, 84.0] {
+            let (found, _) = heard(&Song::new(Style::Ballad, tempo, key, swell.ballad(Mode::Major)));
+            assert!(found.drops.is_empty(), "{swell:?} at {tempo}: {:?}", found.drops);
+        }
+    }
 }
 
 #[test]

@@ -114,7 +114,11 @@ pub(crate) enum Kind {
     Plain,
     /// Rises to the next part.
     Build,
-    /// Begins with a drop if a build came before.
+    /// Ends with a bar of silence.
+    Pause,
+    /// Becomes louder from bar to bar.
+    Crescendo,
+    /// Begins with a drop if a build or a pause came before.
     Drop,
 }
 
@@ -221,8 +225,61 @@ pub(crate) fn club(mode: Mode) -> Vec<Part> {
     vec![intro, build.clone(), drop.clone(), rest, build, drop, outro]
 }
 
+/// The same kind of song, whose first build has kicks and basses, and whose second drop comes out of a break that ends
+/// with silence.
+pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
+    let [mut intro, build, drop, rest, ..] = <[Part; 7]>::try_from(club(mode)).unwrap();
+    (intro.drums, intro.bass) = (false, true);
+    let build = Part { bars: 4, drums: true, bass: true, loud: 0.5, ..build };
+    let drop = Part { bars: 8, ..drop };
+    let rest = Part { bars: 4, bass: true, arpeggio: true, kind: Kind::Pause, ..rest };
+    vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
+}
+
+/// Ballads that do at some place what music with drops does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Swell {
+    /// Drums that come and go, and no more.
+    None,
+    /// Each verse becomes louder up to the chorus.
+    Crescendo,
+    /// Drums and bass set in with the second verse.
+    LateBand,
+    /// A bar of silence comes before the last chorus.
+    Pause,
+    /// The same, and the drums and the bass are silent in all of the bridge before it.
+    BarePause,
+}
+
+impl Swell {
+    pub(crate) const ALL: [Self; 5] =
+        [Self::None, Self::Crescendo, Self::LateBand, Self::Pause, Self::BarePause];
+
+    pub(crate) fn ballad(self, mode: Mode) -> Vec<Part> {
+        let mut form = ballad(mode);
+        match self {
+            Self::None => {}
+            Self::Crescendo => {
+                form.iter_mut().filter(|part| part.letter == 'V').for_each(|verse| {
+                    (verse.kind, verse.loud) = (Kind::Crescendo, 0.8);
+                });
+            }
+            Self::LateBand => {
+                form.iter_mut().take(3).for_each(|part| (part.drums, part.bass) = (false, false))
+            }
+            Self::Pause | Self::BarePause => {
+                form.iter_mut().filter(|part| part.letter == 'B').for_each(|bridge| {
+                    bridge.kind = Kind::Pause;
+                    (bridge.drums, bridge.bass) = (self == Self::Pause, self == Self::Pause);
+                });
+            }
+        }
+        form
+    }
+}
+
 /// A quiet song whose drums come and go.
-pub(crate) fn ballad(mode: Mode) -> Vec<Part> {
+fn ballad(mode: Mode) -> Vec<Part> {
     let mut form = pop(mode);
     for part in &mut form {
         part.arpeggio = false;
@@ -374,7 +431,7 @@ impl Song {
                 truth.borders.push(start);
             }
             truth.letters.push((start, end, part.letter));
-            if part.kind == Kind::Drop && before == Kind::Build {
+            if part.kind == Kind::Drop && matches!(before, Kind::Build | Kind::Pause) {
                 truth.drops.push(start);
             }
             before = part.kind;
@@ -397,15 +454,20 @@ impl Song {
         let at = |beat: f64| self.time(first + beat);
         let hz = |pitch: f64| 440.0 * ((pitch - 69.0 + self.cents / 100.0) / 12.0).exp2();
         let last = of_part + 1 == part.bars;
+        if last && part.kind == Kind::Pause {
+            return;
+        }
         let share = (of_part + 1) as f64 / part.bars as f64;
+        let swell = if part.kind == Kind::Crescendo { 0.3 + 0.7 * share } else { 1.0 };
         if part.drums {
             let fill_from = if last { per_bar as f64 - 1.0 } else { f64::INFINITY };
+            let is_build = part.kind == Kind::Build;
             for (place, drum, loud) in self.style.strokes(self.swing) {
-                if place < fill_from || drum == Drum::Kick {
-                    studio.strike(at(place), drum, part.loud.max(0.7) * loud);
+                if place < fill_from || drum == Drum::Kick && !is_build {
+                    studio.strike(at(place), drum, swell * part.loud.max(0.7) * loud);
                 }
             }
-            if last {
+            if last && !is_build {
                 (0..4).for_each(|n| studio.strike(at(fill_from + f64::from(n) / 4.0), Drum::Tom, 0.6));
             }
         }
@@ -428,20 +490,20 @@ impl Song {
             // Within an octave and a half.
             if pitch > 66.0 { pitch - 12.0 } else { pitch }
         });
-        let loud = 0.12 * part.loud;
+        let loud = 0.12 * swell * part.loud;
         for pitch in chord {
             studio.note(at(0.0), at(per_bar as f64), hz(pitch), part.voice, loud, (0.02, 6.0));
         }
         if part.bass {
             let pitch = 36.0 + f64::from((self.key.root + root) % 12);
-            for beat in 0..per_bar {
+            for beat in 0..per_bar - usize::from(last && part.kind == Kind::Build) {
                 let place = beat as f64;
                 studio.note(
                     at(place),
                     at(place + 0.9),
                     hz(pitch),
                     Voice::Organ,
-                    0.2 * part.loud,
+                    0.2 * swell * part.loud,
                     (0.008, 0.6),
                 );
             }
