@@ -6,7 +6,7 @@ use super::bars::{Meter, bars};
 use super::beats::{beats, onset_strengths};
 use super::drops::{builds_and_drops, eves};
 use super::energy::{ENERGY_STEP, energy, peaks};
-use super::key::{Tonality, chords, key};
+use super::key::{Tonality, chords, key, pitches_of};
 use super::listener::Heard;
 use super::sections::sections;
 use super::units::units;
@@ -138,7 +138,7 @@ impl SongStructure {
         let sounding = heard.sounding();
         let of_sound: Vec<f64> =
             bar_times.iter().map(|time| time.clamp(sounding.start, sounding.end)).collect();
-        let bars = units(heard, &of_sound);
+        let mut bars = units(heard, &of_sound);
         let beat_times =
             if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
         let of_beats = units(heard, &beat_times);
@@ -151,6 +151,10 @@ impl SongStructure {
                 Some(last) if last.triad == triad => last.end = times[1],
                 _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
             }
+        }
+        if pitches_of(&of_beats).is_none() {
+            // What was read as pitches changes at random.
+            bars.iter_mut().for_each(|bar| bar.chroma = [0.0; 12]);
         }
         let sections = sections(&bars);
         let borders: Vec<usize> = sections.iter().skip(1).map(|section| section.bars.start).collect();

@@ -159,6 +159,29 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     let noise = of(40.0, &mut |_| 0.3 * noise(&mut state));
     assert_eq!((noise.key, noise.beats.len()), (None, 0));
     assert_eq!(noise.sections.len(), 1);
+    // The same in stereo, whose chance peaks of the spectrum are no harmony.
+    let stereo: Vec<StereoFrame> =
+        (0..RATE * 120).map(|_| [0; 2].map(|_| 0.3 * noise(&mut state) as f32)).collect();
+    let wide = structure(RATE, &stereo);
+    assert_eq!((wide.key, wide.beats.len(), wide.sections.len()), (None, 0, 1), "{:?}", wide.sections);
+    // A tone with overtones, and one that wavers: both hold one note.
+    let rich = of(120.0, &mut |t| (1..8).map(|k| 0.1 / f64::from(k) * tone(110.0 * f64::from(k), t)).sum());
+    assert!(rich.key.is_none() && rich.sections.len() == 1, "{:?}, {:?}", rich.key, rich.sections);
+    let waver = of(120.0, &mut |t| 0.3 * (std::f64::consts::TAU * 330.0 * t + 3.0 * tone(5.5, t)).sin());
+    assert!(waver.beats.is_empty() && waver.sections.len() == 1, "{:?}", waver.tempo);
+    // Noise in syllables of any length, as in speech, with pauses.
+    let (mut begins, mut length, mut loud, mut seed) = (0.0, 0.2, 0.0, 5);
+    let speech = of(90.0, &mut |t| {
+        if t >= begins + length {
+            begins = t;
+            length = 0.19 + 0.1 * noise(&mut seed);
+            let pauses = noise(&mut seed) > 0.8;
+            length += if pauses { 0.6 + 0.3 * noise(&mut seed) } else { 0.0 };
+            loud = if pauses { 0.0 } else { 0.35 + 0.15 * noise(&mut seed) };
+        }
+        loud * (std::f64::consts::PI * (t - begins) / length).sin() * noise(&mut state)
+    });
+    assert_eq!((speech.key, speech.beats.len()), (None, 0), "{:?}", speech.tempo);
     // Chords that swell, without a stroke.
     let swell = of(60.0, &mut |t| {
         let root = 220.0 * [1.0, 1.335, 1.498, 1.0][(t / 7.3) as usize % 4];
