@@ -10,6 +10,7 @@ use crate::decimate::Decimator;
 use crate::limits::LIMITS;
 use crate::onset::{Flux, Onsets};
 use crate::spectrum::Spectrum;
+use ebur128::{EbuR128, Mode};
 
 /// Bands of the timbre, in equal ratios from 30 Hz to 16 kHz.
 pub(super) const TIMBRE_BANDS: usize = 20;
@@ -73,6 +74,8 @@ pub(super) struct Heard {
     pub(super) seconds: f64,
     /// Whether the song went on after what was listened to.
     pub(super) cut_short: bool,
+    /// The integrated loudness, in LUFS; none if nothing is loud enough to count.
+    pub(super) loudness: Option<f32>,
     /// Moment n lies at n hops.
     pub(super) moments: Vec<Moment>,
     /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops; its chroma is late by [`Heard::chroma_late`].
@@ -130,6 +133,8 @@ pub struct SongListener {
     /// Amplitudes of low and high of the last two hops.
     before: [[f32; 2]; SHORT_HOPS],
     timbre: [f32; TIMBRE_BANDS],
+    /// Measures the integrated loudness. None if it cannot be: then the song has none.
+    meter: Option<EbuR128>,
     hops: usize,
     frames: u64,
     frames_max: u64,
@@ -182,6 +187,7 @@ impl SongListener {
             forget: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
             before: [[0.0; 2]; SHORT_HOPS],
             timbre: [0.0; TIMBRE_BANDS],
+            meter: EbuR128::new(2, rate as u32, Mode::I).ok(),
             hops: 0,
             frames: 0,
             frames_max: (LIMITS.song_seconds_max * rate) as u64,
@@ -206,6 +212,10 @@ impl SongListener {
     /// Ends the song and tells its structure.
     pub fn finish(mut self) -> SongStructure {
         self.heard.seconds = self.frames as f64 / self.rate;
+        // Taken before the silence that follows. Where nothing counts it is minus infinity.
+        let loudness = self.meter.take().and_then(|meter| meter.loudness_global().ok());
+        self.heard.loudness =
+            loudness.filter(|loudness| loudness.is_finite()).map(|loudness| loudness as f32);
         // What the windows still hold, and to the end of the last slow moment.
         let silence = vec![[0.0; 2]; self.hop];
         for _ in 0..LONG_HOPS / 2 + SLOW_HOPS {
@@ -222,6 +232,10 @@ impl SongListener {
             let (now, later) = rest.split_at(rest.len().min(free.len()));
             for (stored, frame) in free.iter_mut().zip(now) {
                 *stored = frame.map(|x| if x.is_finite() { x.clamp(-SAMPLE_MAX, SAMPLE_MAX) } else { 0.0 });
+            }
+            let taken = &self.buffer[self.filled..self.filled + now.len()];
+            if self.meter.as_mut().is_some_and(|meter| meter.add_frames_f32(taken.as_flattened()).is_err()) {
+                self.meter = None;
             }
             self.filled += now.len();
             rest = later;

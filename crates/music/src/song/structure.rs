@@ -78,6 +78,9 @@ pub struct SongStructure {
     pub cut_short: bool,
     /// Whether nothing could be heard.
     pub silent: bool,
+    /// The integrated loudness by EBU R128, in LUFS (-70 and more), of both channels as they are played, so that mono counts
+    /// twice; none if the song is shorter than 0.4 s or quieter.
+    pub loudness: Option<f32>,
     /// The median tempo in beats per minute; none if there is no steady beat.
     pub tempo: Option<f32>,
     /// How beats make bars; none if there are no beats.
@@ -117,6 +120,7 @@ impl SongStructure {
         let mut structure = Self {
             seconds,
             cut_short: heard.cut_short,
+            loudness: heard.loudness,
             energy_step: ENERGY_STEP,
             energy: energy(heard),
             peaks: peaks(heard),

@@ -156,9 +156,8 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     let note = of(60.0, &mut |t| 0.3 * tone(220.0, t));
     assert!(note.beats.is_empty() && note.key.is_none() && note.sections.len() == 1, "{:?}", note.sections);
     let mut state = 1;
-    let noise = of(40.0, &mut |_| 0.3 * noise(&mut state));
-    assert_eq!((noise.key, noise.beats.len()), (None, 0));
-    assert_eq!(noise.sections.len(), 1);
+    let hiss = of(40.0, &mut |_| 0.3 * noise(&mut state));
+    assert_eq!((hiss.key, hiss.beats.len(), hiss.sections.len()), (None, 0, 1));
     // The same in stereo, whose chance peaks of the spectrum are no harmony.
     let stereo: Vec<StereoFrame> =
         (0..RATE * 120).map(|_| [0; 2].map(|_| 0.3 * noise(&mut state) as f32)).collect();
@@ -193,6 +192,36 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     assert_eq!(short.sections.len(), 1);
     let bad = of(5.0, &mut |t| if t < 2.0 { f64::NAN } else { f64::INFINITY });
     assert!(bad.silent);
+}
+
+/// By EBU Tech 3341, a sine of 1 kHz at -23 dBFS in both channels has -23 LUFS, and gates leave out what is quiet.
+#[test]
+fn loudness_is_that_of_ebu_r128() {
+    let rate = 48_000;
+    let sines = |parts: &[(f64, f64)]| {
+        let mut frames: Vec<StereoFrame> = Vec::new();
+        for (seconds, level) in parts {
+            let amplitude = 10_f64.powf(level / 20.0);
+            frames.extend((0..(seconds * f64::from(rate)) as usize).map(|n| {
+                [(amplitude * (std::f64::consts::TAU * 1000.0 * n as f64 / f64::from(rate)).sin()) as f32; 2]
+            }));
+        }
+        structure(rate, &frames).loudness
+    };
+    let is = |found: Option<f32>, truly: f32| found.is_some_and(|found| (found - truly).abs() < 0.1);
+    for (parts, truly) in [
+        (&[(20.0, -23.0)][..], -23.0),
+        (&[(20.0, -33.0)], -33.0),
+        (&[(10.0, -36.0), (60.0, -23.0), (10.0, -36.0)], -23.0),
+        (&[(10.0, -72.0), (10.0, -36.0), (60.0, -23.0), (10.0, -36.0), (10.0, -72.0)], -23.0),
+    ] {
+        let found = sines(parts);
+        assert!(is(found, truly), "{parts:?}: {found:?}");
+    }
+    assert_eq!(sines(&[(0.3, -23.0)]), None, "shorter than a block");
+    assert_eq!(sines(&[(5.0, -90.0)]), None, "below the gate");
+    let bad = vec![[f32::NAN, f32::INFINITY]; 96_000];
+    assert_eq!(structure(rate, &bad).loudness, None);
 }
 
 #[test]
