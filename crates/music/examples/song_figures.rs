@@ -7,8 +7,8 @@ mod songs;
 
 use mariana_music::{Mode, SongStructure, Tonality};
 use songs::{
-    Kind, Part, Song, Style, Swell, Truth, Voice, borders, breaks, chords, club, f_measure, labels, pop,
-    structure,
+    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    f_measure, labels, pop, structure,
 };
 
 const RATE: u32 = 48_000;
@@ -53,6 +53,38 @@ fn means(name: &str, rows: &[[f64; 4]]) {
         mean(1),
         mean(2),
         mean(3)
+    );
+}
+
+/// Bars as they are told of live input.
+fn live_bars() {
+    let (mut all, mut songs) = ([0.0; 2], 0);
+    for style in Style::ALL {
+        let (mut sums, mut count) = ([0.0; 2], 0);
+        for tempo in [72.0, 83.0, 96.0, 104.0, 118.0, 128.0, 140.0, 160.0] {
+            if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
+                continue;
+            }
+            for mode in [Mode::Major, Mode::Minor] {
+                let key = Tonality { root: count as u8 % 12, mode };
+                let (frames, truth) = Song::new(style, tempo, key, pop(mode)).play(RATE);
+                let mut beats = beats_heard(RATE, &frames);
+                beats.retain(|(time, _)| *time > 10.0);
+                let figures = bars_heard(&beats, &truth);
+                sums.iter_mut().zip(figures).for_each(|(sum, figure)| *sum += figure);
+                count += 1;
+            }
+        }
+        let [told, right] = sums.map(|sum| sum / f64::from(count));
+        println!(
+            "{style:?}: {count} songs, {told:.2} of the beats told, {right:.2} of the bars told are right"
+        );
+        all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
+        songs += count;
+    }
+    let [told, right] = all.map(|sum| sum / f64::from(songs));
+    println!(
+        "== live bars: {songs} songs, {told:.2} of the beats after 10 s told, {right:.2} of the bars told are right"
     );
 }
 
@@ -147,6 +179,9 @@ fn main() {
     }
     if wanted("drops") {
         drops();
+    }
+    if wanted("live") {
+        live_bars();
     }
     if wanted("keys") {
         let mut right = 0;

@@ -3,11 +3,11 @@
 
 use crate::signals::noise;
 use crate::songs::{
-    Kind, Part, Song, Style, Swell, Truth, Voice, borders, breaks, chords, club, f_measure, labels, pop,
-    structure,
+    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    f_measure, labels, pop, structure,
 };
 use mariana_music::limits::LIMITS;
-use mariana_music::{Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
+use mariana_music::{Alignment, Analyzer, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
 
 /// Half of what songs usually have, for speed.
 const RATE: u32 = 24_000;
@@ -123,6 +123,44 @@ fn a_ballad_has_no_drop_whatever_it_swells_to() {
             assert!(found.drops.is_empty(), "{swell:?} at {tempo}: {:?}", found.drops);
         }
     }
+}
+
+/// A listener who knows nothing of what comes needs some bars to be sure, and is then nearly always right.
+#[test]
+fn bars_are_heard_live_once_they_are_sure() {
+    for (style, tempo) in [(Style::Ballad, 83.0), (Style::FourOnTheFloor, 128.0), (Style::Waltz, 104.0)] {
+        let key = Tonality { root: 9, mode: Mode::Minor };
+        let (frames, truth) = Song::new(style, tempo, key, pop(Mode::Minor)).play(RATE);
+        let beats = beats_heard(RATE, &frames);
+        let [told, right] = bars_heard(&beats, &truth);
+        assert!(told > 0.5 && right > 0.9, "{style:?}: {told:.2} told, {right:.2} right");
+        let played = Analyzer::new(RATE, Alignment::Centred);
+        assert!(told_of_bars(played, &frames) == 0, "the whole song is known of a file");
+    }
+}
+
+/// Alike clicks have no bar, and noise not even beats.
+#[test]
+fn no_bar_is_heard_where_none_is() {
+    let rate = f64::from(RATE);
+    let clicks: Vec<StereoFrame> = (0..RATE * 60)
+        .map(|n| {
+            let since = f64::from(n % (RATE / 2)) / rate;
+            [(0.6 * (std::f64::consts::TAU * 900.0 * since).sin() * (-since / 0.01).exp()) as f32; 2]
+        })
+        .collect();
+    let mut state = 3;
+    let hiss: Vec<StereoFrame> = (0..RATE * 60).map(|_| [0.3 * noise(&mut state) as f32; 2]).collect();
+    for frames in [clicks, hiss] {
+        assert_eq!(told_of_bars(Analyzer::new(RATE, Alignment::Trailing), &frames), 0);
+    }
+}
+
+/// In how many moments a bar is told.
+fn told_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
+    let mut told = 0;
+    analyzer.push(frames, &mut |moment| told += usize::from(moment.features.bar_beat > 0.0));
+    told
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use mariana_music::{Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
+use mariana_music::{
+    Alignment, Analyzer, Features, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality,
+};
 
 /// What the drums do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -524,6 +526,32 @@ pub(crate) fn structure(rate: u32, frames: &[StereoFrame]) -> SongStructure {
     let mut listener = SongListener::new(rate);
     listener.push(frames);
     listener.finish()
+}
+
+/// The beats that are told of these frames as live input, in seconds, and which beat of its bar each is told to be.
+pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> {
+    let mut beats = Vec::new();
+    let mut before = (0.0, Features::SILENCE);
+    Analyzer::new(rate, Alignment::Trailing).push(frames, &mut |moment| {
+        let (time, last) = before;
+        let (from, to) = (last.phase, moment.features.phase);
+        if last.tempo > 0.0 && moment.features.tempo > 0.0 && to < from - 0.5 {
+            let share = f64::from(to / (to + 1.0 - from));
+            beats.push((moment.time - (moment.time - time) * share, moment.features.bar_beat));
+        }
+        before = (moment.time, moment.features);
+    });
+    beats
+}
+
+/// Of beats as [`beats_heard`] tells them: the share of which their place in the bar is told, and the share of the bars
+/// told that begin where one does.
+pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
+    let told = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
+    let firsts: Vec<f64> = beats.iter().filter(|(_, beat)| *beat == 1.0).map(|(time, _)| *time).collect();
+    let is_right = |time: &&f64| truth.downbeats.iter().any(|truly| (*time - truly).abs() < 0.07);
+    let right = firsts.iter().filter(is_right).count();
+    [told as f64 / beats.len().max(1) as f64, right as f64 / firsts.len().max(1) as f64]
 }
 
 /// The F-measure of times, each matched with one that is true within a tolerance in seconds.
