@@ -7,7 +7,6 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
 use super::*;
-use crate::demo_track::DEMO_TRACK;
 use mariana_player::playlist::{Cut, Playlist};
 use mariana_player::track::{Repeat, TrackInfo};
 use mariana_testing::wave::write_wav;
@@ -117,7 +116,8 @@ fn what_cannot_be_decoded_and_what_is_silent_is_neutral() {
 /// Bars of the demo track are 102,400 samples long, and its score puts drops at bars 12 and 24.
 #[test]
 fn the_demo_track_has_the_drops_of_its_score() {
-    let structure = structure_of(&DEMO_TRACK, &StructureCache::in_folder("/missing/x".into()));
+    const DEMO: Song = Song::Embedded { name: "demo.ogg", bytes: include_bytes!("../../assets/demo.ogg") };
+    let structure = structure_of(&DEMO, &StructureCache::in_folder("/missing/x".into()));
     assert_eq!(structure.drops.len(), 2, "{:?}", structure.drops);
     for (drop, bar) in structure.drops.iter().zip([12.0, 24.0]) {
         let truly = bar * 102_400.0 / 48_000.0;

@@ -230,11 +230,12 @@ pub(crate) fn club(mode: Mode) -> Vec<Part> {
 /// The same kind of song, whose first build has kicks and basses, and whose second drop comes out of a break that ends
 /// with silence.
 pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
-    let [mut intro, build, drop, rest, ..] = <[Part; 7]>::try_from(club(mode)).unwrap();
-    (intro.drums, intro.bass) = (false, true);
-    let build = Part { bars: 4, drums: true, bass: true, loud: 0.5, ..build };
-    let drop = Part { bars: 8, ..drop };
-    let rest = Part { bars: 4, bass: true, arpeggio: true, kind: Kind::Pause, ..rest };
+    let club = club(mode);
+    let [intro, build, drop, rest, ..] = club.as_slice() else { return club };
+    let intro = Part { drums: false, bass: true, ..intro.clone() };
+    let build = Part { bars: 4, drums: true, bass: true, loud: 0.5, ..build.clone() };
+    let drop = Part { bars: 8, ..drop.clone() };
+    let rest = Part { bars: 4, bass: true, arpeggio: true, kind: Kind::Pause, ..rest.clone() };
     vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
 }
 
