@@ -167,8 +167,8 @@ impl Listening {
         self.sound.take_complaints()
     }
 
-    /// What is heard now, with its place in the song, and with the tapped tempo. Of an input, and of a track that was not
-    /// listened to yet, only the energy is known.
+    /// What is heard now, with its place in the song, and with the tapped tempo. Of an input the energy is known, and the
+    /// bar where it is sure; of a track that was not listened to yet, only the energy.
     pub(super) fn now(&mut self) -> Option<Moment> {
         let mut now = self.sound.now()?;
         self.track = now.track;
@@ -177,7 +177,10 @@ impl Listening {
             Some(structure) => structure.moment(now.song_time),
             None => {
                 let energy = self.energy.at(now.song_time, now.features.level_db);
-                SongMoment { energy, ..SongMoment::UNKNOWN }
+                let heard = SongMoment::of_live(energy, &now.features);
+                // A bar that is heard does not go with a beat that is tapped.
+                let is_tapped = self.taps.at(now.song_time).is_some();
+                if is_tapped { SongMoment { energy, ..SongMoment::UNKNOWN } } else { heard }
             }
         };
         self.taps.apply(now.song_time, &mut now.features);

@@ -113,6 +113,9 @@ pub(super) fn summary(structure: &SongStructure) -> String {
 /// The structure for people.
 fn text(name: &str, structure: &SongStructure) -> String {
     let mut text = format!("{name}: {}\n", summary(structure));
+    if let Some(loudness) = structure.loudness {
+        let _ = writeln!(text, "integrated loudness {loudness:.1} LUFS (EBU R128)");
+    }
     if structure.cut_short {
         let _ = writeln!(text, "the song goes on after that, which was not listened to");
     }

@@ -113,6 +113,18 @@ fn what_cannot_be_decoded_and_what_is_silent_is_neutral() {
     assert!((9.0..11.0).contains(&structure.seconds), "{} s", structure.seconds);
 }
 
+/// Bars of the demo track are 102,400 samples long, and its score puts drops at bars 12 and 24.
+#[test]
+fn the_demo_track_has_the_drops_of_its_score() {
+    const DEMO: Song = Song::Embedded { name: "demo.ogg", bytes: include_bytes!("../../assets/demo.ogg") };
+    let structure = structure_of(&DEMO, &StructureCache::in_folder("/missing/x".into()));
+    assert_eq!(structure.drops.len(), 2, "{:?}", structure.drops);
+    for (drop, bar) in structure.drops.iter().zip([12.0, 24.0]) {
+        let truly = bar * 102_400.0 / 48_000.0;
+        assert!((drop - truly).abs() < 0.1, "{drop} is not {truly}");
+    }
+}
+
 #[test]
 fn only_the_oldest_beyond_the_limit_are_forgotten() {
     let folder = tempfile::tempdir().unwrap();

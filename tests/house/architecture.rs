@@ -12,7 +12,7 @@ use std::process::Command;
 /// What each crate may depend on besides the standard library. None of them knows the program.
 const CRATES: &[(&str, &[&str])] = &[
     ("field", &["fidget", "image", "multiversion", "naga", "serde", "thiserror"]),
-    ("music", &["rustfft", "serde"]),
+    ("music", &["ebur128", "rustfft", "serde"]),
     (
         "player",
         &[

@@ -7,7 +7,8 @@ mod songs;
 
 use mariana_music::{Mode, SongStructure, Tonality};
 use songs::{
-    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    f_measure, labels, pop, structure,
 };
 
 const RATE: u32 = 48_000;
@@ -53,6 +54,70 @@ fn means(name: &str, rows: &[[f64; 4]]) {
         mean(2),
         mean(3)
     );
+}
+
+/// Bars as they are told of live input.
+fn live_bars() {
+    let (mut all, mut songs) = ([0.0; 2], 0);
+    for style in Style::ALL {
+        let (mut sums, mut count) = ([0.0; 2], 0);
+        for tempo in [72.0, 83.0, 96.0, 104.0, 118.0, 128.0, 140.0, 160.0] {
+            if matches!(style, Style::SixEight | Style::HalfTime) && tempo > 120.0 {
+                continue;
+            }
+            for mode in [Mode::Major, Mode::Minor] {
+                let key = Tonality { root: count as u8 % 12, mode };
+                let (frames, truth) = Song::new(style, tempo, key, pop(mode)).play(RATE);
+                let mut beats = beats_heard(RATE, &frames);
+                beats.retain(|(time, _)| *time > 10.0);
+                let [told, right] = bars_heard(&beats, &truth);
+                // A song of which little is told counts little.
+                sums = [sums[0] + told, sums[1] + told * right];
+                count += 1;
+            }
+        }
+        let (told, right) = (sums[0] / f64::from(count), sums[1] / sums[0].max(1e-9));
+        println!(
+            "{style:?}: {count} songs, {told:.2} of the beats told, {right:.2} of the bars told are right"
+        );
+        all.iter_mut().zip(sums).for_each(|(all, sum)| *all += sum);
+        songs += count;
+    }
+    let (told, right) = (all[0] / f64::from(songs), all[1] / all[0].max(1e-9));
+    println!(
+        "== live bars: {songs} songs, {told:.2} of the beats after 10 s told, {right:.2} of the bars told are right"
+    );
+}
+
+fn drops() {
+    for (name, form) in [("clubs", club(Mode::Minor)), ("breaks", breaks(Mode::Minor))] {
+        let (mut hits, mut all, mut false_ones) = (0, 0, 0);
+        for style in [Style::FourOnTheFloor, Style::Syncopated, Style::Rock, Style::HalfTime] {
+            for (number, tempo) in [100.0, 110.0, 124.0, 128.0, 140.0, 150.0, 174.0].into_iter().enumerate() {
+                let key = Tonality { root: number as u8 % 6 * 2, mode: Mode::Minor };
+                let song = Song::new(style, tempo, key, form.clone());
+                let (found, truth) = heard(&song);
+                let is_hit = |drop: &&f64| found.drops.iter().any(|f| (f - **drop).abs() < 0.5);
+                let hit = truth.drops.iter().filter(is_hit).count();
+                (hits, all) = (hits + hit, all + truth.drops.len());
+                false_ones += found.drops.len() - hit;
+                if hit < truth.drops.len() {
+                    println!("{name}, {style:?} {tempo}: drops {:?} for {:?}", found.drops, truth.drops);
+                }
+            }
+        }
+        println!("== drops in {name}: {hits} of {all}, {false_ones} false");
+    }
+    for swell in Swell::ALL {
+        let (mut songs, mut drops) = (0, 0);
+        for tempo in [60.0, 70.0, 80.0, 92.0] {
+            for style in [Style::Ballad, Style::SixEight, Style::Rock] {
+                let song = Song::new(style, tempo, major(7), swell.ballad(Mode::Major));
+                (songs, drops) = (songs + 1, drops + heard(&song).0.drops.len());
+            }
+        }
+        println!("== drops in {songs} ballads, {swell:?}: {drops}");
+    }
 }
 
 fn main() {
@@ -114,29 +179,10 @@ fn main() {
         }
     }
     if wanted("drops") {
-        let (mut hits, mut all, mut false_ones) = (0, 0, 0);
-        for (number, tempo) in [110.0, 124.0, 128.0, 140.0, 174.0].into_iter().enumerate() {
-            let key = Tonality { root: number as u8 * 2, mode: Mode::Minor };
-            let song = Song::new(Style::FourOnTheFloor, tempo, key, club(Mode::Minor));
-            let (found, truth) = heard(&song);
-            let hit =
-                truth.drops.iter().filter(|drop| found.drops.iter().any(|f| (f - *drop).abs() < 0.5)).count();
-            (hits, all) = (hits + hit, all + truth.drops.len());
-            false_ones += found.drops.len() - hit;
-            println!(
-                "club {tempo}: drops {:?} for {:?}; builds {:?}",
-                found.drops, truth.drops, found.builds
-            );
-            rhythm_row(&format!("club {tempo}"), &song, &mut Vec::new());
-        }
-        let mut in_ballads = 0;
-        for tempo in [60.0, 70.0, 80.0, 92.0] {
-            for style in [Style::Ballad, Style::SixEight] {
-                let song = Song::new(style, tempo, major(7), ballad(Mode::Major));
-                in_ballads += heard(&song).0.drops.len();
-            }
-        }
-        println!("== drops: {hits} of {all}, {false_ones} false; {in_ballads} in 8 ballads");
+        drops();
+    }
+    if wanted("live") {
+        live_bars();
     }
     if wanted("keys") {
         let mut right = 0;

@@ -7,9 +7,11 @@ use super::decimate::Decimator;
 use super::features::{BAND_COUNT, Features, TimedFeatures};
 use super::gain::{AutoGain, Gain, amplitude};
 use super::lines::Lines;
+use super::live_bars::{LiveBars, Strokes};
 use super::onset::{Flux, Onsets};
 use super::pitch::strongest_hz;
 use super::resolution::Resolution;
+use super::rises::Rises;
 use super::smoothing::Follower;
 use super::spectrum::Spectrum;
 use super::tables::WAVE_PER_HOP;
@@ -125,6 +127,8 @@ pub struct Analyzer {
     flux: Flux,
     onsets: Onsets,
     beats: BeatTracker,
+    /// Of live input alone; of a song all is known.
+    bars: Option<(Rises, LiveBars)>,
     /// The last moment.
     last: TimedFeatures,
 }
@@ -196,6 +200,8 @@ impl Analyzer {
             flux: Flux::new(short / 2, rate / short as f64, hop_seconds),
             onsets: Onsets::new(hop_seconds),
             beats: BeatTracker::new(hop_seconds, late),
+            bars: (alignment == Alignment::Trailing)
+                .then(|| (Rises::new(short / 2, rate / short as f64, hop_seconds), LiveBars::new())),
             last: TimedFeatures::new(0.0, 0, Features::SILENCE),
         };
         analyzer.restart(0);
@@ -240,6 +246,10 @@ impl Analyzer {
         self.flux.restart();
         self.onsets.restart();
         self.beats.restart();
+        if let Some((rises, bars)) = &mut self.bars {
+            rises.restart();
+            bars.restart();
+        }
         self.last = TimedFeatures::new(0.0, 0, Features::SILENCE);
     }
 
@@ -334,6 +344,7 @@ impl Analyzer {
         }
 
         let (begins, flux) = self.onsets.follow(self.flux.follow(short));
+        let strokes = self.bars.as_mut().map(|(rises, _)| Strokes::of(rises.follow(short), flux));
         self.beat_follower.follow(&mut features.beat, 0.0);
         if begins {
             features.beat = 1.0;
@@ -345,6 +356,11 @@ impl Analyzer {
         self.lines.heights(spectra, gain_db, &mut heights);
         for (value, height) in self.last.spectrum.iter_mut().zip(heights) {
             self.band_follower.follow(value, height);
+        }
+        if let (Some((_, bars)), Some(strokes)) = (&mut self.bars, strokes) {
+            let phase = (features.tempo > 0.0).then_some(features.phase);
+            let bar = bars.follow(phase, strokes, &self.last.spectrum);
+            (features.bar_beat, features.bar_beats) = (bar.beat, bar.beats);
         }
         let frames_per_point = self.hop / WAVE_PER_HOP;
         mean_of_channels(&history[self.wave_stretch.clone()], frames_per_point, &mut self.last.wave);

@@ -72,6 +72,11 @@ features! {
     /// Position between the last beat and the next, 0 up to 1; 0 while the tempo is unknown. The next beat is
     /// predicted 60 · (1 - phase) / tempo seconds later.
     phase: f32 = 0.0, held;
+    /// Of live input, which beat of its bar is heard, from 1 on; 0 while that is not sure, and for files, of which the whole
+    /// is known instead ([`SongStructure`](super::SongStructure)).
+    bar_beat: f32 = 0.0, held;
+    /// How many beats that bar has; 0 while that is not sure.
+    bar_beats: f32 = 0.0, held;
     /// The integral of `bass` over time in seconds, of which all but 1/e is forgotten in 4 s: b' = bass - b / 4 s.
     /// Time plus this value runs with the bass: faster with each low note, and as fast as time on average.
     bass_drive: f32 = 0.0, mixed;
@@ -109,6 +114,9 @@ impl Features {
             let ahead = if other.phase < self.phase - 0.5 { 1.0 } else { 0.0 };
             let phase = mixed(self.phase, other.phase + ahead, amount);
             between.phase = phase - phase.floor();
+            if phase >= 1.0 {
+                (between.bar_beat, between.bar_beats) = (other.bar_beat, other.bar_beats);
+            }
         }
         between
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::units::Unit;
+use super::units::{Unit, distance};
 
 /// Names of the pitch classes, C first.
 pub const PITCH_CLASSES: [&str; 12] = ["C", "C#", "D", "Eb", "E", "F", "F#", "G", "G#", "A", "Bb", "B"];
@@ -62,19 +62,23 @@ const FIRST_SHARE: f32 = 0.3;
 /// A key that is less correlated with what sounds is none.
 const KEY_MIN: f32 = 0.55;
 /// Of a song with a key, in this share of beats pitches sound.
-const PITCHED_MIN: f32 = 0.2;
+const PITCHED_MIN: f32 = 0.4;
 
 /// The most frequent pitch class exceeds the rarest by at least this many times the mean.
-const CONTRAST_MIN: f32 = 0.5;
+const CONTRAST_MIN: f32 = 0.8;
+
+/// The pitch classes of a beat differ from those of the whole song by at least this on average, in shares: a held note with
+/// overtones is no harmony.
+const CHANGE_MIN: f32 = 0.05;
 
 /// A beat that is less correlated with every triad has no chord.
 const CHORD_MIN: f32 = 0.35;
 /// What a change of chord costs, in correlation.
 const CHANGE_COST: f32 = 0.45;
 
-/// Shares of the pitch classes in the whole song; none if it has no pitches: noise has all alike, and one held note is no
-/// harmony.
-fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
+/// Shares of the pitch classes in the whole song; none if it has no harmony: noise has all alike, and one held note does not
+/// change.
+pub(super) fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     let pitched = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0)).count();
     if (pitched as f32) < PITCHED_MIN * units.len().max(1) as f32 {
         return None;
@@ -89,7 +93,11 @@ fn pitches_of(units: &[Unit]) -> Option<[f32; 12]> {
     let largest = sum.iter().copied().fold(0.0, f32::max);
     let smallest = sum.iter().copied().fold(f32::INFINITY, f32::min);
     let heard = sum.iter().filter(|share| **share > 0.04 * total).count();
-    (heard >= 4 && largest - smallest >= CONTRAST_MIN * total / 12.0).then_some(sum)
+    let mean = sum.map(|share| share / total.max(f32::MIN_POSITIVE));
+    let change = units.iter().filter(|unit| unit.chroma.iter().any(|share| *share > 0.0));
+    let change = change.map(|unit| distance(&unit.chroma, &mean)).sum::<f32>() / pitched.max(1) as f32;
+    let varied = change >= CHANGE_MIN && largest - smallest >= CONTRAST_MIN * total / 12.0;
+    (heard >= 4 && varied).then_some(sum)
 }
 
 /// The key of a song; none if no key fits. It is the one with the largest correlation (Krumhansl 1990). A key and its
@@ -185,10 +193,15 @@ mod tests {
         for key in Tonality::all() {
             let profile = if key.mode == Mode::Major { MAJOR } else { MINOR };
             let sum: f32 = profile.iter().sum();
-            let chroma =
-                std::array::from_fn(|class| profile[(class + 12 - usize::from(key.root)) % 12] / sum);
-            let unit = Unit { chroma, level: 60.0, low: 0.0, onsets: 0.0, timbre: [0.0; 20] };
-            assert_eq!(super::key(&[unit; 4], &[], &[]), Some(key));
+            let share = |class: usize| profile[(class + 12 - usize::from(key.root)) % 12] / sum;
+            // Every other tone by turns, so that it is no held chord.
+            let units = [0, 1].map(|turn| {
+                let chroma = std::array::from_fn(|class| if class % 2 == turn { share(class) } else { 0.0 });
+                Unit { chroma, level: 60.0, low: 0.0, onsets: 0.0, timbre: [0.0; 20] }
+            });
+            assert_eq!(super::key(&units, &[], &[]), Some(key));
+            let held = Unit { chroma: std::array::from_fn(share), ..units[0] };
+            assert_eq!(super::key(&[held; 4], &[], &[]), None);
         }
     }
 }

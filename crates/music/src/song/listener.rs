@@ -9,7 +9,9 @@ use crate::bands::{BAND_HIGHEST_HZ, BAND_LOWEST_HZ};
 use crate::decimate::Decimator;
 use crate::limits::LIMITS;
 use crate::onset::{Flux, Onsets};
+use crate::rises::{LowAndHigh, Rises};
 use crate::spectrum::Spectrum;
+use ebur128::{EbuR128, Mode};
 
 /// Bands of the timbre, in equal ratios from 30 Hz to 16 kHz.
 pub(super) const TIMBRE_BANDS: usize = 20;
@@ -28,14 +30,6 @@ const LONG_HOPS: usize = 32;
 /// Hops from one timbre and chroma to the next.
 pub(super) const SLOW_HOPS: usize = 8;
 
-/// Below this frequency lies what kicks and basses fill, in hertz.
-const LOW_HZ: f64 = 150.0;
-/// Above this frequency lies what hats and noises fill, in hertz.
-const HIGH_HZ: f64 = 4_000.0;
-
-/// Time in which the loudest moment, to which low and high sounds are compared, is forgotten, in seconds.
-const LOUDEST_SECONDS: f64 = 8.0;
-
 /// What is kept of the moments of a hop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moment {
@@ -45,11 +39,11 @@ pub(super) struct Moment {
     pub(super) begins: bool,
     /// Rise of the low band's amplitude, relative to the loudest amplitude of late.
     pub(super) low_rise: f32,
-    /// The same of what is above [`HIGH_HZ`].
+    /// The same of what is high.
     pub(super) high_rise: f32,
     /// Power of everything.
     pub(super) power: f32,
-    /// Power below [`LOW_HZ`].
+    /// Power of what is low.
     pub(super) low_power: f32,
     /// Largest magnitude of the samples of the hop.
     pub(super) peak: f32,
@@ -73,6 +67,8 @@ pub(super) struct Heard {
     pub(super) seconds: f64,
     /// Whether the song went on after what was listened to.
     pub(super) cut_short: bool,
+    /// The integrated loudness, in LUFS; none if nothing is loud enough to count.
+    pub(super) loudness: Option<f32>,
     /// Moment n lies at n hops.
     pub(super) moments: Vec<Moment>,
     /// Slow moment n ends at (n + 1) · [`SLOW_HOPS`] hops; its chroma is late by [`Heard::chroma_late`].
@@ -119,17 +115,14 @@ pub struct SongListener {
     onsets: Onsets,
     /// Ends of the timbre's bands, in bins.
     edges: [usize; TIMBRE_BANDS + 1],
-    low_end: usize,
-    high_start: usize,
+    rises: Rises,
     decimator: Decimator,
     kept: Vec<StereoFrame>,
     long: Spectrum,
     pitches: FineChroma,
-    loudest: f32,
-    forget: f32,
-    /// Amplitudes of low and high of the last two hops.
-    before: [[f32; 2]; SHORT_HOPS],
     timbre: [f32; TIMBRE_BANDS],
+    /// Measures the integrated loudness. None if it cannot be: then the song has none.
+    meter: Option<EbuR128>,
     hops: usize,
     frames: u64,
     frames_max: u64,
@@ -172,16 +165,13 @@ impl SongListener {
             flux: Flux::new(short / 2, bin_hz, hop_seconds),
             onsets: Onsets::new(hop_seconds),
             edges,
-            low_end: bin(LOW_HZ) + 1,
-            high_start: bin(HIGH_HZ),
+            rises: Rises::new(short / 2, bin_hz, hop_seconds),
             kept: vec![[0.0; 2]; long_length],
             long: Spectrum::new(long_length, gain),
             pitches: FineChroma::new(long_rate / long_length as f64, long_length / 2),
             decimator,
-            loudest: 0.0,
-            forget: (-hop_seconds / LOUDEST_SECONDS).exp() as f32,
-            before: [[0.0; 2]; SHORT_HOPS],
             timbre: [0.0; TIMBRE_BANDS],
+            meter: EbuR128::new(2, rate as u32, Mode::I).ok(),
             hops: 0,
             frames: 0,
             frames_max: (LIMITS.song_seconds_max * rate) as u64,
@@ -206,6 +196,10 @@ impl SongListener {
     /// Ends the song and tells its structure.
     pub fn finish(mut self) -> SongStructure {
         self.heard.seconds = self.frames as f64 / self.rate;
+        // Taken before the silence that follows. Where nothing counts it is minus infinity.
+        let loudness = self.meter.take().and_then(|meter| meter.loudness_global().ok());
+        self.heard.loudness =
+            loudness.filter(|loudness| loudness.is_finite()).map(|loudness| loudness as f32);
         // What the windows still hold, and to the end of the last slow moment.
         let silence = vec![[0.0; 2]; self.hop];
         for _ in 0..LONG_HOPS / 2 + SLOW_HOPS {
@@ -222,6 +216,10 @@ impl SongListener {
             let (now, later) = rest.split_at(rest.len().min(free.len()));
             for (stored, frame) in free.iter_mut().zip(now) {
                 *stored = frame.map(|x| if x.is_finite() { x.clamp(-SAMPLE_MAX, SAMPLE_MAX) } else { 0.0 });
+            }
+            let taken = &self.buffer[self.filled..self.filled + now.len()];
+            if self.meter.as_mut().is_some_and(|meter| meter.add_frames_f32(taken.as_flattened()).is_err()) {
+                self.meter = None;
             }
             self.filled += now.len();
             rest = later;
@@ -243,26 +241,16 @@ impl SongListener {
         self.decimator.keep(&self.buffer, &mut self.kept[start..]);
 
         let bins = self.short.power(&self.buffer[self.buffer.len() - SHORT_HOPS * self.hop..]);
-        let power: f32 = bins[1..].iter().sum();
-        self.loudest = power.max(self.loudest * self.forget);
         let rise = self.flux.follow(bins);
-        let low_power: f32 = bins[1..self.low_end].iter().sum();
-        let high_power: f32 = bins[self.high_start..].iter().sum();
+        let LowAndHigh { power, low_power, low_rise, high_rise } = self.rises.follow(bins);
         for (sum, edges) in self.timbre.iter_mut().zip(self.edges.windows(2)) {
             *sum += bins[edges[0]..edges[1]].iter().sum::<f32>() / SLOW_HOPS as f32;
         }
-        // Hats are quiet beside kicks: each is weighed on its own logarithmic scale, as the flux is.
-        let scale = 1.0 / self.loudest.max(1e-7);
-        let now = [low_power, high_power].map(|power| (1.0 + 20.0 * (power * scale).sqrt()).ln());
-        let [oldest, ..] = self.before;
-        let rises = [0, 1].map(|band| (now[band] - oldest[band]).max(0.0));
-        self.before.rotate_left(1);
-        self.before[SHORT_HOPS - 1] = now;
         self.heard.moments.push(Moment {
             flux: rise.flux,
             begins: self.onsets.follow(rise).0,
-            low_rise: rises[0],
-            high_rise: rises[1],
+            low_rise,
+            high_rise,
             power,
             low_power,
             peak,

@@ -9,11 +9,12 @@
 //! Everything that needs the whole song runs at its end, over the little that was kept of it.
 
 /// Goes up when the same samples give another structure, so that a structure that was kept is not taken for it.
-pub const STRUCTURE_VERSION: u32 = 2;
+pub const STRUCTURE_VERSION: u32 = 3;
 
 mod bars;
 mod beats;
 mod chroma;
+mod drops;
 mod energy;
 mod key;
 mod listener;

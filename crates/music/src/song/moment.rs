@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::structure::{Section, SongStructure};
 use super::{Mode, PITCH_CLASSES};
+use crate::features::Features;
 
 /// Bars in which a drop fades.
 const DROP_BARS: f64 = 2.0;
@@ -75,6 +76,18 @@ impl SongMoment {
                 *self.chroma.get(class)?
             }
         })
+    }
+}
+
+impl SongMoment {
+    /// What is known of a moment of live input, whose end is not known: its energy, 0..1, and its place in the bar as far as
+    /// that is sure.
+    pub fn of_live(energy: f32, features: &Features) -> Self {
+        let Features { phase, bar_beat, bar_beats, .. } = *features;
+        let is_sure = bar_beat >= 1.0 && bar_beats >= bar_beat;
+        let place = f64::from(bar_beat - 1.0 + phase) / f64::from(bar_beats);
+        let (bar, beat_in_bar) = if is_sure { (below_one(place), bar_beat) } else { (0.0, 0.0) };
+        Self { bar, beat_in_bar, energy: unit(energy), ..Self::UNKNOWN }
     }
 }
 

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::super::{Meter, Mode, PitchShares, Section, SongBeat, SongStructure, Stretch, Tonality};
 use super::SongMoment;
+use crate::features::Features;
 
 /// 32 s in 4/4 at 120 beats per minute, of which the first bar begins at 1 s: A, then B with a drop at 17 s.
 fn song() -> SongStructure {
@@ -189,4 +190,18 @@ proptest! {
         prop_assert!((0.0..=11.0).contains(&key), "{:?}", moment);
         prop_assert_eq!(song.moment(time), moment);
     }
+}
+
+#[test]
+fn of_live_input_the_bar_is_known_where_it_is_sure() {
+    let heard = |bar_beat, bar_beats, phase| {
+        let features = Features { bar_beat, bar_beats, phase, tempo: 120.0, ..Features::SILENCE };
+        let moment = SongMoment::of_live(0.4, &features);
+        assert_eq!((moment.energy, moment.section, moment.progress), (0.4, 0.0, 0.0));
+        (moment.bar, moment.beat_in_bar)
+    };
+    assert_eq!(heard(1.0, 4.0, 0.0), (0.0, 1.0));
+    assert_eq!(heard(3.0, 4.0, 0.5), (0.625, 3.0));
+    assert_eq!(heard(0.0, 0.0, 0.5), (0.0, 0.0));
+    assert!(heard(4.0, 4.0, 1.0).0 < 1.0);
 }

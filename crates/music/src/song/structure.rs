@@ -4,8 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::bars::{Meter, bars};
 use super::beats::{beats, onset_strengths};
-use super::energy::{ENERGY_STEP, builds_and_drops, energy, peaks};
-use super::key::{Tonality, chords, key};
+use super::drops::{builds_and_drops, eves};
+use super::energy::{ENERGY_STEP, energy, peaks};
+use super::key::{Tonality, chords, key, pitches_of};
 use super::listener::Heard;
 use super::sections::sections;
 use super::units::units;
@@ -77,6 +78,9 @@ pub struct SongStructure {
     pub cut_short: bool,
     /// Whether nothing could be heard.
     pub silent: bool,
+    /// The integrated loudness by EBU R128, in LUFS (-70 and more), of both channels as they are played, so that mono counts
+    /// twice; none if the song is shorter than 0.4 s or quieter.
+    pub loudness: Option<f32>,
     /// The median tempo in beats per minute; none if there is no steady beat.
     pub tempo: Option<f32>,
     /// How beats make bars; none if there are no beats.
@@ -116,6 +120,7 @@ impl SongStructure {
         let mut structure = Self {
             seconds,
             cut_short: heard.cut_short,
+            loudness: heard.loudness,
             energy_step: ENERGY_STEP,
             energy: energy(heard),
             peaks: peaks(heard),
@@ -137,7 +142,7 @@ impl SongStructure {
         let sounding = heard.sounding();
         let of_sound: Vec<f64> =
             bar_times.iter().map(|time| time.clamp(sounding.start, sounding.end)).collect();
-        let bars = units(heard, &of_sound);
+        let mut bars = units(heard, &of_sound);
         let beat_times =
             if beats.is_empty() { bar_times.clone() } else { grid(&beats, period(&beats), seconds) };
         let of_beats = units(heard, &beat_times);
@@ -150,6 +155,10 @@ impl SongStructure {
                 Some(last) if last.triad == triad => last.end = times[1],
                 _ => structure.chords.push(Chord { start: times[0], end: times[1], triad }),
             }
+        }
+        if pitches_of(&of_beats).is_none() {
+            // What was read as pitches changes at random.
+            bars.iter_mut().for_each(|bar| bar.chroma = [0.0; 12]);
         }
         let sections = sections(&bars);
         let borders: Vec<usize> = sections.iter().skip(1).map(|section| section.bars.start).collect();
@@ -164,7 +173,7 @@ impl SongStructure {
         });
         structure.key = key(&of_beats, &triads, &firsts.collect::<Vec<_>>());
         if !beats.is_empty() {
-            let (builds, drops) = builds_and_drops(&bars, &borders);
+            let (builds, drops) = builds_and_drops(&bars, &eves(heard, &of_sound), &borders);
             structure.builds = builds
                 .into_iter()
                 .map(|bars| Stretch { start: bar_times[bars.start], end: bar_times[bars.end] })

@@ -3,10 +3,11 @@
 
 use crate::signals::noise;
 use crate::songs::{
-    Kind, Part, Song, Style, Truth, Voice, ballad, borders, chords, club, f_measure, labels, pop, structure,
+    Kind, Part, Song, Style, Swell, Truth, Voice, bars_heard, beats_heard, borders, breaks, chords, club,
+    f_measure, labels, pop, structure,
 };
 use mariana_music::limits::LIMITS;
-use mariana_music::{Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
+use mariana_music::{Alignment, Analyzer, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
 
 /// Half of what songs usually have, for speed.
 const RATE: u32 = 24_000;
@@ -99,16 +100,67 @@ fn harmony_alone_and_sound_alone_make_sections() {
 }
 
 #[test]
-fn builds_lead_to_drops_and_a_ballad_has_none() {
+fn builds_and_breaks_lead_to_drops() {
     let key = Tonality { root: 4, mode: Mode::Minor };
-    let (found, truth) = heard(&Song::new(Style::FourOnTheFloor, 128.0, key, club(Mode::Minor)));
-    assert_eq!(found.drops.len(), truth.drops.len(), "{:?}, not {:?}", found.drops, truth.drops);
-    for (drop, truly) in found.drops.iter().zip(&truth.drops) {
-        assert!((drop - truly).abs() < 0.1, "{drop} is not {truly}");
-        assert!(found.builds.iter().any(|build| build.end == *drop && build.start < drop - 5.0));
+    for (form, builds) in [(club(Mode::Minor), 2), (breaks(Mode::Minor), 1)] {
+        let (found, truth) = heard(&Song::new(Style::FourOnTheFloor, 128.0, key, form));
+        assert_eq!(found.drops.len(), truth.drops.len(), "{:?}, not {:?}", found.drops, truth.drops);
+        for (drop, truly) in found.drops.iter().zip(&truth.drops) {
+            assert!((drop - truly).abs() < 0.1, "{drop} is not {truly}");
+        }
+        let leads =
+            |drop: &&f64| found.builds.iter().any(|build| build.end == **drop && build.start < **drop - 5.0);
+        assert_eq!(found.drops.iter().filter(leads).count(), builds, "{:?}", found.builds);
     }
-    let (found, _) = heard(&Song::new(Style::Ballad, 72.0, key, ballad(Mode::Minor)));
-    assert!(found.drops.is_empty(), "{:?}", found.drops);
+}
+
+#[test]
+fn a_ballad_has_no_drop_whatever_it_swells_to() {
+    let key = Tonality { root: 4, mode: Mode::Major };
+    for swell in Swell::ALL {
+        for tempo in [70.0, 84.0] {
+            let (found, _) = heard(&Song::new(Style::Ballad, tempo, key, swell.ballad(Mode::Major)));
+            assert!(found.drops.is_empty(), "{swell:?} at {tempo}: {:?}", found.drops);
+        }
+    }
+}
+
+/// A listener who knows nothing of what comes needs some bars to be sure, and is then nearly always right.
+#[test]
+fn bars_are_heard_live_once_they_are_sure() {
+    for (style, tempo) in [(Style::Ballad, 83.0), (Style::FourOnTheFloor, 128.0), (Style::Waltz, 104.0)] {
+        let key = Tonality { root: 9, mode: Mode::Minor };
+        let (frames, truth) = Song::new(style, tempo, key, pop(Mode::Minor)).play(RATE);
+        let beats = beats_heard(RATE, &frames);
+        let [told, right] = bars_heard(&beats, &truth);
+        assert!(told > 0.5 && right > 0.9, "{style:?}: {told:.2} told, {right:.2} right");
+        let played = Analyzer::new(RATE, Alignment::Centred);
+        assert!(told_of_bars(played, &frames) == 0, "the whole song is known of a file");
+    }
+}
+
+/// Alike clicks have no bar, and noise not even beats.
+#[test]
+fn no_bar_is_heard_where_none_is() {
+    let rate = f64::from(RATE);
+    let clicks: Vec<StereoFrame> = (0..RATE * 60)
+        .map(|n| {
+            let since = f64::from(n % (RATE / 2)) / rate;
+            [(0.6 * (std::f64::consts::TAU * 900.0 * since).sin() * (-since / 0.01).exp()) as f32; 2]
+        })
+        .collect();
+    let mut state = 3;
+    let hiss: Vec<StereoFrame> = (0..RATE * 60).map(|_| [0.3 * noise(&mut state) as f32; 2]).collect();
+    for frames in [clicks, hiss] {
+        assert_eq!(told_of_bars(Analyzer::new(RATE, Alignment::Trailing), &frames), 0);
+    }
+}
+
+/// In how many moments a bar is told.
+fn told_of_bars(mut analyzer: Analyzer, frames: &[StereoFrame]) -> usize {
+    let mut told = 0;
+    analyzer.push(frames, &mut |moment| told += usize::from(moment.features.bar_beat > 0.0));
+    told
 }
 
 #[test]
@@ -142,9 +194,31 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     let note = of(60.0, &mut |t| 0.3 * tone(220.0, t));
     assert!(note.beats.is_empty() && note.key.is_none() && note.sections.len() == 1, "{:?}", note.sections);
     let mut state = 1;
-    let noise = of(40.0, &mut |_| 0.3 * noise(&mut state));
-    assert_eq!((noise.key, noise.beats.len()), (None, 0));
-    assert_eq!(noise.sections.len(), 1);
+    let hiss = of(40.0, &mut |_| 0.3 * noise(&mut state));
+    assert_eq!((hiss.key, hiss.beats.len(), hiss.sections.len()), (None, 0, 1));
+    // The same in stereo, whose chance peaks of the spectrum are no harmony.
+    let stereo: Vec<StereoFrame> =
+        (0..RATE * 120).map(|_| [0; 2].map(|_| 0.3 * noise(&mut state) as f32)).collect();
+    let wide = structure(RATE, &stereo);
+    assert_eq!((wide.key, wide.beats.len(), wide.sections.len()), (None, 0, 1), "{:?}", wide.sections);
+    // A tone with overtones, and one that wavers: both hold one note.
+    let rich = of(120.0, &mut |t| (1..8).map(|k| 0.1 / f64::from(k) * tone(110.0 * f64::from(k), t)).sum());
+    assert!(rich.key.is_none() && rich.sections.len() == 1, "{:?}, {:?}", rich.key, rich.sections);
+    let waver = of(120.0, &mut |t| 0.3 * (std::f64::consts::TAU * 330.0 * t + 3.0 * tone(5.5, t)).sin());
+    assert!(waver.beats.is_empty() && waver.sections.len() == 1, "{:?}", waver.tempo);
+    // Noise in syllables of any length, as in speech, with pauses.
+    let (mut begins, mut length, mut loud, mut seed) = (0.0, 0.2, 0.0, 5);
+    let speech = of(90.0, &mut |t| {
+        if t >= begins + length {
+            begins = t;
+            length = 0.19 + 0.1 * noise(&mut seed);
+            let pauses = noise(&mut seed) > 0.8;
+            length += if pauses { 0.6 + 0.3 * noise(&mut seed) } else { 0.0 };
+            loud = if pauses { 0.0 } else { 0.35 + 0.15 * noise(&mut seed) };
+        }
+        loud * (std::f64::consts::PI * (t - begins) / length).sin() * noise(&mut state)
+    });
+    assert_eq!((speech.key, speech.beats.len()), (None, 0), "{:?}", speech.tempo);
     // Chords that swell, without a stroke.
     let swell = of(60.0, &mut |t| {
         let root = 220.0 * [1.0, 1.335, 1.498, 1.0][(t / 7.3) as usize % 4];
@@ -156,6 +230,36 @@ fn what_is_no_song_has_a_sensible_structure_or_none() {
     assert_eq!(short.sections.len(), 1);
     let bad = of(5.0, &mut |t| if t < 2.0 { f64::NAN } else { f64::INFINITY });
     assert!(bad.silent);
+}
+
+/// By EBU Tech 3341, a sine of 1 kHz at -23 dBFS in both channels has -23 LUFS, and gates leave out what is quiet.
+#[test]
+fn loudness_is_that_of_ebu_r128() {
+    let rate = 48_000;
+    let sines = |parts: &[(f64, f64)]| {
+        let mut frames: Vec<StereoFrame> = Vec::new();
+        for (seconds, level) in parts {
+            let amplitude = 10_f64.powf(level / 20.0);
+            frames.extend((0..(seconds * f64::from(rate)) as usize).map(|n| {
+                [(amplitude * (std::f64::consts::TAU * 1000.0 * n as f64 / f64::from(rate)).sin()) as f32; 2]
+            }));
+        }
+        structure(rate, &frames).loudness
+    };
+    let is = |found: Option<f32>, truly: f32| found.is_some_and(|found| (found - truly).abs() < 0.1);
+    for (parts, truly) in [
+        (&[(20.0, -23.0)][..], -23.0),
+        (&[(20.0, -33.0)], -33.0),
+        (&[(10.0, -36.0), (60.0, -23.0), (10.0, -36.0)], -23.0),
+        (&[(10.0, -72.0), (10.0, -36.0), (60.0, -23.0), (10.0, -36.0), (10.0, -72.0)], -23.0),
+    ] {
+        let found = sines(parts);
+        assert!(is(found, truly), "{parts:?}: {found:?}");
+    }
+    assert_eq!(sines(&[(0.3, -23.0)]), None, "shorter than a block");
+    assert_eq!(sines(&[(5.0, -90.0)]), None, "below the gate");
+    let bad = vec![[f32::NAN, f32::INFINITY]; 96_000];
+    assert_eq!(structure(rate, &bad).loudness, None);
 }
 
 #[test]

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use mariana_music::{Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality};
+use mariana_music::{
+    Alignment, Analyzer, Features, Meter, Mode, SongListener, SongStructure, StereoFrame, Tonality,
+};
 
 /// What the drums do.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -114,7 +116,11 @@ pub(crate) enum Kind {
     Plain,
     /// Rises to the next part.
     Build,
-    /// Begins with a drop if a build came before.
+    /// Ends with a bar of silence.
+    Pause,
+    /// Becomes louder from bar to bar.
+    Crescendo,
+    /// Begins with a drop if a build or a pause came before.
     Drop,
 }
 
@@ -221,8 +227,62 @@ pub(crate) fn club(mode: Mode) -> Vec<Part> {
     vec![intro, build.clone(), drop.clone(), rest, build, drop, outro]
 }
 
+/// The same kind of song, whose first build has kicks and basses, and whose second drop comes out of a break that ends
+/// with silence.
+pub(crate) fn breaks(mode: Mode) -> Vec<Part> {
+    let club = club(mode);
+    let [intro, build, drop, rest, ..] = club.as_slice() else { return club };
+    let intro = Part { drums: false, bass: true, ..intro.clone() };
+    let build = Part { bars: 4, drums: true, bass: true, loud: 0.5, ..build.clone() };
+    let drop = Part { bars: 8, ..drop.clone() };
+    let rest = Part { bars: 4, bass: true, arpeggio: true, kind: Kind::Pause, ..rest.clone() };
+    vec![intro.clone(), build, drop.clone(), rest, drop.clone(), drop, intro]
+}
+
+/// Ballads that do at some place what music with drops does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Swell {
+    /// Drums that come and go, and no more.
+    None,
+    /// Each verse becomes louder up to the chorus.
+    Crescendo,
+    /// Drums and bass set in with the second verse.
+    LateBand,
+    /// A bar of silence comes before the last chorus.
+    Pause,
+    /// The same, and the drums and the bass are silent in all of the bridge before it.
+    BarePause,
+}
+
+impl Swell {
+    pub(crate) const ALL: [Self; 5] =
+        [Self::None, Self::Crescendo, Self::LateBand, Self::Pause, Self::BarePause];
+
+    pub(crate) fn ballad(self, mode: Mode) -> Vec<Part> {
+        let mut form = ballad(mode);
+        match self {
+            Self::None => {}
+            Self::Crescendo => {
+                form.iter_mut().filter(|part| part.letter == 'V').for_each(|verse| {
+                    (verse.kind, verse.loud) = (Kind::Crescendo, 0.8);
+                });
+            }
+            Self::LateBand => {
+                form.iter_mut().take(3).for_each(|part| (part.drums, part.bass) = (false, false))
+            }
+            Self::Pause | Self::BarePause => {
+                form.iter_mut().filter(|part| part.letter == 'B').for_each(|bridge| {
+                    bridge.kind = Kind::Pause;
+                    (bridge.drums, bridge.bass) = (self == Self::Pause, self == Self::Pause);
+                });
+            }
+        }
+        form
+    }
+}
+
 /// A quiet song whose drums come and go.
-pub(crate) fn ballad(mode: Mode) -> Vec<Part> {
+fn ballad(mode: Mode) -> Vec<Part> {
     let mut form = pop(mode);
     for part in &mut form {
         part.arpeggio = false;
@@ -374,7 +434,7 @@ impl Song {
                 truth.borders.push(start);
             }
             truth.letters.push((start, end, part.letter));
-            if part.kind == Kind::Drop && before == Kind::Build {
+            if part.kind == Kind::Drop && matches!(before, Kind::Build | Kind::Pause) {
                 truth.drops.push(start);
             }
             before = part.kind;
@@ -397,15 +457,20 @@ impl Song {
         let at = |beat: f64| self.time(first + beat);
         let hz = |pitch: f64| 440.0 * ((pitch - 69.0 + self.cents / 100.0) / 12.0).exp2();
         let last = of_part + 1 == part.bars;
+        if last && part.kind == Kind::Pause {
+            return;
+        }
         let share = (of_part + 1) as f64 / part.bars as f64;
+        let swell = if part.kind == Kind::Crescendo { 0.3 + 0.7 * share } else { 1.0 };
         if part.drums {
             let fill_from = if last { per_bar as f64 - 1.0 } else { f64::INFINITY };
+            let is_build = part.kind == Kind::Build;
             for (place, drum, loud) in self.style.strokes(self.swing) {
-                if place < fill_from || drum == Drum::Kick {
-                    studio.strike(at(place), drum, part.loud.max(0.7) * loud);
+                if place < fill_from || drum == Drum::Kick && !is_build {
+                    studio.strike(at(place), drum, swell * part.loud.max(0.7) * loud);
                 }
             }
-            if last {
+            if last && !is_build {
                 (0..4).for_each(|n| studio.strike(at(fill_from + f64::from(n) / 4.0), Drum::Tom, 0.6));
             }
         }
@@ -428,20 +493,20 @@ impl Song {
             // Within an octave and a half.
             if pitch > 66.0 { pitch - 12.0 } else { pitch }
         });
-        let loud = 0.12 * part.loud;
+        let loud = 0.12 * swell * part.loud;
         for pitch in chord {
             studio.note(at(0.0), at(per_bar as f64), hz(pitch), part.voice, loud, (0.02, 6.0));
         }
         if part.bass {
             let pitch = 36.0 + f64::from((self.key.root + root) % 12);
-            for beat in 0..per_bar {
+            for beat in 0..per_bar - usize::from(last && part.kind == Kind::Build) {
                 let place = beat as f64;
                 studio.note(
                     at(place),
                     at(place + 0.9),
                     hz(pitch),
                     Voice::Organ,
-                    0.2 * part.loud,
+                    0.2 * swell * part.loud,
                     (0.008, 0.6),
                 );
             }
@@ -462,6 +527,32 @@ pub(crate) fn structure(rate: u32, frames: &[StereoFrame]) -> SongStructure {
     let mut listener = SongListener::new(rate);
     listener.push(frames);
     listener.finish()
+}
+
+/// The beats that are told of these frames as live input, in seconds, and which beat of its bar each is told to be.
+pub(crate) fn beats_heard(rate: u32, frames: &[StereoFrame]) -> Vec<(f64, f32)> {
+    let mut beats = Vec::new();
+    let mut before = (0.0, Features::SILENCE);
+    Analyzer::new(rate, Alignment::Trailing).push(frames, &mut |moment| {
+        let (time, last) = before;
+        let (from, to) = (last.phase, moment.features.phase);
+        if last.tempo > 0.0 && moment.features.tempo > 0.0 && to < from - 0.5 {
+            let share = f64::from(to / (to + 1.0 - from));
+            beats.push((moment.time - (moment.time - time) * share, moment.features.bar_beat));
+        }
+        before = (moment.time, moment.features);
+    });
+    beats
+}
+
+/// Of beats as [`beats_heard`] tells them: the share of which their place in the bar is told, and the share of the bars
+/// told that begin where one does.
+pub(crate) fn bars_heard(beats: &[(f64, f32)], truth: &Truth) -> [f64; 2] {
+    let told = beats.iter().filter(|(_, beat)| *beat > 0.0).count();
+    let firsts: Vec<f64> = beats.iter().filter(|(_, beat)| *beat == 1.0).map(|(time, _)| *time).collect();
+    let is_right = |time: &&f64| truth.downbeats.iter().any(|truly| (*time - truly).abs() < 0.07);
+    let right = firsts.iter().filter(is_right).count();
+    [told as f64 / beats.len().max(1) as f64, right as f64 / firsts.len().max(1) as f64]
 }
 
 /// The F-measure of times, each matched with one that is true within a tolerance in seconds.

@@ -1,0 +1,206 @@
+//! Builds that rise, and drops.
+//!
+//! A build is a stretch of bars in which the sound becomes brighter and is struck more often (Solberg 2014 on how club
+//! music builds up), and which ends. A drop is a bar in which, after a build or a pause, the low band returns that was
+//! away, and with which some of the song's loudest and most densely struck bars begin (Yadati et al. 2014). No one of
+//! these is enough: a crescendo has the rise, a band that sets in the low band, and a pause before a last chorus the
+//! silence.
+
+use super::listener::{Heard, TIMBRE_BANDS};
+use super::units::{Unit, units};
+
+/// Lengths of builds, in bars.
+const BUILD_BARS: std::ops::RangeInclusive<usize> = 4..=16;
+/// By how much a build's tension rises from its first bar to its last, in decibels.
+const RISE_MIN: f32 = 7.0;
+/// How straight it rises: the correlation of tension and time.
+const STRAIGHT_MIN: f32 = 0.8;
+/// No step from bar to bar is more than this share of the rise: that is an entry, not a build.
+const STEP_SHARE: f32 = 0.7;
+/// How sure the rise before a drop is: the t statistic of that correlation.
+const SURE_MIN: f32 = 5.0;
+
+/// The eve of a bar is this part of the bar before it: most of its last beat.
+const EVE: (f64, f64) = (0.75, 0.9375);
+
+/// A drop's bars whose levels count.
+const LOUD_BARS: usize = 4;
+/// They are as loud as this share of the song's bars, less some decibels, ...
+const LOUD: (f32, f32) = (0.7, 1.0);
+/// ... louder than the bars before by this many decibels, ...
+const JUMP_MIN: f32 = 3.0;
+/// ... of which this many count, ...
+const JUMP_BARS: usize = 8;
+/// ... and struck at least this densely ([`Unit::onsets`]).
+const ONSETS_MIN: f32 = 0.033;
+/// By how much a drop is louder than its eve, in decibels, ...
+const LOUDER_THAN_EVE: f32 = 4.0;
+/// ... and by how much its low band is stronger than there.
+const LOW_OVER_EVE: f32 = 8.0;
+/// A drop's bars whose low band counts.
+const LOW_BARS: usize = 2;
+/// Bars before the eve's with which a drop is compared.
+const BARS_BEFORE: usize = 4;
+/// By how much the low band is weaker before a drop than in it, or on its eve than on eves before, in decibels.
+const LOW_AWAY: f32 = 4.0;
+/// After a pause the low band must have been weaker than this before it, too: a band that pauses for a bar is no drop.
+const LOW_AWAY_BEFORE_PAUSE: f32 = 5.0;
+/// In a pause it is quieter than after it by the first of these, and than on eves before by the second, in decibels.
+const PAUSE: (f32, f32) = (8.0, 4.0);
+/// Of drops closer than this, in bars, only the strongest counts.
+const APART: usize = 8;
+
+/// What the last beat before the next bar is like, of each bar between these times.
+pub(super) fn eves(heard: &Heard, bar_times: &[f64]) -> Vec<Unit> {
+    let eve = |bar: &[f64]| {
+        let at = |share: f64| bar[0] + share * (bar[1] - bar[0]);
+        [at(EVE.0), at(EVE.1)]
+    };
+    let times: Vec<f64> = bar_times.windows(2).flat_map(eve).collect();
+    // Every other one lies between two eves.
+    units(heard, &times).into_iter().step_by(2).collect()
+}
+
+/// Bars of builds, and bars with which drops begin. A build leads to a drop, or into another section: `borders` are the
+/// bars with which sections begin. `eves` has the last beat of each bar.
+pub(super) fn builds_and_drops(
+    bars: &[Unit],
+    eves: &[Unit],
+    borders: &[usize],
+) -> (Vec<std::ops::Range<usize>>, Vec<usize>) {
+    let tension = tension(bars);
+    let loud = loud(bars);
+    // The last bar of a build may be a pause.
+    let ended = |bar: usize| build(&tension, bar).or_else(|| build(&tension, bar - 1));
+    let mut builds: Vec<std::ops::Range<usize>> = Vec::new();
+    // With how much of the low band returns.
+    let mut drops: Vec<(usize, f32)> = Vec::new();
+    for bar in *BUILD_BARS.start()..bars.len() {
+        let build = ended(bar);
+        let is_sure = build.as_ref().is_some_and(|build| build.sure >= SURE_MIN);
+        let returns = returns(bars, eves, bar, loud, is_sure);
+        if let Some(build) = build.filter(|_| returns.is_some() || borders.contains(&bar)) {
+            match builds.last_mut() {
+                // The same one, which led on to its drop.
+                Some(last) if last.end > build.start => {
+                    if returns.is_some() {
+                        last.end = bar;
+                    }
+                }
+                _ => builds.push(build.start..bar),
+            }
+        }
+        let Some(returns) = returns else { continue };
+        match drops.last_mut() {
+            Some(last) if bar - last.0 < APART => {
+                if returns > last.1 {
+                    *last = (bar, returns);
+                }
+            }
+            _ => drops.push((bar, returns)),
+        }
+    }
+    // A build ends with its drop.
+    let drops: Vec<usize> = drops.into_iter().map(|(bar, _)| bar).collect();
+    for build in &mut builds {
+        if let Some(drop) = drops.iter().find(|drop| build.contains(drop) && **drop > build.start) {
+            build.end = *drop;
+        }
+    }
+    (builds, drops)
+}
+
+/// How bright and how densely struck each bar is, in decibels.
+fn tension(bars: &[Unit]) -> Vec<f32> {
+    let densest = bars.iter().map(|bar| bar.onsets).fold(1e-6_f32, f32::max);
+    let of_bar = |bar: &Unit| {
+        let high = &bar.timbre[TIMBRE_BANDS / 2..];
+        high.iter().sum::<f32>() / high.len() as f32 + 10.0 * bar.onsets / densest + 20.0 * bar.brightness()
+    };
+    bars.iter().map(of_bar).collect()
+}
+
+/// The level from which on bars of this song are loud.
+fn loud(bars: &[Unit]) -> f32 {
+    let levels = sorted(bars.iter().map(|bar| bar.level));
+    levels.get((levels.len() as f32 * LOUD.0) as usize).map_or(f32::INFINITY, |level| level - LOUD.1)
+}
+
+/// If `bar` begins a drop, how many decibels of the low band return with it. It does so after a build, or, where none is
+/// sure, after a pause.
+fn returns(bars: &[Unit], eves: &[Unit], bar: usize, loud: f32, after_build: bool) -> Option<f32> {
+    let last = bar.checked_sub(1)?;
+    let eve = eves.get(last)?;
+    let before = last.saturating_sub(BARS_BEFORE)..last;
+    let (bars_before, eves_before) = (bars.get(before.clone())?, eves.get(before)?);
+    let mean =
+        |units: &[Unit], of: fn(&Unit) -> f32| units.iter().map(of).sum::<f32>() / units.len().max(1) as f32;
+    let until = |count: usize| bars.get(bar..(bar + count).min(bars.len())).unwrap_or_default();
+    let (level, low) = (mean(until(LOUD_BARS), |bar| bar.level), mean(until(LOW_BARS), |bar| bar.low));
+    let jump = level - mean(bars.get(bar.saturating_sub(JUMP_BARS)..bar)?, |bar| bar.level);
+    let lower = level.min(bars.get(bar)?.level) - eve.level;
+    let back = low - eve.low;
+    let away = low - median(bars_before, |bar| bar.low);
+    let recent = eves_before.get(eves_before.len().saturating_sub(2)..)?;
+    let gap = mean(recent, |eve| eve.low) - eve.low;
+    let strikes = level >= loud
+        && jump >= JUMP_MIN
+        && mean(until(LOUD_BARS), |bar| bar.onsets) >= ONSETS_MIN
+        && lower >= LOUDER_THAN_EVE
+        && back >= LOW_OVER_EVE
+        && away.max(gap) >= LOW_AWAY;
+    let after_pause = || {
+        away >= LOW_AWAY_BEFORE_PAUSE
+            && level - eve.level >= PAUSE.0
+            && median(eves_before, |eve| eve.level) - eve.level >= PAUSE.1
+            && level - median(bars_before, |bar| bar.level) >= JUMP_MIN
+    };
+    (strikes && (after_build || after_pause())).then_some(back)
+}
+
+fn sorted(values: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut values: Vec<f32> = values.collect();
+    values.sort_by(f32::total_cmp);
+    values
+}
+
+/// The mean of the one or two values in the middle; 0 of none.
+fn median(units: &[Unit], of: fn(&Unit) -> f32) -> f32 {
+    let values = sorted(units.iter().map(of));
+    let middle = values.get((values.len().saturating_sub(1)) / 2..values.len() / 2 + 1).unwrap_or_default();
+    middle.iter().sum::<f32>() / middle.len().max(1) as f32
+}
+
+/// A rise of tension up to a given bar.
+struct Build {
+    /// Its first bar.
+    start: usize,
+    /// The t statistic of its correlation with time.
+    sure: f32,
+}
+
+/// The stretch before `end` in which tension rises most surely.
+fn build(tension: &[f32], end: usize) -> Option<Build> {
+    let rising = |start: usize| {
+        let values = &tension[start..end];
+        let count = values.len() as f32;
+        let (x_mean, y_mean) = ((count - 1.0) / 2.0, values.iter().sum::<f32>() / count);
+        let (mut xy, mut xx, mut yy) = (0.0, 0.0, 0.0);
+        for (x, y) in values.iter().enumerate() {
+            let (x, y) = (x as f32 - x_mean, y - y_mean);
+            xy += x * y;
+            xx += x * x;
+            yy += y * y;
+        }
+        let rise = xy / xx * (count - 1.0);
+        let straight = xy / (xx * yy).sqrt().max(1e-9);
+        let step = values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
+        let is_build = rise >= RISE_MIN && straight >= STRAIGHT_MIN && step <= STEP_SHARE * rise;
+        let sure = straight * ((count - 2.0) / (1.0 - straight * straight).max(1e-3)).sqrt();
+        is_build.then_some(Build { start, sure })
+    };
+    BUILD_BARS
+        .filter_map(|length| end.checked_sub(length))
+        .filter_map(rising)
+        .max_by(|a, b| a.sure.total_cmp(&b.sure))
+}
