@@ -112,7 +112,8 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     assert_moves(&app);
     let playing = app.load(Duration::from_millis(500));
 
-    // Paused: the start of the song, and it stands still and costs nothing.
+    // Paused: the start of the song, and it stands still and costs nothing, once the whole song was read.
+    app.wait_until_told("is known after");
     let start = pause_at_start(&mut app);
     assert_shows_the_speakers(&start);
     let load = app.load(Duration::from_secs(1));
