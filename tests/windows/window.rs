@@ -113,9 +113,9 @@ fn a_song_is_seen_and_heard_and_obeys_the_keys() {
     let playing = app.load(Duration::from_millis(500));
 
     // Paused: the start of the song, and it stands still and costs nothing, once the whole song was read.
-    app.wait_until_told("is known after");
     let start = pause_at_start(&mut app);
     assert_shows_the_speakers(&start);
+    app.wait_until_told("is known after");
     let load = app.load(Duration::from_secs(1));
     assert!(load < 0.1, "paused it takes {load} of a processor");
     assert!(app.picture() == start, "paused it moves");
