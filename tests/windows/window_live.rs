@@ -63,8 +63,7 @@ fn what_the_computer_plays_is_shown_and_silence_costs_little() {
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
     let _tone = server.play_tone("viz", 440.0);
-    std::thread::sleep(Duration::from_millis(500));
-    assert!(!moves(&app), "paused it moves");
+    wait_until("a picture that stands still", || !moves(&app));
     let told = quit(app);
     assert!(!told.contains("panicked"), "{told}");
 }

@@ -359,7 +359,7 @@ fn a_scene_is_shown_interpreted_until_it_is_compiled_without_being_asked() {
     place.save("own.scene", &heavy(2, RED));
     let others = 2..7;
     for number in others.clone() {
-        place.save(&format!("own{number}.scene"), &heavy(1 + number, GREEN));
+        place.save(&format!("own{number}.scene"), &heavy(2, &format!("{GREEN} * (1 - 0.01 * {number})")));
     }
     let scene = place.path("own.scene");
     let options = ["--silent", "--size", TINY, "--scene", scene.to_str().unwrap(), "-v"];
