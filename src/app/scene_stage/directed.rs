@@ -102,7 +102,7 @@ impl SceneStage {
         };
         let Some(moment) = programme.plan().at(time) else { return };
         let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
-        if self.directed.overruled.is_some() && self.directed.overruled == Some(moment.index) {
+        if self.directed.is_overruled(moment.index) {
             return;
         }
         self.directed.overruled = None;

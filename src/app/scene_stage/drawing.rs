@@ -140,7 +140,8 @@ impl SceneStage {
             self.mixing.begin(wanted, sound.clone());
         }
         let place = beneath.map_or(Place::OnStage, |under| under.place);
-        let cast = self.cast_at(place);
+        // By fields, so that the regions can change meanwhile.
+        let cast = place.find(self.on_stage.as_ref(), self.before.as_ref(), &self.mixing);
         let Some((cast, mode)) = cast.and_then(|cast| Some((cast, self.mode_of(cast)?))) else {
             return Ok(None);
         };
@@ -149,8 +150,6 @@ impl SceneStage {
             None => self.staged(cast, time),
         };
         let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand };
-        let cast = place.find(self.on_stage.as_ref(), self.before.as_ref(), &self.mixing);
-        let Some(cast) = cast else { return Ok(None) };
         let wishes = Wishes { params: &params, camera, hand };
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else { return Ok(None) };

@@ -153,6 +153,9 @@ impl SceneStage {
 
     /// A picture of the scene on the stage is finished: the one before it is kept for its fade, or as a neighbour.
     pub(super) fn let_go_of_the_one_before(&mut self, time: f64) {
+        if self.before.is_none() {
+            return;
+        }
         let fades = self.under(time).is_some_and(|under| under.place == Place::Before);
         let Some(before) = self.before.take() else { return };
         if fades {
@@ -166,8 +169,8 @@ impl SceneStage {
 
     /// The scene that was kept for a fade is needed no longer, unless it still fades at `time`.
     pub(super) fn end_fade(&mut self, time: f64) {
-        let fades = self.under(time).is_some_and(|under| under.place == Place::Leaving);
-        if !fades {
+        let fades = || self.under(time).is_some_and(|under| under.place == Place::Leaving);
+        if self.mixing.leaving.is_some() && !fades() {
             self.let_go_of_the_leaving();
         }
     }

@@ -142,7 +142,7 @@ impl Opening<'_> {
             scene,
             direction,
             live: None,
-            cues: super::cues::Cues::default(),
+            cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),
