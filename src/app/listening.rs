@@ -106,6 +106,21 @@ impl Listening {
         })
     }
 
+    /// Sets the tempo in beats per minute, or gives it back to what is heard, and says so.
+    pub(super) fn set_tempo(&mut self, tempo: Option<f64>) -> Option<String> {
+        let Some(tempo) = tempo else {
+            self.taps = TapTempo::default();
+            return Some("the tempo is that of the sound again".to_owned());
+        };
+        let Moment { song_time, .. } = self.sound.now()?;
+        self.taps.set(tempo, song_time);
+        let (least, most) = TapTempo::TEMPOS.into_inner();
+        Some(match TapTempo::TEMPOS.contains(&tempo) {
+            true => format!("{tempo:.0} beats per minute"),
+            false => format!("{tempo:.0} beats per minute are no tempo: send {least:.0} to {most:.0}"),
+        })
+    }
+
     /// Goes to the next track, or back. A tapped tempo belonged to the track before, so it is forgotten.
     pub(super) fn skip(&mut self, forward: bool) {
         self.taps = TapTempo::default();

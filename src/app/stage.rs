@@ -4,6 +4,7 @@ mod cues;
 mod desk;
 mod directing;
 mod drawing;
+mod hands;
 mod leaving;
 mod opening;
 mod panels;
@@ -24,6 +25,7 @@ use super::direction::Direction;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
 use super::frame_times::FrameTimes;
+use super::hands::Hands;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
@@ -58,6 +60,7 @@ pub(super) struct Stage {
     cues: Cues,
     pace: DrawingPace,
     reports: Reports,
+    hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
     occluded: bool,

@@ -19,9 +19,11 @@ mod glide;
 mod hand;
 pub mod limits;
 mod model;
+mod present;
 mod wishes;
 
 pub use glide::Glide;
 pub use hand::Hand;
 pub use model::{Directed, Model, Param, Reading, Turn};
+pub use present::{Board, Present, PresentParam};
 pub use wishes::{Heard, ParamWish, Refusals, Wishes};

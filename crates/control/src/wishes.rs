@@ -138,6 +138,11 @@ impl Wishes {
         std::mem::take(&mut pending.heard)
     }
 
+    /// Whether there is something to take out.
+    pub fn has_any(&self) -> bool {
+        !self.lock().heard.is_empty()
+    }
+
     /// How many messages came in since the start, and what of them could not be used.
     pub fn counts(&self) -> (u64, Refusals) {
         let pending = self.lock();

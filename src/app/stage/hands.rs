@@ -1,0 +1,108 @@
+//! What hands from outside do on the stage.
+
+use std::time::Instant;
+
+use super::Stage;
+use crate::app::hands::deeds;
+use crate::app::keys::Action;
+use mariana_control::deed::{Deed, Given};
+
+impl Stage {
+    /// Turns what hands wish to turn, and returns what they wish to be done.
+    pub(in crate::app) fn take_wishes(&mut self) -> Vec<Deed> {
+        let Some(heard) = self.hands.take(Instant::now()) else { return Vec::new() };
+        for wish in &heard.params {
+            if !self.scene.turn(wish) {
+                self.hands.note_unknown();
+            }
+        }
+        heard.deeds
+    }
+
+    /// Does what a hand wishes for, as far as it is no key's; else returns what that key does, if there is something to
+    /// do.
+    pub(in crate::app) fn obey_deed(&mut self, deed: &Deed) -> Option<Action> {
+        match deeds::does(deed.name)? {
+            deeds::Does::Key(action) => Some(action),
+            deeds::Does::Switch { action, is_on } => {
+                let wanted = match deed.given {
+                    Given::Number(number) => Some(number >= 0.5),
+                    _ => None,
+                };
+                let is_so = wanted.is_some() && wanted == Some(is_on(self));
+                (!is_so).then_some(action)
+            }
+            deeds::Does::Set(set) => {
+                set(self, &deed.given);
+                None
+            }
+        }
+    }
+
+    /// When wishes of hands are to be looked at.
+    pub(in crate::app) fn wishes_due(&self) -> Option<Instant> {
+        self.hands.due()
+    }
+
+    /// Whether the user wants a pause.
+    pub(in crate::app) fn is_paused(&self) -> bool {
+        self.listening.is_paused()
+    }
+
+    /// Whether the song is muted.
+    pub(in crate::app) fn is_muted(&mut self) -> bool {
+        self.listening.with_song(|player| player.status().muted).unwrap_or_default()
+    }
+
+    /// Whether scenes follow the song.
+    pub(in crate::app) fn follows(&self) -> bool {
+        self.direction.follows(self.listening.listed())
+    }
+
+    /// Goes to a scene by its title, or by its number in the list from 1.
+    pub(in crate::app) fn show_scene_named(&mut self, given: &Given) {
+        let scenes = self.scene.all_sources();
+        let found = match given {
+            Given::Text(name) => scenes.into_iter().find(|scene| scene.title() == *name),
+            Given::Number(number) => {
+                // A number beyond the list is in no list.
+                let place = (number.round() as usize).checked_sub(1);
+                place.and_then(|place| scenes.into_iter().nth(place))
+            }
+            Given::Nothing => None,
+        };
+        match (found, given) {
+            (Some(scene), _) => self.scene.show_source(scene),
+            (None, Given::Text(name)) => self.reports.answer(format!("there is no scene '{name}'")),
+            (None, Given::Number(number)) => self.reports.answer(format!("there is no scene {number}")),
+            (None, Given::Nothing) => {}
+        }
+    }
+
+    /// Sets the tempo, or gives it back to what is heard.
+    pub(in crate::app) fn set_tempo(&mut self, given: &Given) {
+        let tempo = match given {
+            Given::Number(tempo) => Some(f64::from(*tempo)),
+            _ => None,
+        };
+        let words = self.listening.set_tempo(tempo);
+        self.answer(words);
+    }
+
+    /// Goes to a share of the track, 0..1.
+    pub(in crate::app) fn seek_to_share(&mut self, given: &Given) {
+        let Given::Number(share) = *given else { return };
+        self.with_song(|player| {
+            if let Some(duration) = player.status().track.duration {
+                player.seek_to(f64::from(share) * duration);
+            }
+        });
+        self.answer_position();
+    }
+
+    /// Sets the volume, 0..1.
+    pub(in crate::app) fn set_volume(&mut self, given: &Given) {
+        let Given::Number(volume) = *given else { return };
+        self.change_volume(|player| player.set_volume(volume));
+    }
+}
