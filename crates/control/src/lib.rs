@@ -19,6 +19,7 @@ mod glide;
 mod hand;
 pub mod limits;
 mod model;
+pub mod osc;
 mod present;
 mod wishes;
 
@@ -26,4 +27,4 @@ pub use glide::Glide;
 pub use hand::Hand;
 pub use model::{Directed, Model, Param, Reading, Turn};
 pub use present::{Board, Present, PresentParam};
-pub use wishes::{Heard, ParamWish, Refusals, Wishes};
+pub use wishes::{Amount, Heard, ParamWish, Refusals, Wishes};

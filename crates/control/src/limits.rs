@@ -12,10 +12,26 @@ pub struct Limits {
     pub wished_params_max: usize,
     /// Most actions that are wished for between two frames; further ones are refused.
     pub wished_deeds_max: usize,
+    /// Most bundles and messages of one packet of OSC; what comes behind them is left out.
+    pub osc_elements_max: usize,
+    /// Deepest nesting of bundles.
+    pub osc_depth_max: usize,
+    /// Most arguments of a message.
+    pub osc_arguments_max: usize,
+    /// Most answers to one packet.
+    pub osc_answers_max: usize,
     /// Longest smoothing, in seconds.
     pub smoothing_seconds_max: f32,
 }
 
 /// The limits in force.
-pub const LIMITS: Limits =
-    Limits { name_bytes_max: 256, wished_params_max: 512, wished_deeds_max: 64, smoothing_seconds_max: 60.0 };
+pub const LIMITS: Limits = Limits {
+    name_bytes_max: 256,
+    wished_params_max: 512,
+    wished_deeds_max: 64,
+    osc_elements_max: 1_024,
+    osc_depth_max: 8,
+    osc_arguments_max: 64,
+    osc_answers_max: 1_024,
+    smoothing_seconds_max: 60.0,
+};

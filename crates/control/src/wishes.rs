@@ -6,17 +6,41 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::Hand;
 use super::deed::Deed;
+use super::{Hand, Param};
 use crate::limits::LIMITS;
+
+/// How far a parameter is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Amount {
+    /// To a value in its own units.
+    Value(f32),
+    /// To a share of its range, 0..1.
+    Share(f32),
+}
+
+impl Amount {
+    /// The value that this is of a parameter.
+    pub fn of(self, param: &Param<'_>) -> f32 {
+        match self {
+            Self::Value(value) => param.clamped(value),
+            Self::Share(share) => param.value_at(share),
+        }
+    }
+
+    fn is_number(self) -> bool {
+        let (Self::Value(number) | Self::Share(number)) = self;
+        number.is_finite()
+    }
+}
 
 /// A parameter of the scene on the stage that is to be turned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParamWish {
     /// Its name.
     pub name: String,
-    /// Where to, in the parameter's own units.
-    pub to: f32,
+    /// Where to.
+    pub to: Amount,
     /// In which smoothing time, in seconds.
     pub seconds: f32,
     /// Whose hand it is.
@@ -85,7 +109,7 @@ impl Wishes {
     /// Wishes for a parameter. A value that is not a number is refused.
     pub fn turn(&self, wish: ParamWish) {
         self.put(|pending| {
-            if !wish.to.is_finite() || !wish.seconds.is_finite() {
+            if !wish.to.is_number() || !wish.seconds.is_finite() {
                 pending.refusals.not_numbers += 1;
                 return;
             }
@@ -185,7 +209,7 @@ mod tests {
     }
 
     fn wish(name: &str, to: f32) -> ParamWish {
-        ParamWish { name: name.to_owned(), to, seconds: 0.0, hand: Hand::Osc }
+        ParamWish { name: name.to_owned(), to: Amount::Value(to), seconds: 0.0, hand: Hand::Osc }
     }
 
     #[test]
@@ -218,7 +242,7 @@ mod tests {
         assert_eq!((refusals.too_many, refusals.not_numbers, refusals.count()), (6, 2, 8));
         let heard = wishes.take();
         assert_eq!(heard.params.len(), LIMITS.wished_params_max);
-        assert_eq!((heard.params[0].to, heard.deeds.len()), (7.0, LIMITS.wished_deeds_max));
+        assert_eq!((heard.params[0].to, heard.deeds.len()), (Amount::Value(7.0), LIMITS.wished_deeds_max));
     }
 
     #[test]
