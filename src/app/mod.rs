@@ -10,7 +10,7 @@ pub mod edits;
 mod error;
 pub mod file_browser;
 mod frame_times;
-mod hands;
+pub mod hands;
 pub mod identity;
 pub mod keys;
 mod listening;

@@ -189,7 +189,7 @@ impl Show {
         self.obey_hands();
         self.over |= self.stage.look_at_status(&self.settings)?;
         let until = self.stage.look_around()?;
-        Ok(self.stage.wishes_due().map_or(until, |due| until.min(due)))
+        Ok(self.stage.hands_due().map_or(until, |due| until.min(due)))
     }
 
     fn draw(&mut self) -> Result<(), AppError> {

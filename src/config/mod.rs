@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
 use crate::show::ShowSource;
+use mariana_control::osc::Place;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -75,6 +76,19 @@ pub struct Memory {
     pub trouble: Option<SettingsError>,
 }
 
+/// Which hands from outside there are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandSettings {
+    /// Where OSC is heard; none hears none.
+    pub osc: Option<Place>,
+    /// Where what is heard goes by OSC.
+    pub osc_send: Option<Place>,
+    /// How often a second it goes there.
+    pub osc_rate: f64,
+    /// Whether MIDI is heard.
+    pub midi: bool,
+}
+
 /// How the window plays and shows a song, or what it listens to.
 #[derive(Debug, Clone)]
 pub struct PlaySettings {
@@ -118,6 +132,8 @@ pub struct PlaySettings {
     pub size: (u32, u32),
     /// Where on the desktop the window opens, in pixels; none lets the system choose.
     pub place: Option<(i32, i32)>,
+    /// Hands from outside.
+    pub hands: HandSettings,
     /// Print the OpenGL version and driver, and end.
     pub gl_info: bool,
 }

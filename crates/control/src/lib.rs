@@ -18,6 +18,7 @@ pub mod deed;
 mod glide;
 mod hand;
 pub mod limits;
+pub mod midi;
 mod model;
 pub mod osc;
 mod present;

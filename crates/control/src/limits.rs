@@ -20,6 +20,20 @@ pub struct Limits {
     pub osc_arguments_max: usize,
     /// Most answers to one packet.
     pub osc_answers_max: usize,
+    /// Lowest and highest rate at which OSC is sent, in packets a second.
+    pub osc_rate_min: f64,
+    /// See [`Limits::osc_rate_min`].
+    pub osc_rate_max: f64,
+    /// Most different knobs that move between two frames; further ones are refused.
+    pub moved_knobs_max: usize,
+    /// Most presses of one key or button that count between two frames.
+    pub presses_max: u32,
+    /// Most MIDI devices that are heard at a time.
+    pub midi_devices_max: usize,
+    /// Most mappings of knobs.
+    pub mappings_max: usize,
+    /// Most bytes of a file of mappings.
+    pub mapping_bytes_max: usize,
     /// Longest smoothing, in seconds.
     pub smoothing_seconds_max: f32,
 }
@@ -33,5 +47,12 @@ pub const LIMITS: Limits = Limits {
     osc_depth_max: 8,
     osc_arguments_max: 64,
     osc_answers_max: 1_024,
+    osc_rate_min: 1.0,
+    osc_rate_max: 240.0,
+    moved_knobs_max: 4_096,
+    presses_max: 8,
+    midi_devices_max: 32,
+    mappings_max: 1_000,
+    mapping_bytes_max: 1 << 20,
     smoothing_seconds_max: 60.0,
 };

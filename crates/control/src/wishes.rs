@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::deed::Deed;
+use super::midi::{KnobMove, Source};
 use super::{Hand, Param};
 use crate::limits::LIMITS;
 
@@ -74,12 +75,14 @@ pub struct Heard {
     pub params: Vec<ParamWish>,
     /// Actions in their order.
     pub deeds: Vec<Deed>,
+    /// Where each knob that moved is now, in the order in which they first did.
+    pub knobs: Vec<KnobMove>,
 }
 
 impl Heard {
     /// Whether there is nothing.
     pub fn is_empty(&self) -> bool {
-        self.params.is_empty() && self.deeds.is_empty()
+        self.params.is_empty() && self.deeds.is_empty() && self.knobs.is_empty()
     }
 }
 
@@ -88,6 +91,8 @@ struct Pending {
     heard: Heard,
     /// The place of each name in [`Heard::params`].
     places: HashMap<String, usize>,
+    /// The place of each knob in [`Heard::knobs`].
+    knob_places: HashMap<(Arc<str>, Source), usize>,
     messages: u64,
     refusals: Refusals,
     is_woken: bool,
@@ -144,6 +149,21 @@ impl Wishes {
         });
     }
 
+    /// Takes notice of a knob that moved.
+    pub fn moved(&self, knob: KnobMove) {
+        self.put(|pending| {
+            let (knobs, name) = (&mut pending.heard.knobs, (knob.device.clone(), knob.source));
+            if let Some(known) = pending.knob_places.get(&name).and_then(|place| knobs.get_mut(*place)) {
+                (known.value, known.presses) = (knob.value, known.presses.saturating_add(knob.presses));
+            } else if knobs.len() < LIMITS.moved_knobs_max {
+                pending.knob_places.insert(name, knobs.len());
+                knobs.push(knob);
+            } else {
+                pending.refusals.too_many += 1;
+            }
+        });
+    }
+
     /// Counts a message that came in.
     pub fn count(&self) {
         self.lock().messages += 1;
@@ -159,6 +179,7 @@ impl Wishes {
         let mut pending = self.lock();
         pending.is_woken = false;
         pending.places.clear();
+        pending.knob_places.clear();
         std::mem::take(&mut pending.heard)
     }
 
@@ -243,6 +264,28 @@ mod tests {
         let heard = wishes.take();
         assert_eq!(heard.params.len(), LIMITS.wished_params_max);
         assert_eq!((heard.params[0].to, heard.deeds.len()), (Amount::Value(7.0), LIMITS.wished_deeds_max));
+    }
+
+    #[test]
+    fn of_a_knob_the_newest_place_counts_and_every_press() {
+        let (wishes, woken) = place();
+        let knob = |key: u8, value, presses| KnobMove {
+            device: "desk".into(),
+            source: Source::Note { channel: 0, key },
+            value,
+            presses,
+        };
+        for _ in 0..10_000 {
+            wishes.moved(knob(1, 1.0, 1));
+            wishes.moved(knob(1, 0.0, 0));
+        }
+        assert_eq!(wishes.take().knobs, [knob(1, 0.0, 10_000)]);
+        assert_eq!(woken.load(Ordering::Relaxed), 1);
+        for number in 0..LIMITS.moved_knobs_max + 5 {
+            let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };
+            wishes.moved(KnobMove { device: "desk".into(), source, value: 0.0, presses: 0 });
+        }
+        assert_eq!((wishes.counts().1.too_many, wishes.take().knobs.len()), (5, LIMITS.moved_knobs_max));
     }
 
     #[test]

@@ -82,7 +82,7 @@ const TABLE: &[Row] = &[
 ];
 
 /// The table, as devices and networks know it.
-pub(crate) fn table() -> &'static [DeedRow] {
+pub(in crate::app) fn table() -> &'static [DeedRow] {
     static ROWS: OnceLock<Vec<DeedRow>> = OnceLock::new();
     ROWS.get_or_init(|| {
         let row = |row: &Row| {
@@ -95,6 +95,15 @@ pub(crate) fn table() -> &'static [DeedRow] {
         };
         TABLE.iter().map(row).collect()
     })
+}
+
+/// The switches, by their names, and whether each is on.
+pub(in crate::app) fn switches(stage: &mut Stage) -> Vec<(&'static str, bool)> {
+    let of = |row: &Row| match row.does {
+        Does::Switch { is_on, .. } => Some((row.name, is_on(stage))),
+        Does::Key(_) | Does::Set(_) => None,
+    };
+    TABLE.iter().filter_map(of).collect()
 }
 
 /// What an action does.

@@ -113,7 +113,8 @@ impl SceneStage {
             .as_ref()
             .and_then(|cast| cast.sliders.iter().rposition(|slider| slider.name == wish.name));
         if let Some(place) = place {
-            self.turn_at(place, Turn { to: wish.to, seconds: wish.seconds, hand: wish.hand });
+            let to = self.sliders().get(place).map_or(0.0, |slider| wish.to.of(&param_of(slider)));
+            self.turn_at(place, Turn { to, seconds: wish.seconds, hand: wish.hand });
         }
         place.is_some()
     }

@@ -5,18 +5,43 @@ use std::time::Instant;
 use super::Stage;
 use crate::app::hands::deeds;
 use crate::app::keys::Action;
+use crate::export::print::tell;
+use crate::scenes::SceneSource;
 use mariana_control::deed::{Deed, Given};
 
 impl Stage {
     /// Turns what hands wish to turn, and returns what they wish to be done.
     pub(in crate::app) fn take_wishes(&mut self) -> Vec<Deed> {
-        let Some(heard) = self.hands.take(Instant::now()) else { return Vec::new() };
+        if let Some((sentence, is_bad)) = self.hands.news() {
+            tell(&sentence);
+            if is_bad {
+                self.reports.say(sentence);
+            }
+        }
+        let now = Instant::now();
+        let Some(heard) = self.hands.take(now) else {
+            self.put_up_board(false, now);
+            return Vec::new();
+        };
         for wish in &heard.params {
             if !self.scene.turn(wish) {
                 self.hands.note_unknown();
             }
         }
+        self.put_up_board(true, now);
         heard.deeds
+    }
+
+    /// Puts up how the show stands for those who ask, if it is time.
+    fn put_up_board(&mut self, turned: bool, now: Instant) {
+        if !self.hands.board_is_due(turned, now) {
+            return;
+        }
+        let switches = deeds::switches(self);
+        let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
+        let scene = self.scene.name().unwrap_or_default();
+        let titles = || self.scene.all_sources().iter().map(SceneSource::title).collect();
+        self.hands.put_up(scene, self.scene.sliders(), (switches, tempo), titles);
     }
 
     /// Does what a hand wishes for, as far as it is no key's; else returns what that key does, if there is something to
@@ -39,8 +64,8 @@ impl Stage {
         }
     }
 
-    /// When wishes of hands are to be looked at.
-    pub(in crate::app) fn wishes_due(&self) -> Option<Instant> {
+    /// When there is something to do for hands.
+    pub(in crate::app) fn hands_due(&self) -> Option<Instant> {
         self.hands.due()
     }
 

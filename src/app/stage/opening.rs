@@ -146,7 +146,7 @@ impl Opening<'_> {
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
-            hands: Hands::new(waker),
+            hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
