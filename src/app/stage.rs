@@ -208,6 +208,15 @@ impl Stage {
                 return None;
             }
         }
+        if let (Some(hands), Some((key, _))) = (&mut self.desk.hands, self.input.typed(event)) {
+            let (taken, request) = hands.take_key(key);
+            if let Some(request) = request {
+                self.obey_in_hands(request);
+            }
+            if taken {
+                return None;
+            }
+        }
         match event {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
@@ -309,6 +318,7 @@ impl Stage {
             files.update();
         }
         self.update_settings();
+        self.update_hands();
         let now = Instant::now();
         self.reports.update(now);
         let edited = self.scene.saves_samples(now);

@@ -1,11 +1,13 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
 mod choices;
+mod knobs;
 mod last_show;
 mod settings;
 mod understood;
 
 pub use choices::{Choice, Choices};
+pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
 

@@ -7,6 +7,7 @@ use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
 use crate::app::file_browser::FileBrowser;
+use crate::app::hands::panel::HandsPanel;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
 use mariana_control::Hand;
@@ -40,6 +41,10 @@ pub struct OverlayContent<'a> {
     pub files: Option<&'a FileBrowser>,
     /// The settings.
     pub settings: Option<&'a SettingsPanel>,
+    /// Knobs from outside.
+    pub hands: Option<&'a HandsPanel>,
+    /// The parameter that a knob is being learned for.
+    pub learning: Option<&'a str>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -141,8 +146,16 @@ impl Slider {
         self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
     }
 
+    /// Whose hand holds it, where that is neither the text nor the slider itself.
+    pub(super) fn hand_words(&self) -> &'static str {
+        match self.hand {
+            Hand::Text | Hand::Slider => "",
+            other => other.name(),
+        }
+    }
+
     /// The value with as many digits as a slider can distinguish.
-    pub(super) fn value_text(&self) -> String {
+    pub(in crate::app) fn value_text(&self) -> String {
         let decimals = match self.max - self.min {
             span if span >= 200.0 => 0,
             span if span >= 20.0 => 1,
@@ -208,6 +221,7 @@ impl OverlayContent<'_> {
         self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
         self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
+        (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

@@ -4,10 +4,15 @@ use std::time::Instant;
 
 use super::Stage;
 use crate::app::hands::deeds;
+use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
+use crate::app::overlay::Panel;
+use crate::config::KnobEdit;
 use crate::export::print::tell;
 use crate::scenes::SceneSource;
+use mariana_control::Heard;
 use mariana_control::deed::{Deed, Given};
+use mariana_control::midi::{Outcome, Target};
 
 impl Stage {
     /// Turns what hands wish to turn, and returns what they wish to be done.
@@ -19,17 +24,30 @@ impl Stage {
             }
         }
         let now = Instant::now();
-        let Some(heard) = self.hands.take(now) else {
-            self.put_up_board(false, now);
-            return Vec::new();
-        };
-        for wish in &heard.params {
+        let heard = self.hands.take(now);
+        let is_turned = heard.is_some();
+        let Heard { params, mut deeds, knobs } = heard.unwrap_or_default();
+        for wish in &params {
             if !self.scene.turn(wish) {
                 self.hands.note_unknown();
             }
         }
-        self.put_up_board(true, now);
-        heard.deeds
+        let (outcomes, learned) = self.hands.take_knobs(&knobs, &self.scene);
+        for outcome in outcomes {
+            match outcome {
+                Outcome::Turn(wish) => drop(self.scene.turn(&wish)),
+                Outcome::Act(deed) => deeds.push(deed),
+                Outcome::Waits { name, leads_to, stands } => {
+                    let way = if leads_to < stands { "up" } else { "down" };
+                    let words = format!("{name}: turn {way} to {:.0} %", 100.0 * stands);
+                    self.reports.answer_share(words, Some(leads_to));
+                }
+            }
+        }
+        self.answer(learned);
+        self.listening.set_clock(self.hands.clock());
+        self.put_up_board(is_turned, now);
+        deeds
     }
 
     /// Puts up how the show stands for those who ask, if it is time.
@@ -129,5 +147,55 @@ impl Stage {
     pub(in crate::app) fn set_volume(&mut self, given: &Given) {
         let Given::Number(volume) = *given else { return };
         self.change_volume(|player| player.set_volume(volume));
+    }
+
+    /// Opens the panel of knobs from outside, or closes it; then nothing is learned any more.
+    pub(super) fn show_hands(&mut self, open: bool) {
+        if open {
+            self.desk.hands.get_or_insert_default();
+            self.put_up_hands();
+        } else if self.desk.hands.take().is_some() {
+            self.hands.stop_learning();
+        }
+    }
+
+    /// Brings the panel up to date, if it is open.
+    pub(super) fn update_hands(&mut self) {
+        if self.desk.hands.is_some() && self.hands.panel_is_due(Instant::now()) {
+            self.put_up_hands();
+        }
+    }
+
+    fn put_up_hands(&mut self) {
+        if let Some(panel) = &mut self.desk.hands {
+            let scene = self.scene.name().unwrap_or_default();
+            panel.update(&self.hands.facts(scene, self.scene.sliders()));
+        }
+    }
+
+    /// Does what was asked of the panel.
+    pub(super) fn obey_in_hands(&mut self, request: HandsRequest) {
+        match request {
+            HandsRequest::Learn(target) => self.learn(target),
+            HandsRequest::Change(before, after) => self.hands.edit(&KnobEdit::Change(before, after)),
+            HandsRequest::Remove(mapping) => self.hands.edit(&KnobEdit::Remove(mapping)),
+            HandsRequest::Clock(on) => self.hands.edit(&KnobEdit::Clock(on)),
+            HandsRequest::Close => return self.toggle_panel(Panel::Hands),
+        }
+        self.update_hands();
+    }
+
+    /// Learns what turns a parameter of the scene on the stage, or stops.
+    pub(super) fn learn_param(&mut self, name: String) {
+        let scene = self.scene.name().unwrap_or_default();
+        self.learn(Target::Param { scene, name });
+        self.update_hands();
+    }
+
+    fn learn(&mut self, target: Target) {
+        if let Some(why) = self.hands.midi_trouble() {
+            return self.reports.answer(format!("no knob can be learned, because there is no MIDI: {why}"));
+        }
+        self.hands.learn(target);
     }
 }
