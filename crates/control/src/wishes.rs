@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use super::deed::Deed;
 use super::midi::{KnobMove, Source};
@@ -77,6 +78,8 @@ pub struct Heard {
     pub deeds: Vec<Deed>,
     /// Where each knob that moved is now, in the order in which they first did.
     pub knobs: Vec<KnobMove>,
+    /// When the first of all this came.
+    pub since: Option<Instant>,
 }
 
 impl Heard {
@@ -198,6 +201,9 @@ impl Wishes {
         let is_new = {
             let mut pending = self.lock();
             put(&mut pending);
+            if !pending.heard.is_empty() {
+                pending.heard.since.get_or_insert_with(Instant::now);
+            }
             !pending.heard.is_empty() && !std::mem::replace(&mut pending.is_woken, true)
         };
         if is_new {

@@ -15,6 +15,7 @@ use midi::Midi;
 use network::Network;
 use panel::HandFacts;
 
+use super::frame_times::FrameTimes;
 use super::overlay::Slider;
 use super::scene_stage::SceneStage;
 use super::window_thread::Waker;
@@ -39,6 +40,10 @@ pub(super) struct Hands {
     midi: Midi,
     /// When wishes may be taken again.
     free: Instant,
+    /// When the first of the wishes came that no frame shows yet, and the revision of the scene that shows them.
+    unseen: Option<(Instant, u64)>,
+    /// From messages to frames.
+    times: FrameTimes,
     /// When the board is put up again.
     board_due: Instant,
     /// When the panel is brought up to date again, and what it knew of mappings.
@@ -63,6 +68,8 @@ impl Hands {
             network,
             midi,
             free: now,
+            unseen: None,
+            times: FrameTimes::default(),
             board_due: now,
             panel_due: now,
             panel_revision: u64::MAX,
@@ -191,6 +198,23 @@ impl Hands {
     /// What a device's clock says, and the clock's seconds now; none without one.
     pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.midi.clock()
+    }
+
+    /// Wishes that came first at `since` have changed the scene, which shows them from this revision on.
+    pub(super) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
+        self.unseen = self.unseen.or(since.map(|since| (since, revision)));
+    }
+
+    /// A frame is on the screen that shows the scene at this revision.
+    pub(super) fn note_shown(&mut self, revision: u64) {
+        if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
+            self.times.note(since.elapsed());
+        }
+    }
+
+    /// How long it took from messages to frames, for the log.
+    pub(super) fn times(&self) -> &FrameTimes {
+        &self.times
     }
 
     /// When there is something to do for hands.

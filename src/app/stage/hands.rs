@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::Stage;
+use crate::app::frame_times::FrameTimes;
 use crate::app::hands::deeds;
 use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
@@ -26,7 +27,8 @@ impl Stage {
         let now = Instant::now();
         let heard = self.hands.take(now);
         let is_turned = heard.is_some();
-        let Heard { params, mut deeds, knobs } = heard.unwrap_or_default();
+        let Heard { params, mut deeds, knobs, since } = heard.unwrap_or_default();
+        let before = self.scene.revision();
         for wish in &params {
             if !self.scene.turn(wish) {
                 self.hands.note_unknown();
@@ -43,6 +45,12 @@ impl Stage {
                     self.reports.answer_share(words, Some(leads_to));
                 }
             }
+        }
+        if self.scene.revision() != before {
+            self.hands.note_turned(since, self.scene.revision());
+        } else if self.scene.is_turning() {
+            // It begins where it was, and the next picture shows it a little further.
+            self.hands.note_turned(since, before + 1);
         }
         self.answer(learned);
         self.listening.set_clock(self.hands.clock());
@@ -80,6 +88,11 @@ impl Stage {
                 None
             }
         }
+    }
+
+    /// How long it took from messages to the frames that show them, for the log.
+    pub(in crate::app) fn message_times(&self) -> &FrameTimes {
+        self.hands.times()
     }
 
     /// When there is something to do for hands.
