@@ -25,8 +25,7 @@ fn midi(criterion: &mut Criterion) {
         bencher.iter(|| {
             device.hear(black_box(&bytes), |said| {
                 if let mariana_control::midi::Said::Moved(source, value, is_press) = said {
-                    let presses = u32::from(is_press);
-                    wishes.moved(KnobMove { device: "desk".into(), source, value, presses });
+                    wishes.moved(KnobMove::to("desk".into(), source, value, is_press));
                 }
             });
             wishes.take()
@@ -41,7 +40,7 @@ fn midi(criterion: &mut Criterion) {
         bencher.iter(|| {
             value = 1.0 - value;
             let outcomes = (0..64).flat_map(|number| {
-                let moved = KnobMove { device: "desk".into(), source: knob(number), value, presses: 0 };
+                let moved = KnobMove::to("desk".into(), knob(number), value, false);
                 mappings.apply(&moved, "orb", DEEDS, |_| Some(0.5))
             });
             outcomes.filter(|outcome| matches!(outcome, Outcome::Turn(_))).count()

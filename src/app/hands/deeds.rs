@@ -58,7 +58,7 @@ const TABLE: &[Row] = &[
     Row {
         name: "tempo",
         takes: Takes::Number,
-        meaning: "this tempo, in beats per minute; without a number the detected one",
+        meaning: "this tempo, in beats per minute; 0 returns to the detected one",
         does: Does::Set(Stage::set_tempo),
     },
     switch("pause", Action::TogglePause, |stage| stage.is_paused()),

@@ -138,7 +138,7 @@ impl Stage {
     /// Sets the tempo, or gives it back to what is heard.
     pub(in crate::app) fn set_tempo(&mut self, given: &Given) {
         let tempo = match given {
-            Given::Number(tempo) => Some(f64::from(*tempo)),
+            Given::Number(tempo) if *tempo > 0.0 => Some(f64::from(*tempo)),
             _ => None,
         };
         let words = self.listening.set_tempo(tempo);
