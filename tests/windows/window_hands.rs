@@ -335,6 +335,8 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
     place.plug("desk");
     let mut app = place.open(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
+    // The parameters are there with the picture.
+    wait_for_colour(&app, "green", [false, true, false]);
     app.press(&["j", "Down", "Return"]);
     place.pull("desk");
     app.wait_until_told("desk (fake port) was pulled; learning goes on");
@@ -360,6 +362,7 @@ fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
     place.plug("desk");
     let mut app = place.open(&[]);
     app.wait_until_told("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
     place.learn_first(&app, "desk", &turned(0));
     let exclusive: Vec<u8> = std::iter::once(0xf0).chain((0..60_000_u32).map(|n| (n % 128) as u8)).collect();
     for _ in 0..50 {
