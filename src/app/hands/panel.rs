@@ -188,6 +188,10 @@ impl HandsPanel {
     pub(in crate::app) fn update(&mut self, facts: &HandFacts<'_>) {
         let rows = rows_of(facts);
         if rows != self.rows {
+            // The same thing stays selected, wherever it is now.
+            let before = self.rows.get(self.selected);
+            let same = before.and_then(|before| rows.iter().position(|row| is_same(row, before)));
+            self.selected = same.unwrap_or(self.selected);
             self.rows = rows;
             self.revision += 1;
         }
@@ -246,14 +250,28 @@ impl HandsPanel {
     }
 }
 
+/// Whether two rows are about the same thing, whatever they say of it.
+fn is_same(a: &HandRow, b: &HandRow) -> bool {
+    match (a, b) {
+        (HandRow::Clock(_), HandRow::Clock(_)) => true,
+        (HandRow::Target { target: a, .. }, HandRow::Target { target: b, .. }) => a == b,
+        (HandRow::Knob { mapping: a, .. }, HandRow::Knob { mapping: b, .. }) => {
+            (&a.device, a.source, &a.target) == (&b.device, b.source, &b.target)
+        }
+        _ => false,
+    }
+}
+
 fn is_changeable(row: &HandRow) -> bool {
     !matches!(row, HandRow::Words { .. })
 }
 
 fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
     let words = |text: String| HandRow::Words { text, is_bad: false };
-    let mut rows = vec![words(osc_words(facts))];
+    let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
+    let mut rows = vec![words(format!("OSC: {osc}"))];
     rows.extend(midi_words(facts));
+    rows.extend(count_words(facts).map(words));
     if facts.midi.as_ref().is_some_and(|midi| midi.trouble.is_none()) {
         rows.push(HandRow::Clock(facts.clock));
     }
@@ -307,12 +325,12 @@ fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
     rows
 }
 
-fn osc_words(facts: &HandFacts<'_>) -> String {
-    let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
+/// How many messages came of either kind, if any did.
+fn count_words(facts: &HandFacts<'_>) -> Option<String> {
     match facts.counts {
-        (0, 0) => format!("OSC: {osc}"),
-        (messages, 0) => format!("OSC: {osc} · {messages} messages came"),
-        (messages, ignored) => format!("OSC: {osc} · {messages} messages came, {ignored} were ignored"),
+        (0, 0) => None,
+        (messages, 0) => Some(format!("{messages} messages came")),
+        (messages, ignored) => Some(format!("{messages} messages came, {ignored} were ignored")),
     }
 }
 
@@ -401,10 +419,8 @@ mod tests {
             matches!(last, Some(HandRow::Knob { words, .. }) if words.starts_with("fog in city")),
             "{last:?}"
         );
-        let first = &panel.rows()[0];
-        assert!(
-            matches!(first, HandRow::Words { text, .. } if text.contains("7 messages came, 2 were ignored"))
-        );
+        let counts = "7 messages came, 2 were ignored";
+        assert!(panel.rows().iter().any(|row| matches!(row, HandRow::Words { text, .. } if text == counts)));
     }
 
     #[test]
@@ -433,6 +449,28 @@ mod tests {
             panel.take_key(&key(NamedKey::ArrowUp));
         }
         assert!(matches!(panel.rows()[panel.selected()], HandRow::Clock(true)));
+    }
+
+    #[test]
+    fn a_row_that_moves_stays_selected() {
+        let mut panel = panel(&[], None);
+        let next = Target::Deed { name: "next".to_owned(), value: None };
+        while !matches!(&panel.rows()[panel.selected()], HandRow::Target { target, .. } if *target == next) {
+            panel.take_key(&key(NamedKey::ArrowDown));
+        }
+        // The scene has no parameters any more.
+        panel.update(&HandFacts {
+            scene: "city".to_owned(),
+            sliders: &[],
+            osc: None,
+            midi: Some(MidiState { is_known: true, ..MidiState::default() }),
+            clock: true,
+            clock_tempo: None,
+            counts: (0, 0),
+            mappings: &[],
+            learning: None,
+        });
+        assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Learn(next)));
     }
 
     #[test]
