@@ -88,6 +88,8 @@ prop_compose! {
     }
 }
 
+const SHAPES: [PortalShape; 3] = [PortalShape::Ball, PortalShape::Plane, PortalShape::Own];
+
 prop_compose! {
     fn entry()(
         anchor in prop_oneof![
@@ -97,7 +99,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        way in 0usize..5, is_plane in any::<bool>(), over in length(), swell in proptest::option::of((-9i16..9, -9i16..9, length(), length())),
+        way in 0usize..5, shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, -9i16..9, length(), length())),
     ) -> Entry {
         let negative = |length| match length {
             Length::Seconds(number) => Length::Seconds(-number),
@@ -107,7 +109,7 @@ prop_compose! {
         let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
         let transition = Way::ALL.get(way).map(|way| Transition {
             way: *way,
-            shape: if *way == Way::Portal && is_plane { PortalShape::Plane } else { PortalShape::Ball },
+            shape: if *way == Way::Portal { SHAPES[shape] } else { PortalShape::Ball },
             length: if *way == Way::Cut { Length::ZERO } else { over },
         });
         let settings = swell.into_iter().map(|(from, to, over, after)| Setting {

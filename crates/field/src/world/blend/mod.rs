@@ -42,10 +42,11 @@ pub enum BlendKind {
 
 impl BlendKind {
     /// All kinds: what each is called, and what it does.
-    pub const ALL: [(BlendKind, &'static str, &'static str); 3] = [
+    pub const ALL: [(BlendKind, &'static str, &'static str); 4] = [
         (BlendKind::Melt, "melt", "every surface flows from one scene to the other"),
         (BlendKind::Portal(PortalShape::Ball), "ball", "the other scene is inside a growing ball"),
         (BlendKind::Portal(PortalShape::Plane), "plane", "the other scene is behind a moving plane"),
+        (BlendKind::Portal(PortalShape::Own), "shape", "the other scene is inside a shape that it names"),
     ];
 
     /// What it is called.
@@ -130,7 +131,10 @@ impl World {
                 let (planes, rest) = melt::melt(&mut graph, &a, &b, s);
                 (planes, rest, material)
             }
-            BlendKind::Portal(shape) => portal::through(&mut graph, (&a, &b), shape, &camera, s),
+            BlendKind::Portal(shape) => {
+                let to = (&to.scene, before);
+                portal::through(&mut graph, (&a, &b), shape, to, &camera, s).map_err(graph_error)?
+            }
         };
         let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b))).transpose();
         let rest = rest.map_err(graph_error)?;
