@@ -270,6 +270,33 @@ fn where_a_portal_cuts_a_solid_its_material_is_no_matter_of_rounding() {
 }
 
 #[test]
+fn a_melt_follows_the_rays_of_no_more_mirrors_and_lamps_than_one_scene_has() {
+    let [matt, bright] = [(0.0, -9), (0.4, 9)].map(|(reflect, x)| {
+        world_of(&format!(
+            "material m {{ reflect = {reflect} }}\nobject o {{ shape = sphere(p, 1) material = m }}\n\
+             light l {{ position = vec3({x}, 9, 0) color = 1 }}"
+        ))
+    });
+    for (from, to, mirrors) in [
+        (&matt, &bright, [0.0, 0.0, 0.2, 0.4]),
+        (&bright, &matt, [0.4, 0.2, 0.0, 0.0]),
+        (&bright, &bright, [0.4; 4]),
+    ] {
+        let melt = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+        for (share, mirror) in [0.0, 0.25, 0.75, 1.0].into_iter().zip(mirrors) {
+            let inputs = frame(from, to, share);
+            let found = value(&melt, melt.scene.materials[0].reflect, [0.0, 1.0, 0.0], &inputs);
+            assert!((found - mirror).abs() < 1e-6, "{found} at {share}, not {mirror}");
+            let lights = melt.frame_tape.values(&inputs).lights;
+            let shining = lights.iter().filter(|light| light.color != [0.0; 3]).count();
+            assert_eq!(shining, 1, "at {share}");
+        }
+        let both = melt.frame_tape.values(&frame(from, to, 0.5)).lights;
+        assert!(both.iter().all(|light| light.color == [0.5; 3]), "{both:?}");
+    }
+}
+
+#[test]
 fn the_parameters_of_both_stand_side_by_side() {
     let (a, b) =
         (world_of("param r = 1 in 0 .. 2\nsphere(p, r)"), world_of("param r = 2 in 0 .. 4\nsphere(p, r)"));
