@@ -10,6 +10,7 @@ pub mod edits;
 mod error;
 pub mod file_browser;
 mod frame_times;
+pub mod hands;
 pub mod identity;
 pub mod keys;
 mod listening;

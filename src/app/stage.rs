@@ -4,6 +4,7 @@ mod cues;
 mod desk;
 mod directing;
 mod drawing;
+mod hands;
 mod leaving;
 mod opening;
 mod panels;
@@ -24,6 +25,7 @@ use super::direction::Direction;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
 use super::frame_times::FrameTimes;
+use super::hands::Hands;
 use super::keys::Action;
 use super::listening::Listening;
 use super::media_controls::Asked;
@@ -58,6 +60,7 @@ pub(super) struct Stage {
     cues: Cues,
     pace: DrawingPace,
     reports: Reports,
+    hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
     occluded: bool,
@@ -205,6 +208,15 @@ impl Stage {
                 return None;
             }
         }
+        if let (Some(hands), Some((key, _))) = (&mut self.desk.hands, self.input.typed(event)) {
+            let (taken, request) = hands.take_key(key);
+            if let Some(request) = request {
+                self.obey_in_hands(request);
+            }
+            if taken {
+                return None;
+            }
+        }
         match event {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
@@ -306,6 +318,7 @@ impl Stage {
             files.update();
         }
         self.update_settings();
+        self.update_hands();
         let now = Instant::now();
         self.reports.update(now);
         let edited = self.scene.saves_samples(now);

@@ -23,7 +23,7 @@ pub use bar_lines::BarLines;
 pub use director::{SceneCard, direct};
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
-pub use plan::{Entrance, Moment, Move, Plan, Stay, blend_kind};
+pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, seed_of};
 pub use resolve::resolve;
 pub use script::{Anchor, Entry, Length, Script, Setting, Transition, When};

@@ -60,6 +60,17 @@ pub struct Move {
     pub to: f32,
 }
 
+/// What a show does with a parameter at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved<'a> {
+    /// The parameter's name.
+    pub name: &'a str,
+    /// Its value.
+    pub value: f32,
+    /// The same number for as long as it is the same movement in the same stay.
+    pub part: u64,
+}
+
 /// What is on at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<'a> {
@@ -128,10 +139,15 @@ impl Stay {
 
     /// The values of the parameters that this stay moves, at `time` seconds of the song, the last word for each.
     pub fn params_at(&self, time: f64) -> Vec<(&str, f32)> {
-        let mut values: Vec<(&str, f32)> = Vec::new();
+        self.moved_at(time).into_iter().map(|moved| (moved.name, moved.value)).collect()
+    }
+
+    /// The same with which of its movements each value is part of.
+    pub fn moved_at(&self, time: f64) -> Vec<Moved<'_>> {
+        let mut values: Vec<Moved<'_>> = Vec::new();
         for one in &self.moves {
             // Before its first move a parameter is where that begins.
-            let known = values.iter_mut().find(|(name, _)| *name == one.param);
+            let known = values.iter_mut().find(|known| known.name == one.param);
             let is_set_at_once = one.seconds <= 0.0 && one.from == one.to;
             if time < one.start && (known.is_some() || is_set_at_once) {
                 continue;
@@ -142,9 +158,11 @@ impl Stay {
                 f32::from(u8::from(time >= one.start))
             };
             let value = one.from + (one.to - one.from) * share;
+            let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
+            let moved = Moved { name: &one.param, value, part };
             match known {
-                Some((_, known)) => *known = value,
-                None => values.push((&one.param, value)),
+                Some(known) => *known = moved,
+                None => values.push(moved),
             }
         }
         values
@@ -183,5 +201,9 @@ mod tests {
         one.moves = vec![part(2.0, 4.0, 0.0, 1.0), part(8.0, 0.0, 0.3, 0.5)];
         let at = |time| one.params_at(time).first().map(|(_, value)| *value).unwrap();
         assert_eq!([0.0, 2.0, 3.0, 6.0, 7.0, 8.0, 99.0].map(at), [0.0, 0.0, 0.25, 1.0, 1.0, 0.5, 0.5]);
+        let part = |time| one.moved_at(time).first().map(|moved| moved.part).unwrap();
+        assert!(part(3.0) == part(7.0) && part(7.0) != part(8.0), "another movement has another number");
+        let later = Stay { start: 1.0, ..one.clone() };
+        assert_ne!(later.moved_at(3.0).first().map(|moved| moved.part), Some(part(3.0)));
     }
 }

@@ -14,6 +14,7 @@ mod browser;
 mod content;
 mod files;
 mod fonts;
+mod hands;
 mod help;
 mod icons;
 mod now_playing;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
 
 /// A panel that opens from the bar; one at a time is open.
@@ -17,6 +18,8 @@ pub enum Panel {
     Files,
     /// What the user chooses for good.
     Settings,
+    /// Knobs from outside.
+    Hands,
 }
 
 /// What the user asked for with the pointer.
@@ -38,6 +41,10 @@ pub enum Request {
     Files(FileRequest),
     /// Something with the settings.
     Settings(SettingRequest),
+    /// Something with knobs from outside.
+    Hands(HandsRequest),
+    /// To learn what turns a parameter of the scene on the stage, by its name, or to stop.
+    LearnParam(String),
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.

@@ -4,6 +4,8 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::app::file_browser::FileBrowser;
+use crate::app::hands::Hands;
+use crate::app::hands::panel::HandsPanel;
 use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
@@ -27,6 +29,8 @@ pub(in crate::app) struct Desk {
     pub(super) files: Option<FileBrowser>,
     /// The settings, while they are open.
     pub(super) settings: Option<SettingsPanel>,
+    /// Knobs from outside, while they are open.
+    pub(super) hands: Option<HandsPanel>,
     /// Whether nothing shows over the picture but what was asked for and what is wrong.
     pub(super) clean: bool,
 }
@@ -55,6 +59,7 @@ impl Desk {
             browser: None,
             files: None,
             settings: None,
+            hands: None,
             clean,
         }
     }
@@ -64,6 +69,7 @@ impl Desk {
         &'a self,
         content: &mut OverlayContent<'a>,
         seen: &'a Seen,
+        hands: &'a Hands,
         listening: &'a Listening,
         reports: &'a Reports,
         now: Instant,
@@ -75,6 +81,8 @@ impl Desk {
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
         content.settings = self.settings.as_ref();
+        content.hands = self.hands.as_ref();
+        content.learning = hands.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
         content.hides_pointer = (self.clean || !seen.awake) && open.is_none() && content.params.is_none();
         if self.clean {

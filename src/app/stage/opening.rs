@@ -15,6 +15,7 @@ use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
+use crate::app::hands::Hands;
 use crate::app::listening::Listening;
 use crate::app::media_controls::MediaControls;
 use crate::app::overlay::{Overlay, OverlayContent};
@@ -145,6 +146,7 @@ impl Opening<'_> {
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
@@ -235,7 +237,7 @@ pub(in crate::app) fn renewed(
     if assisted {
         overlay.assist(Assistance::Begins);
     }
-    scenes.take_over(kept.moved, kept.wanted);
+    scenes.take_over(kept.hands, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
         renderer: renderer(&window, &stage.choices, scene)?,
