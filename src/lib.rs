@@ -16,6 +16,7 @@ pub mod flash;
 pub mod frame;
 pub mod gpu;
 pub mod limits;
+pub mod placement;
 pub mod program_cache;
 pub mod reading_order;
 pub mod scenes;

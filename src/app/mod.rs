@@ -3,6 +3,7 @@
 
 mod accessibility;
 mod announcer;
+pub mod corner_hands;
 mod direction;
 mod drawing_pace;
 mod dynamic_resolution;
@@ -15,6 +16,7 @@ pub mod keys;
 mod listening;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod lost_display;
+mod masters;
 mod media_controls;
 pub mod overlay;
 pub mod pacing;

@@ -5,6 +5,7 @@ mod desk;
 mod directing;
 mod drawing;
 mod leaving;
+mod mastering;
 mod opening;
 mod panels;
 mod settings;
@@ -26,6 +27,7 @@ use super::error::AppError;
 use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
+use super::masters::Masters;
 use super::media_controls::Asked;
 use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
@@ -57,6 +59,8 @@ pub(super) struct Stage {
     live: Option<LiveDirector>,
     cues: Cues,
     pace: DrawingPace,
+    /// Brightness, blackout, and whether the picture is held.
+    masters: Masters,
     reports: Reports,
     input: UserInput,
     /// Whether nothing of the window can be seen.
@@ -205,6 +209,11 @@ impl Stage {
                 return None;
             }
         }
+        if let Some((key, held)) = self.input.typed(event)
+            && self.take_corner_key(key, held)
+        {
+            return None;
+        }
         match event {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
@@ -321,7 +330,9 @@ impl Stage {
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
-        let moving = moves || self.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
+        // A picture that is held changes no more.
+        let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
+        let moving = changes || self.is_dimming(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
         let seen = !self.occluded || self.pace.shown().is_none();
         if !moving || !seen {

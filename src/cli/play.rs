@@ -10,6 +10,7 @@ use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
 use super::show::ShowChoice;
+use super::staging::StagingArguments;
 use super::view::ViewArguments;
 use crate::app;
 use crate::config::{Choices, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile};
@@ -96,6 +97,8 @@ pub(super) struct PlayArguments {
     #[arg(long)]
     gl_info: bool,
     #[command(flatten)]
+    staging: StagingArguments,
+    #[command(flatten)]
     scene: OneScene,
     #[command(flatten)]
     view: ViewArguments,
@@ -138,6 +141,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         gain: common.gain.unwrap_or(remembered.gain),
         follow_song: arguments.show.as_ref().map_or(remembered.follow_song, ShowChoice::follow),
         hints: remembered.hints && !arguments.clean,
+        stage: arguments.staging.over(&remembered.stage),
         ..remembered
     };
     let last = match arguments.new {

@@ -3,11 +3,13 @@
 mod choices;
 mod last_show;
 mod settings;
+mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
 pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
+pub use stage_choices::StageChoices;
 
 use std::collections::BTreeMap;
 

@@ -44,6 +44,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("lib", EVERYTHING),
     ("cli", EVERYTHING),
     ("limits", &[]),
+    ("placement", &[]),
     ("ending", &[]),
     ("faults", &[]),
     ("demo_track", &[]),
@@ -56,7 +57,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("system_fonts", &["limits"]),
     ("flash", &["limits", "srgb"]),
     // The driver's own form of programs comes from where it is kept, on the threads that compile.
-    ("gpu", &["frame", "view", "flash", "faults", "srgb", "limits", "program_cache"]),
+    ("gpu", &["frame", "view", "flash", "faults", "srgb", "limits", "placement", "program_cache"]),
     ("program_cache", &["atomic_file", "ending", "limits"]),
     ("thumbnails", &["atomic_file", "limits", "scenes"]),
     ("song_structures", &["atomic_file", "limits"]),
@@ -81,6 +82,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "system_fonts",
             "ending",
             "limits",
+            "placement",
         ],
     ),
     (
@@ -99,7 +101,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "song_structures",
         ],
     ),
-    ("config", &["atomic_file", "program_cache", "show", "limits"]),
+    ("config", &["atomic_file", "program_cache", "show", "limits", "placement"]),
 ];
 
 /// Packages that only some rooms may use. `egui` stands for `egui_winit` and its like, too.

@@ -17,6 +17,8 @@ pub enum Panel {
     Files,
     /// What the user chooses for good.
     Settings,
+    /// The corners of the picture.
+    Corners,
 }
 
 /// What the user asked for with the pointer.
@@ -38,6 +40,15 @@ pub enum Request {
     Files(FileRequest),
     /// Something with the settings.
     Settings(SettingRequest),
+    /// To move a corner of the picture.
+    Corner {
+        /// Which, clockwise from the upper left.
+        corner: usize,
+        /// Where to, as shares of the screen to the right and down.
+        place: [f64; 2],
+        /// Whether the pointer has let go of it.
+        settled: bool,
+    },
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.

@@ -16,6 +16,7 @@ use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
 use crate::app::listening::Listening;
+use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
@@ -136,6 +137,7 @@ impl Opening<'_> {
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
             .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
         let of_controls = waker.clone();
+        let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
             listening: Listening::new(sound, songs),
             renderer,
@@ -144,6 +146,7 @@ impl Opening<'_> {
             live: None,
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
+            masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),
             occluded: false,

@@ -20,6 +20,7 @@ impl Stage {
         self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
         self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
         self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
+        self.show_corners(self.desk.panels.open() == Some(Panel::Corners));
     }
 
     /// Whether keys are text at present.
@@ -168,9 +169,15 @@ impl Stage {
         if !self.desk.panels.close() {
             self.window.set_fullscreen(false);
         }
+        self.leave_panels();
+    }
+
+    /// Leaves what belongs to panels that are closed.
+    pub(super) fn leave_panels(&mut self) {
         self.look_through_scenes(false);
         self.look_through_files(false);
         self.show_settings(false);
+        self.show_corners(false);
     }
 
     /// What the pointer asked for since the last call.
@@ -201,6 +208,7 @@ impl Stage {
             Request::Scenes(request) => return self.obey_in_scenes(request),
             Request::Files(request) => self.obey_in_files(request),
             Request::Settings(request) => self.obey_in_settings(request),
+            Request::Corner { corner, place, settled } => self.move_corner(corner, place, settled),
         }
         self.hurry_reports();
     }
