@@ -184,10 +184,12 @@ pub fn fitted(shape: (u32, u32), window: (u32, u32)) -> Area {
     [x, y, 1.0 - x, 1.0 - y]
 }
 
-/// Leads from a place in a window to the place in an area of it, both as shares.
+/// Leads from a place in a window to the place in an area of it, both as shares; an area whose bottom is above its top is
+/// upside down.
 pub fn within(area: Area, map: &Map) -> Map {
     let [left, top, right, bottom] = area;
-    let (width, height) = ((right - left).max(1e-9), (bottom - top).max(1e-9));
+    let extent = |from: f64, to: f64| if to == from { 1e-9 } else { to - from };
+    let (width, height) = (extent(left, right), extent(top, bottom));
     product(map, &[[1.0 / width, 0.0, -left / width], [0.0, 1.0 / height, -top / height], [0.0, 0.0, 1.0]])
 }
 

@@ -153,7 +153,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("t")],
         written: "T",
         action: Action::Tap,
-        meaning: "tap the tempo, twice or more; a single tap returns to the detected one",
+        meaning: "tap the tempo; a single tap returns to the detected one",
         repeats: false,
     },
     Binding {
@@ -188,7 +188,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("d")],
         written: "D",
         action: Action::ChangeSource,
-        meaning: "listen to the next source: the song, what the computer plays, inputs",
+        meaning: "the next source: the song, what the computer plays, inputs",
         repeats: false,
     },
     Binding {
@@ -290,7 +290,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("r")],
         written: "R",
         action: Action::ToggleRegions,
-        meaning: "skip empty space with regions, or not; the picture is the same",
+        meaning: "skip empty space, or not; the picture is the same",
         repeats: false,
     },
     Binding {
@@ -367,7 +367,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("y")],
         written: "Y",
         action: Action::ToggleCorners,
-        meaning: "drag the picture's corners, for a projector that stands aslant",
+        meaning: "drag the picture's corners, for a slanted projector",
         repeats: false,
     },
     Binding {

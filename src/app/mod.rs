@@ -9,6 +9,7 @@ mod drawing_pace;
 mod dynamic_resolution;
 pub mod edits;
 mod error;
+mod feeds;
 pub mod file_browser;
 mod frame_times;
 pub mod identity;

@@ -8,6 +8,7 @@ mod leaving;
 mod mastering;
 mod opening;
 mod panels;
+mod sending;
 mod settings;
 
 use std::path::PathBuf;
@@ -24,6 +25,7 @@ use super::announcer::TrackOrder;
 use super::direction::Direction;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
+use super::feeds::Feeds;
 use super::frame_times::FrameTimes;
 use super::keys::Action;
 use super::listening::Listening;
@@ -61,6 +63,8 @@ pub(super) struct Stage {
     pace: DrawingPace,
     /// Brightness, blackout, and whether the picture is held.
     masters: Masters,
+    /// Where pictures are sent.
+    feeds: Feeds,
     reports: Reports,
     input: UserInput,
     /// Whether nothing of the window can be seen.
@@ -317,6 +321,7 @@ impl Stage {
         self.update_settings();
         let now = Instant::now();
         self.reports.update(now);
+        let to_send = self.send(now)?;
         let edited = self.scene.saves_samples(now);
         // A picture that was begun is not begun again because the text rests.
         if edited || !self.scene.is_drawing() {
@@ -334,18 +339,17 @@ impl Stage {
         let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
         let moving = changes || self.is_dimming(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen = !self.occluded || self.pace.shown().is_none();
+        let seen = !self.occluded || self.pace.shown().is_none() || self.feeds.are_any();
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.
             let idle = now + self.idle_interval(seen);
-            let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
-            Ok(wake)
+            Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due() || self.scene.has_regions() {
             self.window.window().request_redraw();
-            Ok(now + IDLE_INTERVAL)
+            Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            Ok(self.pace.due())
+            Ok(to_send.map_or(self.pace.due(), |due| due.min(self.pace.due())))
         }
     }
 

@@ -169,8 +169,12 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // A window of another size might reach beyond the screen there.
         place: last.place.filter(|_| arguments.size.is_none()),
+        sends: Vec::new(),
+        send_size: None,
+        send_fps: 0.0,
         gl_info: arguments.gl_info,
     };
+    arguments.staging.tell(&mut settings)?;
     let repeat = match arguments.repeat {
         _ if arguments.once => Repeat::Off,
         RepeatChoice::All => Repeat::All,

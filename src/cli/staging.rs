@@ -3,9 +3,13 @@
 use clap::Args;
 
 use super::choices::choice;
-use super::parse::{parse_corners, parse_crop, parse_fade, parse_percent};
-use crate::config::StageChoices;
+use super::common::refuse_a_terminal;
+use super::parse::{parse_corners, parse_crop, parse_fade, parse_fps, parse_percent, parse_size};
+use crate::config::{PlaySettings, StageChoices};
+use crate::export::output::Output;
+use crate::limits::LIMITS;
 use crate::placement::{Corners, Crop, Flip};
+use crate::sending::SendWish;
 
 #[derive(Args)]
 pub(super) struct StagingArguments {
@@ -27,9 +31,38 @@ pub(super) struct StagingArguments {
     /// for a projector that stands aslant. 'off' is the window's own corners [default: where Y has put them]
     #[arg(long, value_name = "X,Y,X,Y,X,Y,X,Y", value_parser = parse_corners, allow_hyphen_values = true)]
     corners: Option<Corners>,
+    /// Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
+    /// or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once
+    #[arg(long, value_name = "TO")]
+    send: Vec<SendWish>,
+    /// Size of the pictures that are sent [default: the window's at the start]
+    #[arg(long, value_name = "WxH", value_parser = parse_size, allow_hyphen_values = true, requires = "send")]
+    send_size: Option<(u32, u32)>,
+    /// How many pictures are sent in a second
+    #[arg(long, value_name = "FPS", value_parser = parse_fps, default_value = "30", allow_negative_numbers = true, requires = "send")]
+    send_fps: f64,
 }
 
 impl StagingArguments {
+    /// Notes in `settings` where pictures go.
+    ///
+    /// # Errors
+    /// More places than there may be, or a terminal.
+    pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
+        anyhow::ensure!(
+            self.send.len() <= LIMITS.sends_max,
+            "pictures can be sent to at most {} places, not {}: leave some --send out",
+            LIMITS.sends_max,
+            self.send.len()
+        );
+        if self.send.contains(&SendWish::Y4m(None)) {
+            refuse_a_terminal(&Output::Standard, "mariana --send y4m:- | mpv -")?;
+        }
+        (settings.sends, settings.send_size) = (self.send.clone(), self.send_size);
+        settings.send_fps = self.send_fps;
+        Ok(())
+    }
+
     /// What holds in this run.
     pub(super) fn over(&self, remembered: &StageChoices) -> StageChoices {
         StageChoices {

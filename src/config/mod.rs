@@ -14,6 +14,7 @@ pub use stage_choices::StageChoices;
 use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
+use crate::sending::SendWish;
 use crate::show::ShowSource;
 
 /// How a scene's expressions are run.
@@ -120,6 +121,12 @@ pub struct PlaySettings {
     pub size: (u32, u32),
     /// Where on the desktop the window opens, in pixels; none lets the system choose.
     pub place: Option<(i32, i32)>,
+    /// Where pictures are sent.
+    pub sends: Vec<SendWish>,
+    /// Width and height of those pictures, in pixels; none is the window's size at the start.
+    pub send_size: Option<(u32, u32)>,
+    /// How many of them there are in a second.
+    pub send_fps: f64,
     /// Print the OpenGL version and driver, and end.
     pub gl_info: bool,
 }

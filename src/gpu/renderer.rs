@@ -345,8 +345,8 @@ impl Renderer {
 
     /// The finished picture, its flashes limited, four bytes per pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        let limited = self.limited.as_ref().filter(|_| self.is_limited);
-        limited.or(self.finished()).map_or_else(Vec::new, |picture| picture.read_rgba8(0))
+        let limited = self.limited.as_ref().filter(|_| self.is_limited && self.is_copied());
+        limited.or(self.bright_as_shown()).map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
     /// Distance evaluations of the last picture; zero without [`Counting::On`].

@@ -70,6 +70,7 @@ impl Stage {
             self.renderer.dim(gain)?;
             // What flashes too often is dimmed.
             self.renderer.limit_flashes(self.pace.note_picture(begun))?;
+            self.feeds.note_picture();
         }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();

@@ -15,6 +15,7 @@ use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
+use crate::app::feeds::Feeds;
 use crate::app::listening::Listening;
 use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
@@ -73,6 +74,9 @@ impl Opening<'_> {
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
+        // A place that nothing can be sent to ends it before anything shows.
+        let feeds =
+            Feeds::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -146,6 +150,7 @@ impl Opening<'_> {
             live: None,
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
+            feeds,
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),
@@ -218,6 +223,7 @@ pub(in crate::app) fn renewed(
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
+    stage.feeds.let_go();
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());

@@ -6,10 +6,11 @@
 use super::{LazyProgram, Renderer, Target, Texel};
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::post::Block;
 use crate::gpu::program::unit_of;
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
-use crate::placement::{Area, Map};
+use crate::placement::{Area, Map, within};
 
 /// The shaders of this module; tests compile them all.
 pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
@@ -111,6 +112,29 @@ impl Renderer {
         self.gl.check("showing a frame")
     }
 
+    /// Sends the picture on its way to whoever reads it, as [`Renderer::show_placed`] puts it into a window of the
+    /// reader's size, the top row first. False if it was left out, because too many are on their way.
+    ///
+    /// # Errors
+    /// As [`Renderer::show_placed`].
+    pub fn send_placed(
+        &mut self,
+        reader: &mut PictureReader,
+        map: &Map,
+        part: Area,
+    ) -> Result<bool, GpuError> {
+        self.copy_without_flashes()?;
+        let (Some(picture), Some(placing)) = (self.as_shown(), &self.placing) else { return Ok(false) };
+        // OpenGL's first row is the lowest one.
+        let over = within([0.0, 1.0, 1.0, 0.0], map);
+        placing.block.set(&numbers(&over, part));
+        self.prepare_passes();
+        picture.bind_color(0, unit_of("picture"));
+        self.post.passes().draw_with(&placing.place, reader.target(), [0.0; 2])?;
+        let begun = reader.begin();
+        self.gl.check("sending a picture").map(|()| begun)
+    }
+
     /// The picture as screens show it, once its flashes are limited in a copy.
     fn as_shown(&self) -> Option<&Target> {
         let limited = self.limited.as_ref().filter(|_| self.is_limited && self.flashes.is_some());
@@ -122,10 +146,14 @@ impl Renderer {
         self.placing.as_ref().and_then(Placing::dimmed).or(self.finished())
     }
 
+    /// Whether the copy in which flashes are limited is of what shows. Without a window it always is.
+    pub(super) fn is_copied(&self) -> bool {
+        self.placing.as_ref().is_none_or(|placing| placing.has_copy)
+    }
+
     /// Makes the copy of what shows in which flashes are limited, if there is none and they are limited.
     fn copy_without_flashes(&mut self) -> Result<(), GpuError> {
-        let has_copy = self.placing.as_ref().is_some_and(|placing| placing.has_copy);
-        if has_copy || !self.is_limited {
+        if self.is_copied() || !self.is_limited {
             return Ok(());
         }
         let room = self.limited.take();
