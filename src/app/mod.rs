@@ -3,11 +3,13 @@
 
 mod accessibility;
 mod announcer;
+pub mod corner_hands;
 mod direction;
 mod drawing_pace;
 mod dynamic_resolution;
 pub mod edits;
 mod error;
+mod feeds;
 pub mod file_browser;
 mod frame_times;
 pub mod hands;
@@ -16,6 +18,7 @@ pub mod keys;
 mod listening;
 #[cfg(all(unix, not(target_os = "macos")))]
 mod lost_display;
+mod masters;
 mod media_controls;
 pub mod overlay;
 pub mod pacing;

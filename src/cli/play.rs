@@ -10,6 +10,7 @@ use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
 use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
 use super::show::ShowChoice;
+use super::staging::StagingArguments;
 use super::view::ViewArguments;
 use crate::app;
 use crate::config::{
@@ -112,6 +113,8 @@ pub(super) struct PlayArguments {
     #[arg(long)]
     gl_info: bool,
     #[command(flatten)]
+    staging: StagingArguments,
+    #[command(flatten)]
     scene: OneScene,
     #[command(flatten)]
     view: ViewArguments,
@@ -154,6 +157,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         gain: common.gain.unwrap_or(remembered.gain),
         follow_song: arguments.show.as_ref().map_or(remembered.follow_song, ShowChoice::follow),
         hints: remembered.hints && !arguments.clean,
+        stage: arguments.staging.over(&remembered.stage),
         ..remembered
     };
     let last = match arguments.new {
@@ -187,8 +191,12 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // A window of another size might reach beyond the screen there.
         place: last.place.filter(|_| arguments.size.is_none()),
+        sends: Vec::new(),
+        send_size: None,
+        send_fps: 0.0,
         gl_info: arguments.gl_info,
     };
+    arguments.staging.tell(&mut settings)?;
     let repeat = match arguments.repeat {
         _ if arguments.once => Repeat::Off,
         RepeatChoice::All => Repeat::All,

@@ -4,16 +4,19 @@ mod choices;
 mod knobs;
 mod last_show;
 mod settings;
+mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
+pub use stage_choices::StageChoices;
 
 use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
+use crate::sending::SendWish;
 use crate::show::ShowSource;
 use mariana_control::osc::Place;
 
@@ -136,6 +139,12 @@ pub struct PlaySettings {
     pub place: Option<(i32, i32)>,
     /// Hands from outside.
     pub hands: HandSettings,
+    /// Where pictures are sent.
+    pub sends: Vec<SendWish>,
+    /// Width and height of those pictures, in pixels; none is the window's size at the start.
+    pub send_size: Option<(u32, u32)>,
+    /// How many of them there are in a second.
+    pub send_fps: f64,
     /// Print the OpenGL version and driver, and end.
     pub gl_info: bool,
 }

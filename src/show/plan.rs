@@ -1,5 +1,7 @@
 //! A show in seconds.
 
+use super::script::CAMERA_TURNS;
+use crate::frame::orbit_controls::OrbitControls;
 use mariana_field::lang::{Param, Scene, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 
@@ -129,6 +131,9 @@ pub fn blend_kind(entrance: Entrance) -> Option<BlendKind> {
     }
 }
 
+/// At so many seconds from its ends a movement is at them: no picture is that short, and texts round.
+const EXACT: f64 = 1e-6;
+
 impl Stay {
     /// The parameters of its scene at `time` seconds of the song; those that it does not move are as `other` says.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
@@ -142,6 +147,19 @@ impl Stay {
         self.moved_at(time).into_iter().map(|moved| (moved.name, moved.value)).collect()
     }
 
+    /// How it turns the camera of its scene at `time` seconds of the song.
+    pub fn hand_at(&self, time: f64) -> OrbitControls {
+        if !self.moves.iter().any(|one| CAMERA_TURNS.contains(&one.param.as_str())) {
+            return OrbitControls::OFF;
+        }
+        let moved = self.params_at(time);
+        let mut turns = OrbitControls::OFF.turns();
+        for (turn, name) in turns.iter_mut().zip(CAMERA_TURNS) {
+            *turn = moved.iter().find(|(moved, _)| *moved == name).map_or(*turn, |(_, value)| *value);
+        }
+        OrbitControls::of_turns(turns)
+    }
+
     /// The same with which of its movements each value is part of.
     pub fn moved_at(&self, time: f64) -> Vec<Moved<'_>> {
         let mut values: Vec<Moved<'_>> = Vec::new();
@@ -149,15 +167,17 @@ impl Stay {
             // Before its first move a parameter is where that begins.
             let known = values.iter_mut().find(|known| known.name == one.param);
             let is_set_at_once = one.seconds <= 0.0 && one.from == one.to;
-            if time < one.start && (known.is_some() || is_set_at_once) {
+            let gone = time - one.start;
+            if gone < -EXACT && (known.is_some() || is_set_at_once) {
                 continue;
             }
-            let share = if one.seconds > 0.0 {
-                ((time - one.start) / one.seconds).clamp(0.0, 1.0) as f32
+            let value = if gone >= one.seconds - EXACT && gone >= -EXACT {
+                one.to
+            } else if gone <= EXACT {
+                one.from
             } else {
-                f32::from(u8::from(time >= one.start))
+                one.from + (one.to - one.from) * (gone / one.seconds) as f32
             };
-            let value = one.from + (one.to - one.from) * share;
             let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
             let moved = Moved { name: &one.param, value, part };
             match known {

@@ -8,6 +8,7 @@ mod window_assisted;
 mod window_changes;
 mod window_hands;
 mod window_live;
+mod window_outputs;
 mod window_panels;
 mod window_programs;
 mod window_quality;

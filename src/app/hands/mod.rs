@@ -96,17 +96,23 @@ impl Hands {
         is_due
     }
 
-    /// Puts up how the show stands. `titles` are those of all scenes, which are asked for when another scene is on.
+    /// Whether the titles of all scenes are to be noted, because another one is on the stage.
+    pub(super) fn wants_titles(&self, scene: &str) -> bool {
+        self.scenes.0 != scene || self.scenes.1.is_empty()
+    }
+
+    /// Notes the titles of all scenes, in the order of their numbers, while this one is on the stage.
+    pub(super) fn note_titles(&mut self, scene: String, titles: Vec<String>) {
+        self.scenes = (scene, titles);
+    }
+
+    /// Puts up how the show stands.
     pub(super) fn put_up(
         &mut self,
         scene: String,
         sliders: &[Slider],
         (switches, tempo): (Vec<(&'static str, bool)>, f32),
-        titles: impl FnOnce() -> Vec<String>,
     ) {
-        if self.scenes.0 != scene || self.scenes.1.is_empty() {
-            self.scenes = (scene.clone(), titles());
-        }
         let param = |slider: &Slider| PresentParam {
             name: slider.name.clone(),
             value: slider.value,

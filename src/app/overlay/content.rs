@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
+use crate::app::corner_hands::CornerHands;
 use crate::app::file_browser::FileBrowser;
 use crate::app::hands::panel::HandsPanel;
 use crate::app::scene_browser::SceneBrowser;
@@ -45,6 +46,8 @@ pub struct OverlayContent<'a> {
     pub hands: Option<&'a HandsPanel>,
     /// The parameter that a knob is being learned for.
     pub learning: Option<&'a str>,
+    /// The corners of the picture, while they are moved.
+    pub corners: Option<CornerHands>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -189,6 +192,7 @@ impl OverlayContent<'_> {
             && self.files.is_none()
             && self.settings.is_none()
             && self.hands.is_none()
+            && self.corners.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -208,6 +212,7 @@ impl OverlayContent<'_> {
             || self.files.is_some()
             || self.settings.is_some()
             || self.hands.is_some()
+            || self.corners.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -224,6 +229,7 @@ impl OverlayContent<'_> {
         self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
         (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
+        self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

@@ -12,6 +12,7 @@ mod assisted;
 mod bar;
 mod browser;
 mod content;
+mod corners;
 mod files;
 mod fonts;
 mod hands;

@@ -9,7 +9,8 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, files, hands, help, params, problem, settings, sources, style, tracks, welcome,
+    assisted, bar, browser, corners, files, hands, help, params, problem, settings, sources, style, tracks,
+    welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -127,6 +128,9 @@ fn show(
             panels.push(rect);
             space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
         }
+    }
+    if let Some(hands) = &content.corners {
+        panels.extend(corners::show(context, screen, hands, requests));
     }
     let mut left = space;
     if let Some(text) = content.corner {

@@ -20,6 +20,8 @@ pub enum Panel {
     Settings,
     /// Knobs from outside.
     Hands,
+    /// The corners of the picture.
+    Corners,
 }
 
 /// What the user asked for with the pointer.
@@ -45,6 +47,15 @@ pub enum Request {
     Hands(HandsRequest),
     /// To learn what turns a parameter of the scene on the stage, by its name, or to stop.
     LearnParam(String),
+    /// To move a corner of the picture.
+    Corner {
+        /// Which, clockwise from the upper left.
+        corner: usize,
+        /// Where to, as shares of the screen to the right and down.
+        place: [f64; 2],
+        /// Whether the pointer has let go of it.
+        settled: bool,
+    },
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.

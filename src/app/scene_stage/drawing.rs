@@ -274,6 +274,15 @@ impl SceneStage {
         }
     }
 
+    /// Lets what shows fade into what comes next, for so many seconds. Views, and what a show mixes by itself, are cut.
+    pub(crate) fn fade_from_shown(&mut self, seconds: f64) {
+        if self.views.choice().is_none() && !self.fades_with_both() {
+            self.fading.next_takes(seconds);
+            self.fading.want();
+        }
+        self.revision += 1;
+    }
+
     fn tell_dear(&mut self, dear: &Cast, why: &str) {
         let heading =
             format!("{} is too much for this machine; the last good scene stays", dear.source.title());

@@ -15,8 +15,10 @@ use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
+use crate::app::feeds::Feeds;
 use crate::app::hands::Hands;
 use crate::app::listening::Listening;
+use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
@@ -73,6 +75,9 @@ impl Opening<'_> {
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
+        // A place that nothing can be sent to ends it before anything shows.
+        let feeds =
+            Feeds::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -137,6 +142,7 @@ impl Opening<'_> {
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
             .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
         let of_controls = waker.clone();
+        let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
             listening: Listening::new(sound, songs),
             renderer,
@@ -145,6 +151,8 @@ impl Opening<'_> {
             live: None,
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
+            feeds,
+            masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
@@ -217,6 +225,7 @@ pub(in crate::app) fn renewed(
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
+    stage.feeds.let_go();
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());

@@ -21,6 +21,7 @@ impl Stage {
         self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
         self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
         self.show_hands(self.desk.panels.open() == Some(Panel::Hands));
+        self.show_corners(self.desk.panels.open() == Some(Panel::Corners));
     }
 
     /// Whether keys are text at present.
@@ -172,10 +173,16 @@ impl Stage {
         if !self.desk.panels.close() {
             self.window.set_fullscreen(false);
         }
+        self.leave_panels();
+    }
+
+    /// Leaves what belongs to panels that are closed.
+    pub(super) fn leave_panels(&mut self) {
         self.look_through_scenes(false);
         self.look_through_files(false);
         self.show_settings(false);
         self.show_hands(false);
+        self.show_corners(false);
     }
 
     /// What the pointer asked for since the last call.
@@ -208,6 +215,7 @@ impl Stage {
             Request::Settings(request) => self.obey_in_settings(request),
             Request::Hands(request) => self.obey_in_hands(request),
             Request::LearnParam(name) => self.learn_param(name),
+            Request::Corner { corner, place, settled } => self.move_corner(corner, place, settled),
         }
         self.hurry_reports();
     }
