@@ -424,3 +424,32 @@ fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
     osc.ask("/query/tempo", |bytes| tempo(bytes) == Some(0.0));
     quit(app);
 }
+
+#[test]
+fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
+    let place = Place::new();
+    let osc = Sender::new();
+    let show = place.desktop.folder().join("own.show");
+    // A show that begins after the song has: seeks go to its movements.
+    fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
+    let port = osc.port.to_string();
+    let mut app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
+    app.wait_until_told("OSC is heard");
+    let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
+    let held = |value: f32, hand: &'static str| {
+        move |bytes: &[u8]| of_red(bytes) == Some(value) && bytes.ends_with(&padded(hand))
+    };
+    osc.ask("/param/red", held(2.0, "show"));
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    osc.send("/pause", &[1.0]);
+    app.wait_for_title("a pause", |title| title.contains("paused"));
+    osc.send("/param/red", &[0.0]);
+    osc.ask("/param/red", held(0.0, "OSC"));
+    wait_for_colour(&app, "green", [false, true, false]);
+    // The next movement is the show's again, and before it the hand still has the parameter.
+    osc.send("/position", &[0.9]);
+    osc.ask("/param/red", held(1.0, "show"));
+    osc.send("/position", &[0.1]);
+    osc.ask("/param/red", held(0.0, "OSC"));
+    quit(app);
+}
