@@ -78,7 +78,7 @@ impl Place {
     /// Learns in the panel what turns the first parameter: a knob, which is moved until it is learned.
     fn learn_first(&self, app: &App<'_>, name: &str, knob: &[u8]) {
         let before = fs::read_to_string(self.knobs()).unwrap_or_default();
-        app.press(&["j", "Down", "Return"]);
+        begin_to_learn(app);
         wait_until("what was learned", || {
             self.play(name, knob);
             fs::read_to_string(self.knobs()).is_ok_and(|text| text != before)
@@ -125,6 +125,15 @@ impl Sender {
             }
             assert!(start.elapsed() < WAIT_LIMIT, "{address} was not answered as wanted");
         }
+    }
+}
+
+/// Begins to learn in the panel what turns the first parameter. Each key is seen in the picture, which stands otherwise.
+fn begin_to_learn(app: &App) {
+    for key in ["j", "Down", "Return"] {
+        let before = app.picture();
+        app.press(&[key]);
+        wait_until(key, || app.picture() != before);
     }
 }
 
@@ -337,7 +346,7 @@ fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_i
     app.wait_until_told("MIDI is heard from desk (fake port)");
     // The parameters are there with the picture.
     wait_for_colour(&app, "green", [false, true, false]);
-    app.press(&["j", "Down", "Return"]);
+    begin_to_learn(&app);
     place.pull("desk");
     app.wait_until_told("desk (fake port) was pulled; learning goes on");
     place.plug("desk");
