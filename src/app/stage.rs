@@ -9,6 +9,7 @@ mod leaving;
 mod mastering;
 mod opening;
 mod panels;
+mod recording;
 mod sending;
 mod settings;
 
@@ -35,6 +36,7 @@ use super::masters::Masters;
 use super::media_controls::Asked;
 use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
+use super::recording::Recording;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
@@ -68,6 +70,8 @@ pub(super) struct Stage {
     /// Where pictures are sent.
     feeds: Feeds,
     reports: Reports,
+    /// What is recorded of the show.
+    recording: Recording,
     hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
@@ -332,6 +336,7 @@ impl Stage {
         }
         self.update_settings();
         self.update_hands();
+        self.tell_recording();
         let now = Instant::now();
         self.reports.update(now);
         let to_send = self.send(now)?;
