@@ -24,7 +24,7 @@ pub use bar_lines::BarLines;
 pub use director::{SceneCard, direct};
 pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
-pub use performance::{OnStage, Performance};
+pub use performance::{OnStage, Performance, Turned};
 pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, name_of, seed_of};
 pub use resolve::resolve;
