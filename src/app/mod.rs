@@ -19,6 +19,8 @@ mod listening;
 mod lost_display;
 mod masters;
 mod media_controls;
+pub mod monitors;
+mod output;
 pub mod overlay;
 pub mod pacing;
 mod pointer;

@@ -5,6 +5,7 @@
 
 use winit::keyboard::{Key, NamedKey};
 
+use super::monitors::{Monitor, named};
 use super::sound::SHIFT_STEP_MS;
 use crate::config::{Choice, Choices, FollowChoice, QualityChoice, StageChoices};
 use crate::placement::Flip;
@@ -33,6 +34,8 @@ pub enum Fact {
     LastTracks,
     /// See [`Choices::hints`].
     Hints,
+    /// The picture also fills the monitor with this name; none is the window alone.
+    Screen(Option<String>),
     /// See [`StageChoices::brightness`].
     Brightness,
     /// See [`StageChoices::blackout_fade`].
@@ -103,6 +106,8 @@ pub enum SettingChange {
     LastTracks(bool),
     /// See [`Choices::hints`].
     Hints(bool),
+    /// To fill the monitor with this name with the picture, too, or none.
+    Screen(Option<String>),
     /// See [`StageChoices::brightness`].
     Brightness {
         /// 0..100.
@@ -135,6 +140,8 @@ pub(super) struct Facts<'a> {
     pub remembered: &'a Choices,
     /// The outputs; none where no song can play.
     pub outputs: Vec<Output>,
+    /// The monitors that are there.
+    pub monitors: Vec<Monitor>,
     /// Whether the command line names the output.
     pub output_for_this_run: bool,
     /// The shift of the picture, in milliseconds.
@@ -279,6 +286,7 @@ fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
         Fact::LastTracks => SettingChange::LastTracks(at(value)?),
         Fact::Hints => SettingChange::Hints(at(value)?),
         Fact::BlackoutFade => SettingChange::BlackoutFade(FADES.get(value)?.0),
+        Fact::Screen(name) => SettingChange::Screen(name.clone()),
         Fact::Flip => SettingChange::Flip(at(value)?),
     })
 }
@@ -307,6 +315,29 @@ const PERCENT_STEP: f64 = 5.0;
 
 /// Times of a fade that can be chosen, in seconds. The command line takes any.
 const FADES: [(f64, &str); 5] = [(0.0, "0 s"), (0.5, "0.5 s"), (1.0, "1 s"), (2.0, "2 s"), (5.0, "5 s")];
+
+/// The rows of where the picture shows: with one monitor there is no choice.
+fn screens(monitors: &[Monitor], now: Option<&str>, remembered: Option<&str>) -> Vec<SettingRow> {
+    if monitors.len() < 2 && now.is_none() {
+        return Vec::new();
+    }
+    let chosen = now.and_then(|name| named(monitors, name)).map(|monitor| monitor.name.as_str()).or(now);
+    let there =
+        monitors.iter().map(|monitor| (Some(monitor.name.as_str()), format!("Picture fills {monitor}")));
+    let missing = chosen.filter(|name| named(monitors, name).is_none());
+    let missing = missing.map(|name| (Some(name), format!("Picture fills {name}, which is not there")));
+    let alone = (None, "Picture in this window alone".to_owned());
+    let row = |(name, words): (Option<&str>, String)| SettingRow {
+        fact: Fact::Screen(name.map(str::to_owned)),
+        name: words,
+        meaning:
+            "A clean picture that fills a monitor; this window stays beside it, with its words and panels"
+                .to_owned(),
+        values: Values::OneOfRows { holds: name == chosen },
+        for_this_run: name == chosen && now != remembered,
+    };
+    std::iter::once(alone).chain(there).chain(missing).map(row).collect()
+}
 
 /// The rows of how pictures come onto screens.
 fn staging(now: &StageChoices, remembered: &StageChoices) -> [SettingRow; 3] {
@@ -408,7 +439,13 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
             remembered.hints,
         ),
     ];
-    outputs.chain([latency]).chain(choices).chain(staging(&now.stage, &remembered.stage)).collect()
+    let screens = screens(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
+    outputs
+        .chain([latency])
+        .chain(choices)
+        .chain(screens)
+        .chain(staging(&now.stage, &remembered.stage))
+        .collect()
 }
 
 /// A shift by pointer, in milliseconds: in steps, and within the limits.
@@ -438,6 +475,7 @@ pub(crate) mod tests {
             choices,
             remembered: &Choices::default(),
             outputs: [None].into_iter().chain(ids.iter().copied().map(Some)).map(output).collect(),
+            monitors: Vec::new(),
             output_for_this_run: false,
             shift: 35.0,
             device: Some("USB"),
@@ -516,6 +554,21 @@ pub(crate) mod tests {
         let row = panel.rows().iter().position(|row| row.fact == Fact::Quality).unwrap();
         assert_eq!(panel.pick(row, 3), Some(SettingChange::Quality(QualityChoice::High)));
         assert_eq!((panel.pick(row, 99), panel.pick(99, 0)), (None, None));
+    }
+
+    #[test]
+    fn with_two_monitors_the_picture_fills_one_of_them_or_none() {
+        let monitor = |name: &str| Monitor { name: name.into(), place: (0, 0), size: (640, 360) };
+        let both = [monitor("a"), monitor("b")];
+        let marked = |now: Option<&str>| -> Vec<(String, bool)> {
+            let rows = screens(&both, now, None).into_iter();
+            rows.map(|row| (row.name, row.values == Values::OneOfRows { holds: true })).collect()
+        };
+        let [alone, a, b] = &marked(Some("2"))[..] else { panic!("{:?}", marked(Some("2"))) };
+        assert_eq!((alone.1, a.1, b.1), (false, false, true));
+        assert!(a.0.contains("a (640x360)"), "{}", a.0);
+        assert!(marked(None)[0].1 && marked(Some("c"))[3].1, "one that is gone is marked, too");
+        assert!(screens(&both[..1], None, None).is_empty());
     }
 
     #[test]

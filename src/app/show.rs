@@ -71,7 +71,7 @@ pub fn run(
         log_debug: scene.verbose,
     };
     let of_show = waker.clone();
-    let controls = ControlsTeller::new(&event_loop);
+    let (controls, proxy) = (ControlsTeller::new(&event_loop), event_loop.create_proxy());
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
@@ -79,7 +79,7 @@ pub fn run(
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
         let opening =
-            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls };
+            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls, proxy };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
@@ -172,6 +172,8 @@ impl Show {
                         }
                         self.typing.set(self.stage.takes_text());
                     }
+                    Message::Output(window) => self.stage.take_output(window),
+                    Message::OutputEvent(event) => self.stage.take_output_event(&event),
                     Message::Assistance(assistance) => self.stage.assist(assistance),
                     Message::Wake => {}
                     Message::End => return Ok(()),

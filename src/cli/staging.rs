@@ -31,6 +31,10 @@ pub(super) struct StagingArguments {
     /// for a projector that stands aslant. 'off' is the window's own corners [default: where Y has put them]
     #[arg(long, value_name = "X,Y,X,Y,X,Y,X,Y", value_parser = parse_corners, allow_hyphen_values = true)]
     corners: Option<Corners>,
+    /// Fill a monitor with the clean picture, by its name or number, while the window stays beside it; 'list' tells which
+    /// there are, 'off' fills none [default: what was chosen in the window]
+    #[arg(long, value_name = "MONITOR")]
+    output: Option<String>,
     /// Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
     /// or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once
     #[arg(long, value_name = "TO")]
@@ -44,6 +48,11 @@ pub(super) struct StagingArguments {
 }
 
 impl StagingArguments {
+    /// Whether the monitors are to be listed.
+    pub(super) fn lists_monitors(&self) -> bool {
+        self.output.as_deref() == Some("list")
+    }
+
     /// Notes in `settings` where pictures go.
     ///
     /// # Errors
@@ -71,6 +80,11 @@ impl StagingArguments {
             flip: self.flip.unwrap_or(remembered.flip),
             crop: self.crop.unwrap_or(remembered.crop),
             corners: self.corners.unwrap_or(remembered.corners),
+            output: match self.output.as_deref() {
+                Some("off") => None,
+                Some(name) => Some(name.to_owned()),
+                None => remembered.output.clone(),
+            },
         }
     }
 }

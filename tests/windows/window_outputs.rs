@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-use crate::support::desktop::{App, Desktop};
+use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use image::RgbaImage;
 use mariana::srgb::linear;
 use mariana_testing::process::{output_of, wait_until};
@@ -335,5 +335,109 @@ fn a_client_on_this_machine_gets_jpegs() {
     assert!(is_red(at(&seen, 0.2, 0.5)) && is_blue(at(&seen, 0.8, 0.5)));
     app.press(&["x"]);
     wait_until("a black picture", || at(&next(), 0.5, 0.5).iter().all(|value| *value < 3));
+    quit(app);
+}
+
+/// Waits until a half of the screen looks as wanted: the left one, or the right one.
+fn wait_for_half(place: &Place, right: bool, what: &str, wanted: impl Fn(&RgbaImage) -> bool) -> RgbaImage {
+    let (width, height) = (SCREEN.0 / 2, SCREEN.1);
+    let mut found = None;
+    wait_until(what, || {
+        let screen = place.desktop.screen();
+        let half = image::imageops::crop_imm(&screen, u32::from(right) * width, 0, width, height).to_image();
+        let is_there = wanted(&half);
+        found = Some(half);
+        is_there
+    });
+    found.unwrap()
+}
+
+/// Two colours that fill a whole picture.
+fn fills(half: &RgbaImage) -> bool {
+    is_red(at(half, 0.0, 0.0))
+        && is_red(at(half, 0.49, 1.0))
+        && is_blue(at(half, 0.51, 0.0))
+        && is_blue(at(half, 1.0, 1.0))
+}
+
+fn is_dark(half: &RgbaImage) -> bool {
+    half.pixels().all(|pixel| pixel.0[..3].iter().all(|value| *value < 80))
+}
+
+#[test]
+fn an_output_fills_its_monitor_cleanly_and_comes_back_with_it() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let half = SCREEN.0 as u16 / 2;
+    place.desktop.plug_monitor("left", 0, half);
+    place.desktop.plug_monitor("right", half as i16, half);
+    let mut app = place.open("two.scene", &["--output", "RIGHT"]);
+    app.xdotool(&["windowmove", "--sync", app.window(), "20", "60"]);
+    let clean = wait_for_half(&place, true, "the output", fills);
+    // The desk shows the same picture in its own shape, with bars beside it.
+    let (width, height) = app.size();
+    let shown = f64::from(height) * f64::from(half) / f64::from(SCREEN.1) / f64::from(width);
+    let edge = 0.5 - 0.5 * shown as f32;
+    wait_for(&app, "the desk", |picture| {
+        is_black(at(picture, edge - 0.03, 0.5))
+            && is_red(at(picture, edge + 0.03, 0.5))
+            && is_blue(at(picture, 0.97 - edge, 0.5))
+            && is_black(at(picture, 1.03 - edge, 0.5))
+    });
+    // Words and panels are the desk's alone, and so is the keyboard.
+    app.press(&["h"]);
+    wait_for(&app, "the keys", |picture| !is_red(at(picture, 0.45, 0.5)));
+    let still_clean = wait_for_half(&place, true, "the output", fills);
+    assert!(still_clean == clean, "something stands over the output");
+    app.press(&["h", "x"]);
+    wait_for_half(&place, true, "black", |half| is_dark(half));
+    app.press(&["x"]);
+    wait_for_half(&place, true, "the output", fills);
+    for _ in 0..2 {
+        place.desktop.pull_monitor("right");
+        app.wait_until_told("the monitor RIGHT is gone: its picture comes back with it");
+        wait_for_half(&place, true, "nothing on a monitor that is gone", is_dark);
+        wait_for(&app, "the picture in the window alone", |picture| is_red(at(picture, 0.02, 0.5)));
+        // It comes back at another place, too.
+        place.desktop.plug_monitor("right", half as i16, half);
+        wait_for_half(&place, true, "the output", fills);
+    }
+    let told = quit(app);
+    assert_eq!(told.matches("the monitor RIGHT is gone").count(), 2, "{told}");
+}
+
+#[test]
+fn a_monitor_is_named_by_its_number_and_one_that_is_not_there_is_told() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let half = SCREEN.0 as u16 / 2;
+    place.desktop.plug_monitor("left", 0, half);
+    let mut app = place.open("two.scene", &["--output", "2"]);
+    app.wait_until_told(
+        "there is no monitor 2, but left (400x600): the picture comes onto it when it is there",
+    );
+    place.desktop.plug_monitor("right", half as i16, half);
+    wait_for_half(&place, true, "the output", fills);
+    let listed = output_of(place.desktop.command(PROGRAM).args(["--output", "list"]), "mariana").unwrap();
+    assert_eq!(String::from_utf8(listed).unwrap(), "1 left (400x600) at 0,0\n2 right (400x600) at 400,0\n");
+    // It goes with the other window, also when a panel is open there.
+    app.press(&["g"]);
+    wait_for(&app, "the settings", |picture| !is_red(at(picture, 0.45, 0.5)));
+    app.press(&["g"]);
+    quit(app);
+    wait_for_half(&place, true, "nothing after the end", is_dark);
+}
+
+#[test]
+fn an_output_outlives_a_lost_context() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let half = SCREEN.0 as u16 / 2;
+    place.desktop.plug_monitor("left", 0, half);
+    place.desktop.plug_monitor("right", half as i16, half);
+    let scene = place.path("two.scene");
+    let options =
+        ["--silent", "-v", "--size", "320x180", "--output", "right", "--scene", scene.to_str().unwrap()];
+    let song = Path::new(&options[0]);
+    let mut app = place.desktop.open_with(&[("MARIANA_FAULT", "context-lost@4")], song, &options[1..]);
+    app.wait_until_told("the driver has lost its context");
+    wait_for_half(&place, true, "the output", fills);
     quit(app);
 }

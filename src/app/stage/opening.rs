@@ -7,6 +7,8 @@
 
 use std::time::Instant;
 
+use winit::event_loop::EventLoopProxy;
+
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
@@ -19,6 +21,7 @@ use crate::app::feeds::Feeds;
 use crate::app::listening::Listening;
 use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
+use crate::app::output::Output;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
 use crate::app::reports::Reports;
@@ -26,7 +29,7 @@ use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
 use crate::app::window::{GlWindowContext, OpenWindow};
-use crate::app::window_thread::Waker;
+use crate::app::window_thread::{Told, Waker};
 use crate::config::{Choices, DEFAULT_DEVICE, Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
@@ -58,6 +61,8 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) first: LoadedScene,
     /// Where screen readers are told what there is.
     pub(in crate::app) controls: ControlsTeller,
+    /// Who opens windows.
+    pub(in crate::app) proxy: EventLoopProxy<Told>,
 }
 
 impl Opening<'_> {
@@ -66,7 +71,7 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, memory, loaders, first, controls } = self;
+        let Self { tracks, settings, scene, memory, loaders, first, controls, proxy } = self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -143,6 +148,7 @@ impl Opening<'_> {
         let of_controls = waker.clone();
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
+            output: Output::new(choices.stage.output.clone(), proxy, waker),
             listening: Listening::new(sound, songs),
             renderer,
             scene,
@@ -224,6 +230,7 @@ pub(in crate::app) fn renewed(
     drop(overlay);
     drop(old_renderer);
     stage.feeds.let_go();
+    stage.output.close(&window);
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
