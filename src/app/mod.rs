@@ -37,6 +37,7 @@ mod stage;
 mod text_query;
 mod title;
 mod user_input;
+mod wallpaper;
 mod window;
 mod window_thread;
 

@@ -14,10 +14,12 @@ use super::announcer::{TrackOrder, next_repeat};
 use super::error::AppError;
 use super::keys::Action;
 use super::media_controls::Asked;
+use super::monitors;
 use super::overlay::Request;
 use super::scene_stage::{LoadedScene, SceneLoader, SceneLoaders};
 use super::stage::{Opening, Stage, renewed};
-use super::window::{OpenWindow, WindowWishes};
+use super::wallpaper::{FPS, around, of_screen_saver};
+use super::window::{Ground, OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Typing, Waker, inbox};
 use crate::config::{Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -42,6 +44,7 @@ pub fn run(
     memory: Memory,
 ) -> anyhow::Result<()> {
     let started = Instant::now();
+    let (settings, ground) = on_ground(settings)?;
     let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
         return Err(AppError::SongLost(trouble.clone()).into());
@@ -69,6 +72,7 @@ pub fn run(
         place: settings.place,
         visible: !settings.gl_info,
         log_debug: scene.verbose,
+        ground,
     };
     let of_show = waker.clone();
     let (controls, proxy) = (ControlsTeller::new(&event_loop), event_loop.create_proxy());
@@ -104,6 +108,38 @@ pub fn run(
         }
     };
     Ok(window_thread::run(event_loop, wishes, &waker, typing, Box::new(play))?)
+}
+
+/// The settings of a run whose window is the desktop's ground, or in a screen saver's window; others as they are.
+///
+/// # Errors
+/// There is nothing to draw on.
+fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
+    let ground = if settings.wallpaper {
+        // A window of XWayland is no ground of a Wayland desktop.
+        let is_wayland = std::env::var_os("WAYLAND_DISPLAY").is_some_and(|display| !display.is_empty());
+        anyhow::ensure!(
+            !is_wayland,
+            "a wallpaper needs X11, and this session is one of Wayland: start Mariana in an X11 session"
+        );
+        let monitors =
+            monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
+        let place = around(&monitors).ok_or_else(|| anyhow::anyhow!("there is no monitor: connect one"))?;
+        Some(Ground::Desktop(place))
+    } else {
+        of_screen_saver().map_err(anyhow::Error::msg)?.map(|(window, size)| Ground::Within(window, size))
+    };
+    if let Some(ground) = &ground {
+        settings.size = match ground {
+            Ground::Desktop((_, size)) | Ground::Within(_, size) => *size,
+        };
+        settings.fps_cap = settings.fps_cap.or(Some(FPS));
+        settings.choices.hints = false;
+        settings.choices.stage.output = None;
+        // It takes no window's place.
+        (settings.remembered, settings.fullscreen, settings.place) = (false, false, None);
+    }
+    Ok((settings, ground))
 }
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.

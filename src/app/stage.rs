@@ -39,6 +39,7 @@ use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
+use super::wallpaper::{Rect, Wallpaper};
 use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::config::{Choices, PlaySettings};
@@ -94,6 +95,10 @@ pub(super) struct Stage {
     waited: Option<(Instant, (u32, u32))>,
     /// The picture on another monitor.
     output: Output,
+    /// If the window is the desktop's ground.
+    wallpaper: Option<Wallpaper>,
+    /// Where it was moved last.
+    grounded_at: Option<Rect>,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
@@ -347,7 +352,8 @@ impl Stage {
             || self.output.is_stale()
             || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen = !self.occluded
+        let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
+        let seen = !(self.occluded || rests)
             || self.pace.shown().is_none()
             || self.feeds.are_any()
             || self.output.size().is_some();

@@ -24,6 +24,7 @@ use winit::window::{Fullscreen, Window, WindowAttributes};
 use super::error::AppError;
 use super::identity;
 use super::monitors::Monitor;
+use super::wallpaper::Rect;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
@@ -40,6 +41,17 @@ pub(super) struct WindowWishes {
     pub visible: bool,
     /// Whether the driver's messages are logged.
     pub log_debug: bool,
+    /// What it is to be instead of a window among others.
+    pub ground: Option<Ground>,
+}
+
+/// A window for the eyes alone.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Ground {
+    /// Below all windows of the desktop, on this rectangle of it.
+    Desktop(Rect),
+    /// Within another program's window of X11, which has this size in pixels.
+    Within(u32, (u32, u32)),
 }
 
 /// A window without a context yet. It is opened on the thread of the window's events and bound on the thread that
@@ -127,7 +139,7 @@ impl OpenWindow {
             Some((x, y)) => attributes.with_position(PhysicalPosition::new(x, y)),
             None => attributes,
         };
-        let attributes = identity::told_by(attributes);
+        let attributes = grounded(identity::told_by(attributes), wishes.ground);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
         let builder = DisplayBuilder::new()
@@ -143,6 +155,11 @@ impl OpenWindow {
             .ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?
             .map_err(|error| no_context(&error))?;
         let window = window.ok_or_else(|| AppError::NoContext("the system opened no window".into()))?;
+        if wishes.ground.is_some()
+            && let Err(error) = window.set_cursor_hittest(false)
+        {
+            tracing::warn!("clicks do not go through the wallpaper: {error}");
+        }
         let size = window.inner_size().into();
         let place = window.outer_position().ok().map(Into::into);
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
@@ -344,9 +361,38 @@ impl GlWindowContext {
         self.window.fullscreen().is_some()
     }
 
+    /// Moves it to a rectangle of the desktop.
+    pub(super) fn fill(&self, ((x, y), (width, height)): Rect) {
+        self.window.set_outer_position(PhysicalPosition::new(x, y));
+        let _ = self.window.request_inner_size(PhysicalSize::new(width, height));
+    }
+
     /// Enters or leaves full screen.
     pub(super) fn set_fullscreen(&self, on: bool) {
         self.window.set_fullscreen(on.then_some(Fullscreen::Borderless(None)));
+    }
+}
+
+/// The attributes of a window for the eyes alone.
+fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> WindowAttributes {
+    let Some(ground) = ground else { return attributes };
+    let attributes = attributes.with_decorations(false).with_active(false);
+    #[cfg(all(unix, not(target_os = "macos")))]
+    {
+        use winit::platform::x11::{WindowAttributesExtX11, WindowType};
+        match ground {
+            Ground::Desktop(((x, y), _)) => attributes
+                .with_position(PhysicalPosition::new(x, y))
+                .with_x11_window_type(vec![WindowType::Desktop]),
+            Ground::Within(window, _) => {
+                attributes.with_position(PhysicalPosition::new(0, 0)).with_embed_parent_window(window)
+            }
+        }
+    }
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    {
+        let _ = ground;
+        attributes
     }
 }
 

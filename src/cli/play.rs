@@ -172,6 +172,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // A window of another size might reach beyond the screen there.
         place: last.place.filter(|_| arguments.size.is_none()),
+        wallpaper: false,
         sends: Vec::new(),
         send_size: None,
         send_fps: 0.0,

@@ -35,6 +35,10 @@ pub(super) struct StagingArguments {
     /// there are, 'off' fills none [default: what was chosen in the window]
     #[arg(long, value_name = "MONITOR")]
     output: Option<String>,
+    /// Be the desktop's ground on X11: below every window, on every monitor, for the eyes alone; at most 30 frames a second
+    /// unless --fps-cap says otherwise. It rests while windows cover it, and on battery. Media keys pause the song
+    #[arg(long, conflicts_with_all = ["output", "fullscreen", "size"])]
+    wallpaper: bool,
     /// Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
     /// or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once
     #[arg(long, value_name = "TO")]
@@ -67,6 +71,7 @@ impl StagingArguments {
         if self.send.contains(&SendWish::Y4m(None)) {
             refuse_a_terminal(&Output::Standard, "mariana --send y4m:- | mpv -")?;
         }
+        settings.wallpaper = self.wallpaper;
         (settings.sends, settings.send_size) = (self.send.clone(), self.send_size);
         settings.send_fps = self.send_fps;
         Ok(())

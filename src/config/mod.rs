@@ -121,6 +121,8 @@ pub struct PlaySettings {
     pub size: (u32, u32),
     /// Where on the desktop the window opens, in pixels; none lets the system choose.
     pub place: Option<(i32, i32)>,
+    /// The picture is the desktop's ground.
+    pub wallpaper: bool,
     /// Where pictures are sent.
     pub sends: Vec<SendWish>,
     /// Width and height of those pictures, in pixels; none is the window's size at the start.

@@ -189,7 +189,8 @@ impl Desktop {
         server.randr_delete_monitor(root, name).unwrap().check().unwrap();
     }
 
-    fn connect(&self) -> (RustConnection, u32) {
+    /// A connection to the X server, and its root window.
+    pub(crate) fn connect(&self) -> (RustConnection, u32) {
         let (server, number) = x11rb::connect(Some(&self.display)).unwrap();
         let root = server.setup().roots[number].root;
         (server, root)
@@ -208,7 +209,17 @@ impl Desktop {
     }
 
     /// Runs `command`, which is the program with `song`, until its window shows.
-    pub(crate) fn show(&self, mut command: Command, song: &Path) -> App<'_> {
+    pub(crate) fn show(&self, command: Command, song: &Path) -> App<'_> {
+        let mut app = self.show_without_focus(command, song);
+        app.wait("the keyboard's focus", |app| {
+            let active = output_of(app.desktop.command("xdotool").arg("getactivewindow"), "xdotool").ok()?;
+            (String::from_utf8_lossy(&active).trim() == app.window).then_some(())
+        });
+        app
+    }
+
+    /// The same of a window that gets no keys.
+    pub(crate) fn show_without_focus(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
         let told = collect(process.child().stderr.take().unwrap());
@@ -216,15 +227,12 @@ impl Desktop {
             App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
         app.wait("its window", |app| {
             let mut search = app.desktop.command("xdotool");
-            search.args(["search", "--onlyvisible", "--name", " - Mariana"]);
+            let own = app.process.id().to_string();
+            search.args(["search", "--all", "--onlyvisible", "--pid", &own, "--name", " - Mariana"]);
             let found = output_of(&mut search, "xdotool").ok()?;
             let found = String::from_utf8_lossy(&found);
             app.window = found.lines().next()?.to_owned();
             Some(())
-        });
-        app.wait("the keyboard's focus", |app| {
-            let active = output_of(app.desktop.command("xdotool").arg("getactivewindow"), "xdotool").ok()?;
-            (String::from_utf8_lossy(&active).trim() == app.window).then_some(())
         });
         app
     }

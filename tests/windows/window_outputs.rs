@@ -8,13 +8,15 @@ use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, SCREEN};
 use image::RgbaImage;
 use mariana::srgb::linear;
 use mariana_testing::process::{output_of, wait_until};
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt as _, CreateWindowAux, WindowClass};
 
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
@@ -440,4 +442,73 @@ fn an_output_outlives_a_lost_context() {
     app.wait_until_told("the driver has lost its context");
     wait_for_half(&place, true, "the output", fills);
     quit(app);
+}
+
+/// The program for the eyes alone, with these variables.
+fn ground<'d>(place: &'d Place, variables: &[(&str, &str)], options: &[&str]) -> App<'d> {
+    let mut command = place.desktop.command(PROGRAM);
+    let scene = place.path("two.scene");
+    command.envs(variables.iter().copied()).args(["--silent", "-v", "--prepare-ahead", "off", "--scene"]);
+    command.arg(scene).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut app = place.desktop.show_without_focus(command, Path::new(""));
+    app.wait_until_told("first picture after");
+    app
+}
+
+#[test]
+fn a_wallpaper_is_below_everything_on_every_monitor_and_takes_no_input() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let half = SCREEN.0 as u16 / 2;
+    place.desktop.plug_monitor("left", 0, half);
+    place.desktop.plug_monitor("right", half as i16, half);
+    let wallpaper = ground(&place, &[], &["--wallpaper"]);
+    for right in [false, true] {
+        wait_for_half(&place, right, "the wallpaper", fills);
+    }
+    // Clicks go through it, to what is below.
+    let under_pointer = wallpaper.xdotool(&["mousemove", "100", "300", "getmouselocation", "--shell"]);
+    assert!(!under_pointer.contains(&format!("WINDOW={}\n", wallpaper.window())), "{under_pointer}");
+    // A window that opens later is above it.
+    let app = place.open("two.scene", &["--flip", "horizontal"]);
+    app.xdotool(&["windowmove", "--sync", app.window(), "40", "200"]);
+    wait_for_half(&place, false, "a window above the wallpaper", |half| {
+        is_blue(at(half, 0.3, 0.5)) && is_red(at(half, 0.02, 0.02)) && is_blue(at(half, 0.98, 0.98))
+    });
+    wallpaper.xdotool(&["windowraise", wallpaper.window()]);
+    wait_for(&app, "the window above the wallpaper", |picture| is_blue(at(picture, 0.2, 0.5)));
+    quit(app);
+    // The monitors change.
+    place.desktop.pull_monitor("right");
+    place.desktop.pull_monitor("left");
+    wait_until("the wallpaper of one monitor", || fills(&place.desktop.screen()));
+}
+
+#[test]
+fn a_wallpaper_rests_while_it_is_covered() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS), ("breathes.scene", BREATHES)]);
+    let mut wallpaper = ground(&place, &[], &["--wallpaper", "--fps-cap", "10"]);
+    let app = place.open("breathes.scene", &[]);
+    assert!(!wallpaper.told().contains("the wallpaper rests"), "{}", wallpaper.told());
+    app.press(&["f"]);
+    wallpaper.wait_until_told("the wallpaper rests");
+    app.press(&["f"]);
+    wallpaper.wait_until_told("the wallpaper goes on");
+    quit(app);
+    assert!(wallpaper.runs());
+}
+
+#[test]
+fn a_screen_saver_s_window_is_drawn_into_and_its_end_is_the_end() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let (server, root) = place.desktop.connect();
+    let saver = server.generate_id().unwrap();
+    let colors = CreateWindowAux::new().override_redirect(1).background_pixel(0);
+    let kind = WindowClass::INPUT_OUTPUT;
+    server.create_window(0, saver, root, 400, 0, 400, 600, 0, kind, 0, &colors).unwrap().check().unwrap();
+    server.map_window(saver).unwrap().check().unwrap();
+    let app = ground(&place, &[("XSCREENSAVER_WINDOW", &format!("{saver:#x}"))], &[]);
+    wait_for_half(&place, true, "the picture in the screen saver's window", fills);
+    server.destroy_window(saver).unwrap().check().unwrap();
+    let (status, told) = app.wait_for_end(QUIT_LIMIT);
+    assert!(status.success() && !told.contains("panicked"), "{status}: {told}");
 }

@@ -93,7 +93,7 @@ impl Stage {
         {
             return Ok(false);
         }
-        lay.show(&mut self.renderer, size, area)?;
+        Self::show_picture(&mut self.renderer, self.wallpaper.as_ref(), &lay, size)?;
         let painted = self.overlay.paint(self.window.window(), size, content)?;
         let painting = handing_over.elapsed();
         self.window.swap()?;

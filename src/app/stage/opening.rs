@@ -28,6 +28,7 @@ use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
+use crate::app::wallpaper::Wallpaper;
 use crate::app::window::{GlWindowContext, OpenWindow};
 use crate::app::window_thread::{Told, Waker};
 use crate::config::{Choices, DEFAULT_DEVICE, Memory, PlaySettings};
@@ -148,6 +149,8 @@ impl Opening<'_> {
         let of_controls = waker.clone();
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
+            grounded_at: None,
+            wallpaper: settings.wallpaper.then(|| Wallpaper::start(waker)),
             output: Output::new(choices.stage.output.clone(), proxy, waker),
             listening: Listening::new(sound, songs),
             renderer,

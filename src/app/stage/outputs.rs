@@ -7,10 +7,11 @@ use winit::window::Window;
 
 use super::Stage;
 use crate::app::error::AppError;
+use crate::app::wallpaper::{Panel, Wallpaper};
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::Renderer;
-use crate::placement::{Area, Placement, WHOLE, fitted, within};
+use crate::placement::{Area, Placement, WHOLE, fitted, product, within};
 
 /// How a picture lies on its screen.
 pub(super) struct Lay {
@@ -42,7 +43,8 @@ impl Lay {
 impl Stage {
     /// The size that pictures are drawn for, in pixels: of the output, else of the window.
     pub(super) fn screen_size(&self) -> Option<(u32, u32)> {
-        self.output.size().or(self.window.size())
+        let of_ground = self.wallpaper.as_ref().and_then(Wallpaper::screen);
+        self.output.size().or(of_ground).or(self.window.size())
     }
 
     /// Takes the output's window.
@@ -64,6 +66,12 @@ impl Stage {
 
     /// Opens and closes the output as monitors come and go.
     pub(super) fn update_output(&mut self) {
+        if let Some(place) = self.wallpaper.as_ref().and_then(Wallpaper::place)
+            && self.grounded_at != Some(place)
+        {
+            self.grounded_at = Some(place);
+            self.window.fill(place);
+        }
         let was = self.output.size();
         if let Some(sentence) = self.output.update(&self.window) {
             tell(&sentence);
@@ -72,6 +80,29 @@ impl Stage {
         if self.output.size() != was {
             self.window.window().request_redraw();
         }
+    }
+
+    /// Shows the picture on every monitor, if it is the desktop's ground, and in the window as `lay` says otherwise.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn show_picture(
+        renderer: &mut Renderer,
+        ground: Option<&Wallpaper>,
+        lay: &Lay,
+        size: (u32, u32),
+    ) -> Result<(), GpuError> {
+        let panels = ground.map(|ground| ground.panels(lay.screen)).unwrap_or_default();
+        if panels.is_empty() {
+            return lay.show(renderer, size, lay.area_in(size));
+        }
+        let map = lay.placement.map();
+        for Panel { area, map: of_panel, part } in panels {
+            let part = if lay.placement.is_plain() { part } else { lay.placement.part() };
+            let map = within(area, &product(&map, &of_panel));
+            renderer.show_in_part(size, area, &map, part)?;
+        }
+        Ok(())
     }
 
     /// Moves the output to another monitor, or to none.
