@@ -58,6 +58,13 @@ impl MonitorWatch {
         }
     }
 
+    /// These are there, and nobody needs to look.
+    pub(super) fn note(&mut self, monitors: Vec<Monitor>) {
+        self.begun = true;
+        // A thread that has begun ends with what it would tell.
+        self.known = Arc::new(Mutex::new(Some(monitors)));
+    }
+
     /// All that are there, from the left to the right; none before they are known.
     pub(super) fn known(&self) -> Option<Vec<Monitor>> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).clone()

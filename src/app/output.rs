@@ -67,6 +67,12 @@ impl Output {
         self.monitors.begin(move || waker.wake());
     }
 
+    /// Takes the monitors of a window system that tells them by itself.
+    pub(super) fn note_monitors(&mut self, monitors: Vec<Monitor>) {
+        tracing::info!("monitors: {}", names(&monitors));
+        self.monitors.note(monitors);
+    }
+
     /// The monitors that are there.
     pub(super) fn monitors(&self) -> Vec<Monitor> {
         self.monitors.known().unwrap_or_default()

@@ -12,6 +12,7 @@ use winit::event_loop::EventLoop;
 use super::accessibility::ControlsTeller;
 use super::announcer::{TrackOrder, next_repeat};
 use super::error::AppError;
+use super::feeds::Sends;
 use super::keys::Action;
 use super::media_controls::Asked;
 use super::monitors;
@@ -49,6 +50,9 @@ pub fn run(
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
         return Err(AppError::SongLost(trouble.clone()).into());
     }
+    // A place that nothing can be sent to ends it before anything shows.
+    let sends = Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)
+        .map_err(AppError::from)?;
     let (waker, inbox) = inbox();
     let (shown, first) = load_first(&scene, &waker)?;
     let ahead = match settings.prepare_ahead {
@@ -82,8 +86,17 @@ pub fn run(
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
-        let opening =
-            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls, proxy };
+        let opening = Opening {
+            tracks,
+            settings: &settings,
+            scene: &scene,
+            memory,
+            loaders,
+            first,
+            controls,
+            proxy,
+            sends,
+        };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
@@ -208,6 +221,7 @@ impl Show {
                         }
                         self.typing.set(self.stage.takes_text());
                     }
+                    Message::Monitors(monitors) => self.stage.note_monitors(monitors),
                     Message::Output(window) => self.stage.take_output(window),
                     Message::OutputEvent(event) => self.stage.take_output_event(&event),
                     Message::Assistance(assistance) => self.stage.assist(assistance),

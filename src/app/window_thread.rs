@@ -31,6 +31,8 @@ const END_WAIT: Duration = Duration::from_secs(6);
 pub(super) enum Message {
     /// Something happened to the window.
     Window(WindowEvent),
+    /// These monitors are there, where X11 does not tell.
+    Monitors(Vec<Monitor>),
     /// The window of the output, which was asked for.
     Output(Arc<Window>),
     /// Something happened to it.
@@ -123,6 +125,7 @@ pub(super) fn run(
         ends_by: None,
         show_ended: false,
         held: ModifiersState::empty(),
+        monitors: Vec::new(),
         typing,
         result: Ok(()),
     };
@@ -146,6 +149,8 @@ struct Front {
     show_ended: bool,
     /// The keys that are held and change what others do.
     held: ModifiersState,
+    /// Those of Wayland.
+    monitors: Vec<Monitor>,
     typing: Typing,
     result: Result<(), AppError>,
 }
@@ -278,6 +283,12 @@ impl ApplicationHandler<Told> for Front {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if let Some(monitors) = monitors_of_wayland(event_loop)
+            && self.monitors != monitors
+        {
+            self.monitors.clone_from(&monitors);
+            let _ = self.messages.send(Message::Monitors(monitors));
+        }
         if self.ends_by.is_some_and(|until| Instant::now() >= until) {
             tracing::info!("a driver holds up the show: the program ends without it");
             event_loop.exit();
@@ -305,6 +316,27 @@ impl ApplicationHandler<Told> for Front {
         drop(output);
         drop(window);
     }
+}
+
+/// The monitors, where they are Wayland's: from the left to the right.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn monitors_of_wayland(event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
+    use winit::platform::wayland::ActiveEventLoopExtWayland;
+    if !event_loop.is_wayland() {
+        return None;
+    }
+    let known = |monitor: winit::monitor::MonitorHandle| {
+        let (place, size) = (monitor.position().into(), monitor.size().into());
+        Some(Monitor { name: monitor.name()?, place, size })
+    };
+    let mut monitors: Vec<Monitor> = event_loop.available_monitors().filter_map(known).collect();
+    monitors.sort_by_key(|monitor| monitor.place);
+    Some(monitors)
+}
+
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn monitors_of_wayland(_event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
+    None
 }
 
 /// Ends the process, whose display has gone, and says so.

@@ -64,7 +64,7 @@ impl StagingArguments {
     pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= LIMITS.sends_max,
-            "pictures can be sent to at most {} places, not {}: leave some --send out",
+            "pictures can be sent to at most {} places, not {}: give fewer",
             LIMITS.sends_max,
             self.send.len()
         );

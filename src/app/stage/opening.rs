@@ -17,7 +17,7 @@ use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
-use crate::app::feeds::Feeds;
+use crate::app::feeds::{Feeds, Sends};
 use crate::app::listening::Listening;
 use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
@@ -64,6 +64,8 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) controls: ControlsTeller,
     /// Who opens windows.
     pub(in crate::app) proxy: EventLoopProxy<Told>,
+    /// Where pictures are sent.
+    pub(in crate::app) sends: Sends,
 }
 
 impl Opening<'_> {
@@ -72,7 +74,7 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, memory, loaders, first, controls, proxy } = self;
+        let Self { tracks, settings, scene, memory, loaders, first, controls, proxy, sends } = self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -80,9 +82,6 @@ impl Opening<'_> {
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
-        // A place that nothing can be sent to ends it before anything shows.
-        let feeds =
-            Feeds::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -159,7 +158,7 @@ impl Opening<'_> {
             live: None,
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
-            feeds,
+            feeds: Feeds::of(sends),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             input: UserInput::default(),

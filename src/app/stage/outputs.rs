@@ -7,6 +7,7 @@ use winit::window::Window;
 
 use super::Stage;
 use crate::app::error::AppError;
+use crate::app::monitors::Monitor;
 use crate::app::wallpaper::{Panel, Wallpaper};
 use crate::export::print::tell;
 use crate::gpu::error::GpuError;
@@ -45,6 +46,11 @@ impl Stage {
     pub(super) fn screen_size(&self) -> Option<(u32, u32)> {
         let of_ground = self.wallpaper.as_ref().and_then(Wallpaper::screen);
         self.output.size().or(of_ground).or(self.window.size())
+    }
+
+    /// Takes the monitors of a window system that tells them by itself.
+    pub(in crate::app) fn note_monitors(&mut self, monitors: Vec<Monitor>) {
+        self.output.note_monitors(monitors);
     }
 
     /// Takes the output's window.
