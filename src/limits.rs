@@ -63,6 +63,8 @@ pub struct Limits {
     pub show_entries_max: usize,
     /// Most parameters that an entry of a show moves.
     pub show_settings_max: usize,
+    /// Most steps of one of their movements.
+    pub show_steps_max: usize,
     /// Longest fade from one scene to another, in seconds.
     pub fade_seconds_max: f64,
     /// Most programs that are sent pictures over one port at a time.
@@ -104,9 +106,10 @@ pub const LIMITS: Limits = Limits {
     structures_kept_max: 500,
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
-    show_bytes_max: 1 << 20,
+    show_bytes_max: 1 << 24,
     show_entries_max: 10_000,
     show_settings_max: 64,
+    show_steps_max: 20_000,
     fade_seconds_max: 60.0,
     send_readers_max: 8,
     send_request_bytes_max: 8_192,

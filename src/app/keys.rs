@@ -336,6 +336,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("j")],
+        written: "J",
+        action: Action::TogglePanel(Panel::Hands),
+        meaning: "knobs from outside: MIDI and OSC, what they turn, learning",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("i")],
         written: "I",
         action: Action::ToggleCorner,

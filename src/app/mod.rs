@@ -12,6 +12,7 @@ mod error;
 mod feeds;
 pub mod file_browser;
 mod frame_times;
+pub mod hands;
 pub mod identity;
 pub mod keys;
 mod listening;

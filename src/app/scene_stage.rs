@@ -15,6 +15,7 @@ mod context_change;
 mod directed;
 mod drawing;
 mod fading;
+mod hands;
 mod kept;
 mod mixing;
 mod requests;
@@ -33,6 +34,7 @@ use directed::Directed;
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
 use fading::Fading;
+use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
 use universal::UniversalInterpreters;
@@ -50,6 +52,7 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
+use mariana_control::Model;
 
 /// What the loader gives.
 pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
@@ -72,6 +75,8 @@ struct Cast {
     /// Whether it reads curves of the sound.
     hears_curves: bool,
     sliders: Vec<Slider>,
+    /// What each of them turns.
+    knobs: Vec<Knob>,
     /// When it was loaded.
     since: Instant,
     /// Whether it is the scene on the stage with its numbers as constants again.
@@ -126,8 +131,7 @@ pub(super) struct SceneStage {
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_id: u64,
-    /// Parameters that the user moved, by name: they outlive the text that declares them.
-    moved: HashMap<String, f32>,
+    hands: Hands,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
     /// What is said of a scene that was asked for and cannot be drawn yet.
@@ -186,7 +190,7 @@ impl SceneStage {
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_id: 0,
-            moved: HashMap::new(),
+            hands: Hands::new(Model::default(), Instant::now()),
             problem: None,
             notice: None,
             awaited: None,

@@ -238,8 +238,10 @@ impl Show {
     /// Takes in what has happened, and returns when to look again if nothing happens before.
     fn look_around(&mut self) -> Result<Instant, AppError> {
         self.obey_controls();
+        self.obey_hands();
         self.over |= self.stage.look_at_status(&self.settings)?;
-        self.stage.look_around()
+        let until = self.stage.look_around()?;
+        Ok(self.stage.hands_due().map_or(until, |due| until.min(due)))
     }
 
     fn draw(&mut self) -> Result<(), AppError> {
@@ -305,6 +307,16 @@ impl Show {
         match request {
             Request::Act(action) => self.act(action),
             other => self.stage.obey(other),
+        }
+    }
+
+    /// Does what hands from outside wish for.
+    fn obey_hands(&mut self) {
+        for deed in self.stage.take_wishes() {
+            match self.stage.obey_deed(&deed) {
+                Some(action) => self.act(action),
+                None => self.stage.hurry_reports(),
+            }
         }
     }
 

@@ -4,6 +4,7 @@ mod cues;
 mod desk;
 mod directing;
 mod drawing;
+mod hands;
 mod leaving;
 mod mastering;
 mod opening;
@@ -28,6 +29,7 @@ use super::drawing_pace::DrawingPace;
 use super::error::AppError;
 use super::feeds::Feeds;
 use super::frame_times::FrameTimes;
+use super::hands::Hands;
 use super::keys::Action;
 use super::listening::Listening;
 use super::masters::Masters;
@@ -69,6 +71,7 @@ pub(super) struct Stage {
     /// Where pictures are sent.
     feeds: Feeds,
     reports: Reports,
+    hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
     occluded: bool,
@@ -222,6 +225,15 @@ impl Stage {
                 return None;
             }
         }
+        if let (Some(hands), Some((key, _))) = (&mut self.desk.hands, self.input.typed(event)) {
+            let (taken, request) = hands.take_key(key);
+            if let Some(request) = request {
+                self.obey_in_hands(request);
+            }
+            if taken {
+                return None;
+            }
+        }
         if let Some((key, held)) = self.input.typed(event)
             && self.take_corner_key(key, held)
         {
@@ -328,6 +340,7 @@ impl Stage {
             files.update();
         }
         self.update_settings();
+        self.update_hands();
         let now = Instant::now();
         self.reports.update(now);
         self.update_output();

@@ -1,5 +1,6 @@
 //! Flags that are numbers, checked against the limits.
 
+use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_field::world::BlendKind;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
@@ -45,6 +46,11 @@ fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, Strin
     let value: i64 = text.trim().parse().map_err(|_| format!("'{text}' is not a whole number"))?;
     let value = u16::try_from(value).ok().filter(|value| (low..=high).contains(value));
     value.ok_or_else(|| format!("it must be from {low} to {high} {unit}"))
+}
+
+/// A rate at which messages of OSC are sent.
+pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
+    parse_within(text, CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max, "times a second")
 }
 
 /// A volume.

@@ -8,17 +8,20 @@ use clap::{ArgAction, Args};
 use super::choices::{RepeatChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
-use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
+use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
 use super::show::ShowChoice;
 use super::staging::StagingArguments;
 use super::view::ViewArguments;
 use crate::app;
-use crate::config::{Choices, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile};
+use crate::config::{
+    Choices, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile,
+};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::{print_line, tell};
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
+use mariana_control::osc::Place;
 use mariana_player::playlist::{Opened, Playlist};
 use mariana_player::track::Repeat;
 
@@ -89,6 +92,19 @@ pub(super) struct PlayArguments {
     /// auto where several tracks play and no scene is named]
     #[arg(long, value_name = "AUTO-OFF-FILE")]
     show: Option<ShowChoice>,
+    /// Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells
+    /// what they can do
+    #[arg(long, value_name = "PORT")]
+    osc: Option<Place>,
+    /// Send what is heard to another program or to lights, by OSC
+    #[arg(long, value_name = "HOST:PORT")]
+    osc_send: Option<Place>,
+    /// How often a second it is sent
+    #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_osc_rate, allow_negative_numbers = true, requires = "osc_send")]
+    osc_rate: f64,
+    /// Whether MIDI devices are heard; J maps them
+    #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    midi: bool,
     /// Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the
     /// panel of settings still counts
     #[arg(long)]
@@ -167,6 +183,12 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         program_cache: if arguments.program_cache { ProgramCache::of_user() } else { ProgramCache::off() },
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
         begin_at: 0.0,
+        hands: HandSettings {
+            osc: arguments.osc,
+            osc_send: arguments.osc_send,
+            osc_rate: arguments.osc_rate,
+            midi: arguments.midi,
+        },
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),

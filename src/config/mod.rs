@@ -1,12 +1,14 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
 mod choices;
+mod knobs;
 mod last_show;
 mod settings;
 mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
+pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
 pub use settings::{Settings, SettingsError, SettingsFile};
 pub use stage_choices::StageChoices;
@@ -16,6 +18,7 @@ use std::collections::BTreeMap;
 use crate::program_cache::ProgramCache;
 use crate::sending::SendWish;
 use crate::show::ShowSource;
+use mariana_control::osc::Place;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,6 +81,19 @@ pub struct Memory {
     pub trouble: Option<SettingsError>,
 }
 
+/// Which hands from outside there are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandSettings {
+    /// Where OSC is heard; none hears none.
+    pub osc: Option<Place>,
+    /// Where what is heard goes by OSC.
+    pub osc_send: Option<Place>,
+    /// How often a second it goes there.
+    pub osc_rate: f64,
+    /// Whether MIDI is heard.
+    pub midi: bool,
+}
+
 /// How the window plays and shows a song, or what it listens to.
 #[derive(Debug, Clone)]
 pub struct PlaySettings {
@@ -123,6 +139,8 @@ pub struct PlaySettings {
     pub place: Option<(i32, i32)>,
     /// The picture is the desktop's ground.
     pub wallpaper: bool,
+    /// Hands from outside.
+    pub hands: HandSettings,
     /// Where pictures are sent.
     pub sends: Vec<SendWish>,
     /// Width and height of those pictures, in pixels; none is the window's size at the start.

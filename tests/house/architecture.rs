@@ -11,6 +11,7 @@ use std::process::Command;
 
 /// What each crate may depend on besides the standard library. None of them knows the program.
 const CRATES: &[(&str, &[&str])] = &[
+    ("control", &["midir", "rosc", "serde", "thiserror", "toml", "tracing"]),
     ("field", &["fidget", "image", "multiversion", "naga", "serde", "thiserror"]),
     ("music", &["ebur128", "rustfft", "serde"]),
     (

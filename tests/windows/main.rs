@@ -6,6 +6,7 @@ mod playlist_window;
 mod window;
 mod window_assisted;
 mod window_changes;
+mod window_hands;
 mod window_live;
 mod window_outputs;
 mod window_panels;

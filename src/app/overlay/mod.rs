@@ -15,6 +15,7 @@ mod content;
 mod corners;
 mod files;
 mod fonts;
+mod hands;
 mod help;
 mod icons;
 mod now_playing;

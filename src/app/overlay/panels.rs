@@ -9,7 +9,8 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, corners, files, help, params, problem, settings, sources, style, tracks, welcome,
+    assisted, bar, browser, corners, files, hands, help, params, problem, settings, sources, style, tracks,
+    welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -38,6 +39,7 @@ struct Kept {
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
+    seen_hand: Option<hands::Seen>,
 }
 
 /// What was laid out.
@@ -138,7 +140,7 @@ fn show(
     let mut changed = false;
     let help = content.help.then(|| help::draw(&front, space));
     if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
-        let (rect, moved) = params::show(context, space, help, sliders);
+        let (rect, moved) = params::show(context, space, help, (sliders, content.learning), requests);
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
@@ -168,6 +170,10 @@ fn show(
             panels.push(settings::show(context, space, rows, &mut kept.seen_setting, requests));
         }
         None => kept.seen_setting = None,
+    }
+    match content.hands {
+        Some(rows) => panels.push(hands::show(context, space, rows, &mut kept.seen_hand, requests)),
+        None => kept.seen_hand = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);

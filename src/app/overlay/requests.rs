@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
 
 /// A panel that opens from the bar; one at a time is open.
@@ -17,6 +18,8 @@ pub enum Panel {
     Files,
     /// What the user chooses for good.
     Settings,
+    /// Knobs from outside.
+    Hands,
     /// The corners of the picture.
     Corners,
 }
@@ -40,6 +43,10 @@ pub enum Request {
     Files(FileRequest),
     /// Something with the settings.
     Settings(SettingRequest),
+    /// Something with knobs from outside.
+    Hands(HandsRequest),
+    /// To learn what turns a parameter of the scene on the stage, by its name, or to stop.
+    LearnParam(String),
     /// To move a corner of the picture.
     Corner {
         /// Which, clockwise from the upper left.

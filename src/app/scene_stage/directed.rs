@@ -3,14 +3,13 @@
 //! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. Where
 //! it was not ready in time, or the machine cannot draw it, the scenes fade instead.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::ahead::WantedAhead;
+use super::hands::Stays;
 use super::{Cast, SceneStage};
 use crate::scenes::{SceneSource, camera_number};
 use crate::show::{Programme, Stay, blend_kind};
-use mariana_field::world::World;
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -85,6 +84,11 @@ impl SceneStage {
     pub(in crate::app) fn toggle_lock(&mut self) -> bool {
         self.directed.is_locked = !self.directed.is_locked;
         self.directed.overruled = None;
+        self.directed.is_locked
+    }
+
+    /// Whether the scene stays although there is a show.
+    pub(in crate::app) fn is_kept(&self) -> bool {
         self.directed.is_locked
     }
 
@@ -172,57 +176,36 @@ impl SceneStage {
     }
 
     /// The parameters of a scene at `time` seconds of the song, and its camera's number: as the show moves them, and
-    /// else, or where the user moved a slider, as the sliders stand.
+    /// else, or where another hand turned one, as that left it.
     pub(super) fn staged(&self, cast: &Cast, time: f64) -> (Vec<f32>, Option<usize>) {
-        let world = cast.resources.world();
-        let moment =
-            self.directed.programme().and_then(|programme| Some((programme, programme.plan().at(time)?)));
-        let Some((programme, moment)) = moment else { return (unmoved(cast), None) };
-        let (SceneSource::Blend(_), Some(split)) = (&cast.source, world.blended) else {
-            return match programme.source(&moment.stay.scene) == Some(&cast.source) {
-                true => self.staged_in(cast, moment.stay, time),
-                false => (unmoved(cast), None),
-            };
-        };
-        let mut numbers = unmoved(cast);
-        let last = world.scene.params.len().saturating_sub(1);
-        let share = match moment.leaving {
-            Some((from, share)) => {
-                self.move_params(world, &mut numbers, 0..split, (from, time));
-                self.move_params(world, &mut numbers, split..last, (moment.stay, time));
-                share
-            }
-            None => 1.0,
-        };
-        if let Some(number) = numbers.last_mut() {
+        let (stays, share) = self.stays(cast, time);
+        let mut numbers = self.numbers(cast, &stays, time);
+        if let Some((share, number)) = share.zip(numbers.last_mut()) {
             *number = share;
         }
-        (numbers, None)
+        let world = cast.resources.world();
+        let camera = stays.first.filter(|_| share.is_none());
+        (numbers, camera.and_then(|stay| camera_number(world, stay.camera.as_deref())))
     }
 
     /// The same in a certain stay.
     pub(super) fn staged_in(&self, cast: &Cast, stay: &Stay, time: f64) -> (Vec<f32>, Option<usize>) {
-        let (world, mut numbers) = (cast.resources.world(), unmoved(cast));
-        self.move_params(world, &mut numbers, 0..world.scene.params.len(), (stay, time));
-        (numbers, camera_number(world, stay.camera.as_deref()))
+        let numbers = self.numbers(cast, &Stays { first: Some(stay), second: None }, time);
+        (numbers, camera_number(cast.resources.world(), stay.camera.as_deref()))
     }
 
-    /// Moves some of the parameters as a stay does, but for those that the user moved.
-    fn move_params(
-        &self,
-        world: &World,
-        numbers: &mut [f32],
-        range: Range<usize>,
-        (stay, time): (&Stay, f64),
-    ) {
-        let moved = stay.params_at(time);
-        let params = world.scene.params.iter().zip(numbers);
-        for (param, number) in params.skip(range.start).take(range.len()) {
-            let is_moved = self.moved.contains_key(&param.name);
-            let value = moved.iter().find(|(name, _)| *name == param.name && !is_moved);
-            if let Some((_, value)) = value {
-                *number = *value;
-            }
+    /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
+    pub(super) fn stays(&self, cast: &Cast, time: f64) -> (Stays<'_>, Option<f32>) {
+        let programme = self.directed.programme();
+        let moment = programme.and_then(|programme| Some((programme, programme.plan().at(time)?)));
+        let Some((programme, moment)) = moment else { return Default::default() };
+        if !matches!(cast.source, SceneSource::Blend(_)) || cast.resources.world().blended.is_none() {
+            let is_on = programme.source(&moment.stay.scene) == Some(&cast.source);
+            return (Stays { first: is_on.then_some(moment.stay), second: None }, None);
+        }
+        match moment.leaving {
+            Some((from, share)) => (Stays { first: Some(from), second: Some(moment.stay) }, Some(share)),
+            None => (Stays::default(), Some(1.0)),
         }
     }
 
@@ -232,14 +215,6 @@ impl SceneStage {
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
     }
-}
-
-/// The parameters of a scene that no show moves: as the sliders stand.
-fn unmoved(cast: &Cast) -> Vec<f32> {
-    let mut sliders = cast.sliders.iter();
-    let params = cast.resources.world().scene.params.iter();
-    let mut slider = |default| sliders.next().map_or(default, |one| one.value);
-    params.map(|param| if param.is_number { param.default } else { slider(param.default) }).collect()
 }
 
 /// The source of a transition that mixes the worlds of two stays.

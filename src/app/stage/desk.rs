@@ -5,6 +5,8 @@ use std::time::Instant;
 
 use crate::app::corner_hands::CornerHands;
 use crate::app::file_browser::FileBrowser;
+use crate::app::hands::Hands;
+use crate::app::hands::panel::HandsPanel;
 use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
@@ -28,6 +30,8 @@ pub(in crate::app) struct Desk {
     pub(super) files: Option<FileBrowser>,
     /// The settings, while they are open.
     pub(super) settings: Option<SettingsPanel>,
+    /// Knobs from outside, while they are open.
+    pub(super) hands: Option<HandsPanel>,
     /// The corners of the picture, while they are moved.
     pub(super) corners: Option<CornerHands>,
     /// Whether nothing shows over the picture but what was asked for and what is wrong.
@@ -60,6 +64,7 @@ impl Desk {
             browser: None,
             files: None,
             settings: None,
+            hands: None,
             corners: None,
             clean,
             bare: false,
@@ -76,6 +81,7 @@ impl Desk {
         &'a self,
         content: &mut OverlayContent<'a>,
         seen: &'a Seen,
+        hands: &'a Hands,
         listening: &'a Listening,
         reports: &'a Reports,
         now: Instant,
@@ -87,6 +93,8 @@ impl Desk {
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
         content.settings = self.settings.as_ref();
+        content.hands = self.hands.as_ref();
+        content.learning = hands.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
         content.corners = self.corners;
         content.hides_pointer =

@@ -82,7 +82,7 @@ impl Stage {
         self.note_scene();
         let seen = self.look_around_desk(begun);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &self.listening, &self.reports, begun);
+        self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -151,7 +151,7 @@ impl Stage {
         let corner = self.corner_line(now);
         let seen = self.look_around_desk(now);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &self.listening, &self.reports, now);
+        self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
         // The bar goes when the pointer has rested.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);

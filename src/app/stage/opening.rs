@@ -18,6 +18,7 @@ use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
 use crate::app::feeds::{Feeds, Sends};
+use crate::app::hands::Hands;
 use crate::app::listening::Listening;
 use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
@@ -161,6 +162,7 @@ impl Opening<'_> {
             feeds: Feeds::of(sends),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
@@ -253,7 +255,7 @@ pub(in crate::app) fn renewed(
     if assisted {
         overlay.assist(Assistance::Begins);
     }
-    scenes.take_over(kept.moved, kept.wanted);
+    scenes.take_over(kept.hands, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
         renderer: renderer(&window, &stage.choices, scene)?,
