@@ -26,6 +26,7 @@ pub mod overlay;
 pub mod pacing;
 mod pointer;
 mod pointer_rest;
+mod recording;
 mod region_builder;
 mod reports;
 pub mod scene_browser;

@@ -287,6 +287,7 @@ impl Show {
             Action::ToggleFollow => stage.toggle_follow(),
             Action::ToggleKeep => stage.toggle_keep(),
             Action::NextCue => stage.next_cue(),
+            Action::ToggleRecording => stage.toggle_recording(),
             Action::ToggleSliders => stage.desk.panels.toggle_sliders(),
             Action::ToggleCorner => stage.desk.panels.toggle_corner(),
             Action::ToggleBlackout => stage.toggle_blackout(),

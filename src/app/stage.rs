@@ -10,6 +10,7 @@ mod mastering;
 mod opening;
 mod outputs;
 mod panels;
+mod recording;
 mod sending;
 mod settings;
 
@@ -37,6 +38,7 @@ use super::media_controls::Asked;
 use super::output::Output;
 use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
+use super::recording::Recording;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
@@ -71,6 +73,8 @@ pub(super) struct Stage {
     /// Where pictures are sent.
     feeds: Feeds,
     reports: Reports,
+    /// What is recorded of the show.
+    recording: Recording,
     hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
@@ -341,6 +345,7 @@ impl Stage {
         }
         self.update_settings();
         self.update_hands();
+        self.tell_recording();
         let now = Instant::now();
         self.reports.update(now);
         self.update_output();

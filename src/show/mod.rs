@@ -26,7 +26,7 @@ pub use live::{Hearing, LiveDirector};
 pub use parse::{Parsed, parse};
 pub use performance::{OnStage, Performance};
 pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
-pub use programme::{Programme, ShowError, ShowSource, seed_of};
+pub use programme::{Programme, ShowError, ShowSource, name_of, seed_of};
 pub use resolve::resolve;
 pub use script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, When};
 pub use text::print;

@@ -72,6 +72,9 @@ impl Stage {
             self.renderer.limit_flashes(self.pace.note_picture(begun))?;
             self.feeds.note_picture();
         }
+        if let Some(Drawn { shown, .. }) = new {
+            self.record(shown.moment);
+        }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
         let lay = Lay { placement, screen, is_held: held };

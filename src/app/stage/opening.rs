@@ -25,6 +25,7 @@ use crate::app::media_controls::MediaControls;
 use crate::app::output::Output;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
+use crate::app::recording::Recording;
 use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
@@ -32,7 +33,7 @@ use crate::app::user_input::UserInput;
 use crate::app::wallpaper::Wallpaper;
 use crate::app::window::{GlWindowContext, OpenWindow};
 use crate::app::window_thread::{Told, Waker};
-use crate::config::{Choices, DEFAULT_DEVICE, Memory, PlaySettings};
+use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::background::Sources;
@@ -162,6 +163,7 @@ impl Opening<'_> {
             feeds: Feeds::of(sends),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            recording: Recording::new(PerformanceFiles::of_user()),
             hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
             occluded: false,
