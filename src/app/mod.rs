@@ -20,6 +20,8 @@ mod listening;
 mod lost_display;
 mod masters;
 mod media_controls;
+pub mod monitors;
+mod output;
 pub mod overlay;
 pub mod pacing;
 mod pointer;
@@ -37,6 +39,7 @@ mod stage;
 mod text_query;
 mod title;
 mod user_input;
+mod wallpaper;
 mod window;
 mod window_thread;
 
