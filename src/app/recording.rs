@@ -167,8 +167,8 @@ impl Take {
             seen.params.iter().map(|&(ref name, value, own, is_shown)| Turned { name, value, own, is_shown });
         let params = params.collect();
         let (scene, camera) = (seen.scene.as_str(), seen.camera.as_deref());
-        let (moves, hand) = (&seen.moves[..], seen.hand);
-        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, moves, hand });
+        let (moves, turns) = (&seen.moves[..], seen.hand.turns());
+        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, moves, turns });
     }
 }
 

@@ -28,5 +28,5 @@ pub use performance::{OnStage, Performance, Turned};
 pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, name_of, seed_of};
 pub use resolve::resolve;
-pub use script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, When};
+pub use script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, UNTURNED, When};
 pub use text::print;

@@ -6,8 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::plan::{Entrance, Move};
-use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, When};
-use crate::frame::orbit_controls::OrbitControls;
+use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, UNTURNED, When};
 use crate::limits::LIMITS;
 use mariana_field::lang::{Span, Way};
 
@@ -31,8 +30,8 @@ pub struct OnStage<'a> {
     pub params: Vec<Turned<'a>>,
     /// What a show does with its parameters.
     pub moves: &'a [Move],
-    /// How the camera is moved by hand.
-    pub hand: OrbitControls,
+    /// How the camera is moved by hand: the values of [`CAMERA_TURNS`].
+    pub turns: [f32; 3],
 }
 
 /// A parameter in a picture.
@@ -116,8 +115,7 @@ impl Performance {
             });
         }
         let Some(played) = self.scenes.last_mut() else { return };
-        let off = OrbitControls::OFF.turns();
-        let turns = CAMERA_TURNS.into_iter().zip(seen.hand.turns().into_iter().zip(off));
+        let turns = CAMERA_TURNS.into_iter().zip(seen.turns.into_iter().zip(UNTURNED));
         let is_moved = |name: &str| seen.moves.iter().any(|one| one.param == name);
         let turns = turns.map(|(name, (value, own))| Turned {
             name,
@@ -280,13 +278,13 @@ mod tests {
                 if number == back {
                     // Back to the middle: what came later is played over.
                     time *= 0.5;
-                    seen.retain(|(at, ..): &(f64, &str, f32, OrbitControls)| *at < time);
+                    seen.retain(|(at, ..): &(f64, &str, f32, [f32; 3])| *at < time);
                     (scene, start) = ("again", time);
                 }
                 if let Some(change) = change {
                     (scene, start) = (["first", "second", "third"][usize::from(change)], time);
                 }
-                let hand = OrbitControls::of_turns([yaw, 0.0, 1.0]);
+                let turns = [yaw, 0.0, 1.0];
                 performance.note(begun + time, &OnStage {
                     scene,
                     camera: None,
@@ -294,24 +292,24 @@ mod tests {
                     start: begun + start,
                     params: vec![Turned { name: "knob", value: knob, own: 0.5, is_shown: false }],
                     moves: &[],
-                    hand,
+                    turns,
                 });
-                seen.push((time, scene, knob, hand));
+                seen.push((time, scene, knob, turns));
             }
             let text = print(&performance.script(), &[]);
             let script = parse("performed.show", &text).script;
             prop_assert!(script.is_some(), "{text}");
             let (plan, left_out) = resolve(&script.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
             prop_assert!(left_out.is_empty());
-            for (time, scene, knob, hand) in seen {
+            for (time, scene, knob, turns) in seen {
                 let moment = plan.at(begun + time);
                 prop_assert_eq!(moment.map(|moment| moment.stay.scene.as_str()), Some(scene), "{}", text);
                 let stay = moment.map(|moment| moment.stay.clone());
                 let params = stay.as_ref().map(|stay| stay.params_at(begun + time)).unwrap_or_default();
                 let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
                 prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
-                let turned = stay.map_or(OrbitControls::OFF, |stay| stay.hand_at(begun + time));
-                prop_assert_eq!(turned, hand, "{}", text);
+                let turned = stay.map_or(UNTURNED, |stay| stay.turns_at(begun + time));
+                prop_assert_eq!(turned, turns, "{}", text);
             }
         }
     }
@@ -330,7 +328,7 @@ mod tests {
                     start: 0.0,
                     params: vec![Turned { name: "relief", value: 0.5, own: 0.5, is_shown: false }],
                     moves: &[],
-                    hand: OrbitControls::OFF,
+                    turns: UNTURNED,
                 },
             );
         }
@@ -354,7 +352,7 @@ mod tests {
                     start: 10.0,
                     params: vec![Turned { name: "swell", value, own: 0.5, is_shown: time < 20.0 }],
                     moves: &moves,
-                    hand: OrbitControls::OFF,
+                    turns: UNTURNED,
                 },
             );
         }
@@ -377,7 +375,7 @@ mod tests {
                     start: 0.0,
                     params: vec![Turned { name: "relief", value: frame as f32, own: 0.5, is_shown: false }],
                     moves: &[],
-                    hand: OrbitControls::OFF,
+                    turns: UNTURNED,
                 },
             );
         }

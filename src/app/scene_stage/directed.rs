@@ -198,7 +198,10 @@ impl SceneStage {
             return self.hand;
         };
         let (stays, _) = self.stays(cast, time);
-        stays.second.or(stays.first).map_or(OrbitControls::OFF, |stay| stay.hand_at(time))
+        stays
+            .second
+            .or(stays.first)
+            .map_or(OrbitControls::OFF, |stay| OrbitControls::of_turns(stay.turns_at(time)))
     }
 
     /// What is on the stage at `time` seconds of the song, to be recorded.
