@@ -62,6 +62,8 @@ pub enum Action {
     ToggleKeep,
     /// Bring what a show file holds for a key.
     NextCue,
+    /// Record what hands do as a show, or end that.
+    ToggleRecording,
     /// Show or hide the parameters' sliders.
     ToggleSliders,
     /// Show or hide the line about the scene.
@@ -277,6 +279,13 @@ pub const BINDINGS: &[Binding] = &[
         written: "Enter",
         action: Action::NextCue,
         meaning: "the next cue of a show file",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Named(NamedKey::F9)],
+        written: "F9",
+        action: Action::ToggleRecording,
+        meaning: "record what hands do, as a show that `mariana video` renders; again to end it",
         repeats: false,
     },
     Binding {

@@ -145,6 +145,8 @@ pub(super) struct SceneStage {
     regions: SceneRegions,
     views: Views,
     hand: OrbitControls,
+    /// How the camera was moved in the last picture.
+    shown_hand: OrbitControls,
     /// How far above its target the scene's own camera was in the last picture, in radians.
     own_pitch: f64,
     // Last: its threads draw with what the fields above hold.
@@ -200,6 +202,7 @@ impl SceneStage {
             regions,
             views: Views::starting_with(ways.view),
             hand: OrbitControls::OFF,
+            shown_hand: OrbitControls::OFF,
             own_pitch: 0.0,
             compiler,
         };

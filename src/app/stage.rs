@@ -8,7 +8,9 @@ mod hands;
 mod leaving;
 mod mastering;
 mod opening;
+mod outputs;
 mod panels;
+mod recording;
 mod sending;
 mod settings;
 
@@ -33,12 +35,15 @@ use super::keys::Action;
 use super::listening::Listening;
 use super::masters::Masters;
 use super::media_controls::Asked;
+use super::output::Output;
 use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
+use super::recording::Recording;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::user_input::{UserInput, Wish};
+use super::wallpaper::{Rect, Wallpaper};
 use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::config::{Choices, PlaySettings};
@@ -68,6 +73,8 @@ pub(super) struct Stage {
     /// Where pictures are sent.
     feeds: Feeds,
     reports: Reports,
+    /// What is recorded of the show.
+    recording: Recording,
     hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
@@ -93,6 +100,12 @@ pub(super) struct Stage {
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
     waited: Option<(Instant, (u32, u32))>,
+    /// The picture on another monitor.
+    output: Output,
+    /// If the window is the desktop's ground.
+    wallpaper: Option<Wallpaper>,
+    /// Where it was moved last.
+    grounded_at: Option<Rect>,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
@@ -332,8 +345,10 @@ impl Stage {
         }
         self.update_settings();
         self.update_hands();
+        self.tell_recording();
         let now = Instant::now();
         self.reports.update(now);
+        self.update_output();
         let to_send = self.send(now)?;
         let edited = self.scene.saves_samples(now);
         // A picture that was begun is not begun again because the text rests.
@@ -350,9 +365,16 @@ impl Stage {
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
         // A picture that is held changes no more.
         let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
-        let moving = changes || self.is_dimming(now) || overlay_due.is_some_and(|due| due <= now);
+        let moving = changes
+            || self.is_dimming(now)
+            || self.output.is_stale()
+            || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen = !self.occluded || self.pace.shown().is_none() || self.feeds.are_any();
+        let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
+        let seen = !(self.occluded || rests)
+            || self.pace.shown().is_none()
+            || self.feeds.are_any()
+            || self.output.size().is_some();
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.

@@ -3,6 +3,7 @@
 mod choices;
 mod knobs;
 mod last_show;
+mod performances;
 mod settings;
 mod stage_choices;
 mod understood;
@@ -10,6 +11,7 @@ mod understood;
 pub use choices::{Choice, Choices};
 pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
+pub use performances::{Kept, PerformanceFiles};
 pub use settings::{Settings, SettingsError, SettingsFile};
 pub use stage_choices::StageChoices;
 
@@ -137,6 +139,8 @@ pub struct PlaySettings {
     pub size: (u32, u32),
     /// Where on the desktop the window opens, in pixels; none lets the system choose.
     pub place: Option<(i32, i32)>,
+    /// The picture is the desktop's ground.
+    pub wallpaper: bool,
     /// Hands from outside.
     pub hands: HandSettings,
     /// Where pictures are sent.

@@ -307,7 +307,7 @@ fn listed(what: &str, names: &[String]) -> String {
 }
 
 /// What a show calls a scene.
-fn name_of(source: &SceneSource) -> String {
+pub fn name_of(source: &SceneSource) -> String {
     match source {
         SceneSource::Shipped(name) => name.clone(),
         SceneSource::File(path) => path.display().to_string(),

@@ -116,6 +116,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("glutin_winit", &["app"]),
     ("winit", &["app"]),
     ("x11_dl", &["app"]),
+    ("x11rb", &["app"]),
     // The overlay, the letters of legends, and the fonts of both.
     ("egui", &["app", "view", "system_fonts"]),
     ("fontdb", &["system_fonts"]),

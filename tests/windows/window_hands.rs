@@ -88,13 +88,13 @@ impl Place {
 }
 
 /// A program that sends OSC, and hears the answers.
-struct Sender {
+pub(crate) struct Sender {
     socket: UdpSocket,
-    port: u16,
+    pub(crate) port: u16,
 }
 
 impl Sender {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         // A port that was free a moment ago.
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -103,7 +103,7 @@ impl Sender {
     }
 
     /// Sends a message with numbers.
-    fn send(&self, address: &str, numbers: &[f32]) {
+    pub(crate) fn send(&self, address: &str, numbers: &[f32]) {
         self.send_bytes(&message(address, numbers));
     }
 

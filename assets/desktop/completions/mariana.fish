@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= new gl-info brightness= blackout-fade= flip= crop= corners= send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= new gl-info brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -58,6 +58,7 @@ vertical\t''
 both\t'For a projector that hangs upside down'"
 complete -c mariana -n "__fish_mariana_needs_command" -l crop -d 'What the picture in the window loses at its edges, in percent; what is left fills the window, unstretched [default: what was chosen last, at first 0,0,0,0]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l corners -d 'Where the picture\'s corners lie in the window, in percent to the right and down, clockwise from the upper left: for a projector that stands aslant. \'off\' is the window\'s own corners [default: where Y has put them]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l output -d 'Fill a monitor with the clean picture, by its name or number, while the window stays beside it; \'list\' tells which there are, \'off\' fills none [default: what was chosen in the window]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send -d 'Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-size -d 'Size of the pictures that are sent [default: the window\'s at the start]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l send-fps -d 'How many pictures are sent in a second' -r
@@ -85,6 +86,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l fullscreen -d 'Start in
 complete -c mariana -n "__fish_mariana_needs_command" -l clean -d 'Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar'
 complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the panel of settings still counts'
 complete -c mariana -n "__fish_mariana_needs_command" -l gl-info -d 'Print which OpenGL is available, and exit'
+complete -c mariana -n "__fish_mariana_needs_command" -l wallpaper -d 'Be the desktop\'s ground on X11: below every window, on every monitor, for the eyes alone; at most 30 frames a second unless --fps-cap says otherwise. It rests while windows cover it, and on battery. Media keys pause the song'
 complete -c mariana -n "__fish_mariana_needs_command" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_needs_command" -s V -l version -d 'Print version'

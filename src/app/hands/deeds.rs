@@ -54,6 +54,7 @@ const TABLE: &[Row] = &[
     switch("follow", Action::ToggleFollow, |stage| stage.follows()),
     switch("keep", Action::ToggleKeep, |stage| stage.scene.is_kept()),
     key("cue", Action::NextCue),
+    switch("record", Action::ToggleRecording, |stage| stage.is_recording()),
     key("beat", Action::Tap),
     Row {
         name: "tempo",

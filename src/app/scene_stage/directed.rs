@@ -8,8 +8,11 @@ use std::sync::Arc;
 use super::ahead::WantedAhead;
 use super::hands::Stays;
 use super::{Cast, SceneStage};
+use crate::app::recording::Performed;
+use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
-use crate::show::{Programme, Stay, blend_kind};
+use crate::show::{Programme, Stay, blend_kind, name_of};
+use mariana_control::Hand;
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -188,6 +191,46 @@ impl SceneStage {
         (numbers, camera.and_then(|stay| camera_number(world, stay.camera.as_deref())))
     }
 
+    /// How the camera of the scene on the stage is moved at `time` seconds of the song: by the user's hand, or else as the
+    /// show turns it.
+    pub(super) fn hand_at(&self, time: f64) -> OrbitControls {
+        let Some(cast) = self.on_stage.as_ref().filter(|_| self.hand == OrbitControls::OFF) else {
+            return self.hand;
+        };
+        let (stays, _) = self.stays(cast, time);
+        stays
+            .second
+            .or(stays.first)
+            .map_or(OrbitControls::OFF, |stay| OrbitControls::of_turns(stay.turns_at(time)))
+    }
+
+    /// What is on the stage at `time` seconds of the song, to be recorded.
+    pub(in crate::app) fn performed(&self, time: f64) -> Option<Performed> {
+        let cast = self.on_stage.as_ref()?;
+        let (stays, _) = self.stays(cast, time);
+        let split = cast.resources.world().blended.unwrap_or(0);
+        let params = cast.sliders.iter().zip(&cast.knobs).filter(|(_, knob)| knob.place >= split);
+        let params = params.map(|(slider, _)| {
+            (slider.name.clone(), slider.value, slider.default, slider.hand == Hand::Show)
+        });
+        let source = match &cast.source {
+            SceneSource::Blend(blend) => &blend.to.source,
+            source => source,
+        };
+        let overruled = self.directed.entered.is_some_and(|(index, _)| self.directed.is_overruled(index));
+        let stay = stays.second.or(stays.first).filter(|_| !overruled && !self.directed.is_locked);
+        Some(Performed {
+            source: source.clone(),
+            scene: named(source),
+            camera: stay.and_then(|stay| stay.camera.clone()),
+            directed: stay.map(|stay| (stay.entrance, stay.start)),
+            fade: self.fading.seconds(),
+            params: params.collect(),
+            moves: stay.map(|stay| stay.moves.clone()).unwrap_or_default(),
+            hand: self.hand_at(time),
+        })
+    }
+
     /// The same in a certain stay.
     pub(super) fn staged_in(&self, cast: &Cast, stay: &Stay, time: f64) -> (Vec<f32>, Option<usize>) {
         let numbers = self.numbers(cast, &Stays { first: Some(stay), second: None }, time);
@@ -214,6 +257,17 @@ impl SceneStage {
         let of_blend =
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
+    }
+}
+
+/// What shows call a scene, wherever they are.
+fn named(source: &SceneSource) -> String {
+    match source {
+        SceneSource::File(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            name_of(&SceneSource::File(path))
+        }
+        source => name_of(source),
     }
 }
 

@@ -149,7 +149,8 @@ impl SceneStage {
             Some(under) => self.staged_in(cast, &under.stay, time),
             None => self.staged(cast, time),
         };
-        let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand };
+        let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand_at(time) };
+        self.shown_hand = hand;
         let wishes = Wishes { params: &params, camera, hand };
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else { return Ok(None) };

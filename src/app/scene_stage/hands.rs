@@ -38,7 +38,7 @@ impl Hands {
 /// Which parameter a slider turns.
 pub(super) struct Knob {
     /// Its place among those of the world.
-    place: usize,
+    pub(super) place: usize,
     /// The title of the scene that it belongs to.
     scene: Rc<str>,
 }

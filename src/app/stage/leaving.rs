@@ -1,5 +1,7 @@
 //! What a show leaves to the next one when it ends: volume, window, scene, sliders, and where its tracks had got to.
 
+use std::time::Instant;
+
 use super::Stage;
 use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
@@ -10,6 +12,7 @@ const LEFT_MIN: f64 = 5.0;
 impl Stage {
     /// Remembers the show for the next one, unless the user wants nothing remembered.
     pub(in crate::app) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
+        self.recording.finish(Instant::now());
         if !settings.remembered {
             return;
         }

@@ -119,6 +119,7 @@ impl Stage {
         if settled {
             self.choose(move |choices| choices.stage.corners = corners);
         }
+        self.output.look_different();
         self.window.window().request_redraw();
     }
 

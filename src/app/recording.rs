@@ -1,0 +1,230 @@
+//! Records what hands do to the pictures of a song, as a show that does it again.
+//!
+//! What is written down is what showed, whoever wanted it so. Each track has a file of its own; it is written again every
+//! few seconds, so that a crash costs no more than those.
+
+use std::time::{Duration, Instant};
+
+use super::direction::OfTrack;
+use crate::config::PerformanceFiles;
+use crate::frame::orbit_controls::OrbitControls;
+use crate::scenes::SceneSource;
+use crate::show::{Entrance, Move, OnStage, Performance, Turned, print};
+use mariana_field::lang::Way;
+
+/// How often a performance is written while it goes on.
+const KEPT_EVERY: Duration = Duration::from_secs(10);
+
+/// What the stage shows at a moment.
+pub(super) struct Performed {
+    /// What it comes from.
+    pub source: SceneSource,
+    /// What shows call it.
+    pub scene: String,
+    /// One of its cameras.
+    pub camera: Option<String>,
+    /// How it came and when that began, in seconds of the song, where a show says so.
+    pub directed: Option<(Entrance, f64)>,
+    /// How many seconds a change takes that no show makes.
+    pub fade: f64,
+    /// Its parameters with their values, those of its text, and whether a show moves them.
+    pub params: Vec<(String, f32, f32, bool)>,
+    /// What a show does with them.
+    pub moves: Vec<Move>,
+    /// How the camera is moved by hand.
+    pub hand: OrbitControls,
+}
+
+/// A performance that goes on.
+struct Take {
+    number: u64,
+    track: OfTrack,
+    title: String,
+    performance: Performance,
+    kept: Instant,
+    /// What was on in the last picture.
+    shown: Option<Showing>,
+    /// Whether it was told that there is no more room.
+    told_full: bool,
+}
+
+/// What is on.
+struct Showing {
+    source: SceneSource,
+    entrance: Entrance,
+    /// Since when, in seconds of the song.
+    start: f64,
+}
+
+/// See the module.
+pub(super) struct Recording {
+    files: PerformanceFiles,
+    take: Option<Take>,
+    is_on: bool,
+    /// How many performances there were.
+    count: u64,
+    /// Whether the next file that is kept is to be told.
+    tells: bool,
+}
+
+impl Recording {
+    /// Nothing is recorded yet.
+    pub(super) fn new(files: PerformanceFiles) -> Self {
+        Self { files, take: None, is_on: false, count: 0, tells: false }
+    }
+
+    /// Whether what shows is recorded.
+    pub(super) fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// Begins, or ends and keeps what was recorded. Returns whether it begins.
+    pub(super) fn toggle(&mut self, now: Instant) -> bool {
+        self.is_on = !self.is_on;
+        if !self.is_on {
+            self.finish(now);
+        }
+        self.is_on
+    }
+
+    /// Keeps what was recorded.
+    pub(super) fn finish(&mut self, now: Instant) {
+        let Some(mut take) = self.take.take() else { return };
+        self.tells = true;
+        keep(&self.files, &mut take, now);
+    }
+
+    /// Notes a picture of a track at `time` seconds. Returns what is to be said about it.
+    pub(super) fn note(
+        &mut self,
+        (track, title): (OfTrack, &str),
+        time: f64,
+        seen: &Performed,
+        now: Instant,
+    ) -> Option<&'static str> {
+        if !self.is_on || track.is_none() {
+            return None;
+        }
+        if self.take.as_ref().is_some_and(|take| take.track != track) {
+            self.finish(now);
+        }
+        let count = &mut self.count;
+        let take = self.take.get_or_insert_with(|| {
+            *count += 1;
+            let (title, performance) = (title.to_owned(), Performance::default());
+            Take { number: *count, track, title, performance, kept: now, shown: None, told_full: false }
+        });
+        take.note(time, seen);
+        if now.saturating_duration_since(take.kept) >= KEPT_EVERY {
+            keep(&self.files, take, now);
+        }
+        let is_news = take.performance.is_full() && !std::mem::replace(&mut take.told_full, true);
+        is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
+    }
+
+    /// What became of a file, to be said.
+    pub(super) fn news(&mut self) -> Option<String> {
+        let kept = self.files.poll()?;
+        match kept {
+            Ok(path) if self.tells => {
+                self.tells = false;
+                Some(format!(
+                    "recorded: {}; `mariana video SONG --show` and that file renders it",
+                    path.display()
+                ))
+            }
+            Ok(_) => None,
+            Err(error) => Some(format!("{error}: the performance is not kept; make room for it")),
+        }
+    }
+}
+
+impl Take {
+    fn note(&mut self, time: f64, seen: &Performed) {
+        let changes = |fade: f64| match fade > 0.0 {
+            true => Entrance::new(Way::Fade, fade),
+            false => Entrance::CUT,
+        };
+        let (entrance, start) = match (&self.shown, seen.directed) {
+            // What nobody directs any more stays as it is.
+            (Some(shown), None) if shown.source == seen.source && shown.start <= time => {
+                (shown.entrance, shown.start)
+            }
+            (None, None) => (Entrance::CUT, time),
+            (Some(_), None) => (changes(seen.fade), time),
+            // The show takes over in the middle of a scene.
+            (Some(shown), Some((_, start))) if start < shown.start => {
+                if shown.source == seen.source {
+                    (shown.entrance, shown.start)
+                } else {
+                    (changes(seen.fade), time)
+                }
+            }
+            (_, Some(directed)) => directed,
+        };
+        self.shown = Some(Showing { source: seen.source.clone(), entrance, start });
+        let params =
+            seen.params.iter().map(|&(ref name, value, own, is_shown)| Turned { name, value, own, is_shown });
+        let params = params.collect();
+        let (scene, camera) = (seen.scene.as_str(), seen.camera.as_deref());
+        let (moves, turns) = (&seen.moves[..], seen.hand.turns());
+        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, moves, turns });
+    }
+}
+
+fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
+    take.kept = now;
+    if take.performance.is_empty() {
+        return;
+    }
+    let comments = [
+        format!("What was played to {}.", take.title),
+        "`mariana video SONG --show` and this file renders it.".to_owned(),
+    ];
+    if !files.keep(take.number, &take.title, print(&take.performance.script(), &comments)) {
+        tracing::warn!("there is no folder for performances");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(scene: &str, directed: Option<(Entrance, f64)>) -> Performed {
+        Performed {
+            source: SceneSource::Shipped(scene.to_owned()),
+            scene: scene.to_owned(),
+            camera: None,
+            directed,
+            fade: 0.5,
+            params: Vec::new(),
+            moves: Vec::new(),
+            hand: OrbitControls::OFF,
+        }
+    }
+
+    #[test]
+    fn each_track_has_its_file_with_what_was_on_and_how_it_came() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
+        let now = Instant::now();
+        recording.note((Some(0), "one"), 1.0, &seen("orb", None), now);
+        assert!(recording.take.is_none(), "nobody asked for it");
+        assert!(recording.toggle(now));
+        for (time, scene) in [(2.0, "orb"), (3.0, "orb"), (4.0, "city"), (5.0, "city")] {
+            recording.note((Some(0), "one"), time, &seen(scene, None), now);
+        }
+        let melt = (Entrance::new(Way::Melt, 2.0), 0.5);
+        recording.note((Some(1), "two"), 1.5, &seen("heart", Some(melt)), now);
+        recording.note((None, "an input"), 9.0, &seen("city", None), now);
+        assert!(!recording.toggle(now));
+        drop(recording);
+        let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(
+            text("one.show").ends_with("at 0:02  orb  cut\nat 0:04  city  fade over 0.5 s\n"),
+            "{}",
+            text("one.show")
+        );
+        assert!(text("two.show").ends_with("\nat 0:00.5  heart  melt over 2 s\n"), "{}", text("two.show"));
+    }
+}
