@@ -115,6 +115,7 @@ pub fn run(
                         show.stage.leave_to_the_next(&show.settings);
                     }
                     tracing::info!("{}", show.stage.frame_times());
+                    tracing::info!("from message to frame: {}", show.stage.message_times());
                     return ended;
                 }
             }

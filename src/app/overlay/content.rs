@@ -191,6 +191,7 @@ impl OverlayContent<'_> {
             && self.scenes.is_none()
             && self.files.is_none()
             && self.settings.is_none()
+            && self.hands.is_none()
             && self.corners.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
@@ -210,6 +211,7 @@ impl OverlayContent<'_> {
             || self.scenes.is_some()
             || self.files.is_some()
             || self.settings.is_some()
+            || self.hands.is_some()
             || self.corners.is_some()
     }
 

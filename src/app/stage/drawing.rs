@@ -107,6 +107,7 @@ impl Stage {
             let cost = self.cost(spent + painting, showing);
             self.pace.note_times(level, showing, cost);
             self.scene.note_frame_time(showing);
+            self.hands.note_shown(shown.revision);
         }
         if painted.params_changed {
             self.scene.note_moved();
