@@ -285,7 +285,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Named(NamedKey::F9)],
         written: "F9",
         action: Action::ToggleRecording,
-        meaning: "record what hands do, as a show that `mariana video` renders; again to end it",
+        meaning: "record what hands do as a show, to be rendered; again to end",
         repeats: false,
     },
     Binding {
