@@ -3,9 +3,11 @@
 
 mod accessibility;
 mod announcer;
+mod clipboard;
 mod direction;
 mod drawing_pace;
 mod dynamic_resolution;
+pub mod editor;
 pub mod edits;
 mod error;
 pub mod file_browser;

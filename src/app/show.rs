@@ -24,7 +24,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
-use crate::scenes::{Loader, NumberEdits, SceneSource, TextureCache};
+use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
 use mariana_player::playlist::Opened;
 
 /// A context that is lost again this soon after it was made anew is not made again.
@@ -47,9 +47,10 @@ pub fn run(
         return Err(AppError::SongLost(trouble.clone()).into());
     }
     let (waker, inbox) = inbox();
-    let (shown, first) = load_first(&scene, &waker)?;
+    let drafts = Drafts::default();
+    let (shown, first) = load_first(&scene, &waker, &drafts)?;
     let ahead = match settings.prepare_ahead {
-        true => Some([start_loader(&waker)?, start_loader(&waker)?]),
+        true => Some([start_loader(&waker, &drafts)?, start_loader(&waker, &drafts)?]),
         false => None,
     };
     let loaders = SceneLoaders { shown, ahead };
@@ -79,7 +80,7 @@ pub fn run(
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
         let opening =
-            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls };
+            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls, drafts };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
@@ -107,8 +108,12 @@ pub fn run(
 }
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
-fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, LoadedScene), AppError> {
-    let loader = start_loader(waker)?;
+fn load_first(
+    scene: &SceneChoice,
+    waker: &Waker,
+    drafts: &Drafts,
+) -> Result<(SceneLoader, LoadedScene), AppError> {
+    let loader = start_loader(waker, drafts)?;
     loader.request(scene.source.clone());
     let first = loop {
         match loader.poll() {
@@ -119,11 +124,17 @@ fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, Loaded
     Ok((loader, first))
 }
 
-/// Starts a loader that has nothing to load yet.
-fn start_loader(waker: &Waker) -> Result<SceneLoader, AppError> {
+/// Starts a loader that has nothing to load yet. It tells an editor what it found.
+fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, AppError> {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let waker = waker.clone();
-    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits);
+    let drafts = drafts.clone();
+    let load = move |source: &SceneSource| {
+        let texts = drafts.texts();
+        let (result, files) = source.ready_with(&mut textures, &mut edits, &texts);
+        drafts.tell(Findings::of(source, &texts, &result));
+        (result, files)
+    };
     Loader::start(load, move || waker.wake())
         .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })
 }
@@ -177,6 +188,7 @@ impl Show {
                     Message::End => return Ok(()),
                 }
             }
+            self.stage.follow_editor();
             if redraws || self.stage.scene.is_drawing() {
                 self.draw()?;
             }

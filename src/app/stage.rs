@@ -4,6 +4,7 @@ mod cues;
 mod desk;
 mod directing;
 mod drawing;
+mod editing;
 mod leaving;
 mod opening;
 mod panels;
@@ -38,6 +39,7 @@ use super::window_thread::Waker;
 use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::scenes::Drafts;
 use crate::show::LiveDirector;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
@@ -65,6 +67,8 @@ pub(super) struct Stage {
     /// What the pointer asked for in the last picture.
     requests: Vec<Request>,
     pub(super) desk: Desk,
+    /// Texts that are edited, for those that load scenes.
+    drafts: Drafts,
     /// What was chosen, for this run.
     choices: Choices,
     /// Whether the command line says what songs play on.
@@ -186,6 +190,9 @@ impl Stage {
         if self.overlay.on_event(self.window.window(), event) {
             return None;
         }
+        if self.take_for_editor(event) {
+            return None;
+        }
         if let (Some(browser), Some((key, held))) = (&mut self.desk.browser, self.input.typed(event)) {
             let chosen = browser.take_key(key, held.control_key() || held.super_key());
             self.follow_choice(chosen);
@@ -298,6 +305,7 @@ impl Stage {
             self.open_files(dropped, append);
         }
         self.scene.update()?;
+        self.update_editor();
         if let (Some(browser), Some(thumbnails)) = (&mut self.desk.browser, &mut self.thumbnails) {
             browser.set_present(self.scene.shown_source());
             browser.take(thumbnails);

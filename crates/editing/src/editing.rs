@@ -24,6 +24,8 @@ pub struct Editing {
     history: History,
     followed: Followed,
     version: u64,
+    /// The first byte that has changed since somebody asked.
+    changed_from: Option<usize>,
 }
 
 /// What cannot be put into a text.
@@ -47,6 +49,7 @@ impl Editing {
             history: History::default(),
             followed: Followed::default(),
             version: 0,
+            changed_from: None,
         }
     }
 
@@ -73,6 +76,11 @@ impl Editing {
     /// A number that grows with every change of the text.
     pub fn version(&self) -> u64 {
         self.version
+    }
+
+    /// The line from which on the text has changed since the last call; none if it has not.
+    pub fn take_changed_line(&mut self) -> Option<usize> {
+        self.changed_from.take().map(|at| self.buffer.line_of(at))
     }
 
     /// Where a part of the text of an earlier version stands now; none if it was changed or nobody knows.
@@ -172,12 +180,40 @@ impl Editing {
         self.replace(range, new, Joins::Nothing)
     }
 
+    /// Puts others in the place of some parts, from the last to the first, as one change; the cursor stands behind the
+    /// first of them then.
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing has changed then.
+    pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
+        let (max, bytes) = (LIMITS.text_bytes_max, parts.iter().map(|(_, new)| new.len()).sum());
+        if self.buffer.len() + bytes > max {
+            return Err(Refused { bytes, max });
+        }
+        let before = (self.anchor, self.cursor);
+        let mut at = self.cursor;
+        let mut changes = Vec::new();
+        for (range, new) in parts {
+            at = range.start + new.len();
+            changes.push(self.apply(range.clone(), new));
+        }
+        (self.anchor, self.cursor, self.goal) = (at, at, None);
+        self.history.note(Step { changes, before, after: (at, at), joins: Joins::Nothing });
+        Ok(())
+    }
+
     /// The same for a number that is turned: all of its values are undone together until [`Editing::settle`].
     ///
     /// # Errors
     /// [`Refused`].
     pub fn turn(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
         self.replace(range, new, Joins::Turning)
+    }
+
+    /// Selects a number that is being turned, which goes on.
+    pub fn select_turned(&mut self, range: Range<usize>) {
+        let end = range.end.min(self.buffer.len());
+        (self.anchor, self.cursor, self.goal) = (range.start.min(end), end, None);
     }
 
     /// What comes next is undone by itself.
@@ -304,6 +340,7 @@ impl Editing {
         let at = range.start;
         let change = Change { at, removed: self.buffer.replace(range, new), inserted: new.to_vec() };
         self.version += 1;
+        self.changed_from = Some(self.changed_from.map_or(at, |from| from.min(at)));
         self.followed.note(self.version, &change);
         change
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use mariana_field::lang::{Word, WordKind, number_place};
 
-/// How far a number is turned by a movement of the hand.
+/// How far a number is turned by a movement of the hand: a factor, and how finely it is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TurnSpeed {
     /// A tenth of the usual.
@@ -39,6 +39,17 @@ const POINTS_OF_STEP: f64 = 12.0;
 const DECIMALS_MAX: usize = 6;
 /// Largest magnitude that a number is turned to.
 const LARGEST: f64 = 1e6;
+
+impl TurnSpeed {
+    /// Points of the usual hand for a point of this one.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Fine => 0.1,
+            Self::Usual => 1.0,
+            Self::Coarse => 10.0,
+        }
+    }
+}
 
 impl Number {
     /// The number at a byte of a line, or that ends there, by the line's words.
@@ -78,17 +89,12 @@ impl Number {
         })
     }
 
-    /// Its value when the hand has moved by so many points to the right.
+    /// Its value when the hand has moved by so many points to the right ([`TurnSpeed::factor`]).
     pub fn turned(&self, points: f64, speed: TurnSpeed) -> f64 {
-        let factor = match speed {
-            TurnSpeed::Fine => 0.1,
-            TurnSpeed::Usual => 1.0,
-            TurnSpeed::Coarse => 10.0,
-        };
         if self.whole {
-            return (self.value + (points * factor / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
+            return (self.value + (points / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
         }
-        let turned = self.value + points * factor * SHARE_OF_POINT * self.decade();
+        let turned = self.value + points * SHARE_OF_POINT * self.decade();
         let grain = 10_f64.powi(-(self.decimals_at(speed) as i32));
         ((turned / grain).round() * grain).clamp(-LARGEST, LARGEST)
     }
@@ -108,12 +114,6 @@ impl Number {
             return text.trim_start_matches('-').to_owned();
         }
         text.to_owned()
-    }
-
-    /// What the digits mean by themselves if the number has this value: a sign before them turns it.
-    pub fn digits_value(&self, value: f64) -> f32 {
-        let turned = if self.range.start < self.digits { -value } else { value };
-        turned as f32
     }
 
     /// From what to what the digits may be turned before the text is read again: never over 0, so that what is divided
@@ -160,7 +160,7 @@ mod tests {
     fn numbers_are_turned_in_steps_of_their_size() {
         let turned = |text: &str, points, speed| {
             let number = number(text, text).unwrap();
-            number.written(number.turned(points, speed), speed)
+            number.written(number.turned(points * speed.factor(), speed), speed)
         };
         use TurnSpeed::{Coarse, Fine, Usual};
         assert_eq!(turned("0.5", 100.0, Usual), "0.7");
@@ -196,7 +196,6 @@ mod tests {
         ] {
             let found = of(line, "0.5");
             assert_eq!((found.range.clone(), found.value), (range, value), "{line}");
-            assert_eq!(found.digits_value(value), 0.5);
         }
         assert_eq!(number("a + b", "a"), None);
         assert_eq!(number("1e30", "1"), None, "nobody turns that");

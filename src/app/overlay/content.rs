@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
+use crate::app::editor::Editor;
 use crate::app::file_browser::FileBrowser;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
@@ -39,6 +40,8 @@ pub struct OverlayContent<'a> {
     pub files: Option<&'a FileBrowser>,
     /// The settings.
     pub settings: Option<&'a SettingsPanel>,
+    /// The editor.
+    pub editor: Option<&'a Editor>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -172,6 +175,7 @@ impl OverlayContent<'_> {
             && self.scenes.is_none()
             && self.files.is_none()
             && self.settings.is_none()
+            && self.editor.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -190,6 +194,7 @@ impl OverlayContent<'_> {
             || self.scenes.is_some()
             || self.files.is_some()
             || self.settings.is_some()
+            || self.editor.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -205,6 +210,7 @@ impl OverlayContent<'_> {
         self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
         self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
+        self.editor.map(Editor::revision).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);

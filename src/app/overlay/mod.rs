@@ -12,6 +12,7 @@ mod assisted;
 mod bar;
 mod browser;
 mod content;
+mod editor;
 mod files;
 mod fonts;
 mod help;
@@ -125,6 +126,7 @@ impl Overlay {
                 | WindowEvent::MouseInput { .. }
                 | WindowEvent::MouseWheel { .. }
                 | WindowEvent::Touch(_)
+                | WindowEvent::ModifiersChanged(_)
                 | WindowEvent::Focused(_)
         ) {
             let _ = self.input.on_window_event(window, event);
@@ -248,6 +250,7 @@ impl Overlay {
         self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
         let own = now.checked_add(laid_out.repaint_after);
         let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
+        let answer = content.editor.and_then(|editor| editor.changes_at());
         let goes = content.welcome.as_ref().and_then(|welcome| welcome.next_change(now));
         self.shown = Some(Shown {
             primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
@@ -256,7 +259,7 @@ impl Overlay {
             // The sliders may have moved.
             fingerprint: content.fingerprint(now),
             interactive,
-            changes_at: own.into_iter().chain(fades).chain(goes).min(),
+            changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
         Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests, controls })
     }

@@ -9,7 +9,7 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, files, help, params, problem, settings, sources, style, tracks, welcome,
+    assisted, bar, browser, editor, files, help, params, problem, settings, sources, style, tracks, welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -139,6 +139,11 @@ fn show(
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
+    }
+    if let Some(text) = content.editor {
+        let rect = editor::show(context, space, text, requests);
+        panels.push(rect);
+        left.min.x = (rect.right() + style::MARGIN).min(left.right());
     }
     if let Some(list) = &content.tracks {
         let rect = tracks::show(context, space, list, requests);

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::app::editor::EditorRequest;
 use crate::app::keys::Action;
 
 /// A panel that opens from the bar; one at a time is open.
@@ -17,11 +18,15 @@ pub enum Panel {
     Files,
     /// What the user chooses for good.
     Settings,
+    /// The text of the scene.
+    Editor,
 }
 
 /// What the user asked for with the pointer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
+    /// Something with the text.
+    Editor(EditorRequest),
     /// What a key does, too.
     Act(Action),
     /// To go to this time of the track, in seconds.

@@ -177,14 +177,14 @@ impl SceneStage {
         let world = cast.resources.world();
         let moment =
             self.directed.programme().and_then(|programme| Some((programme, programme.plan().at(time)?)));
-        let Some((programme, moment)) = moment else { return (unmoved(cast), None) };
+        let Some((programme, moment)) = moment else { return (self.unmoved(cast), None) };
         let (SceneSource::Blend(_), Some(split)) = (&cast.source, world.blended) else {
             return match programme.source(&moment.stay.scene) == Some(&cast.source) {
                 true => self.staged_in(cast, moment.stay, time),
-                false => (unmoved(cast), None),
+                false => (self.unmoved(cast), None),
             };
         };
-        let mut numbers = unmoved(cast);
+        let mut numbers = self.unmoved(cast);
         let last = world.scene.params.len().saturating_sub(1);
         let share = match moment.leaving {
             Some((from, share)) => {
@@ -202,7 +202,7 @@ impl SceneStage {
 
     /// The same in a certain stay.
     pub(super) fn staged_in(&self, cast: &Cast, stay: &Stay, time: f64) -> (Vec<f32>, Option<usize>) {
-        let (world, mut numbers) = (cast.resources.world(), unmoved(cast));
+        let (world, mut numbers) = (cast.resources.world(), self.unmoved(cast));
         self.move_params(world, &mut numbers, 0..world.scene.params.len(), (stay, time));
         (numbers, camera_number(world, stay.camera.as_deref()))
     }
@@ -232,14 +232,6 @@ impl SceneStage {
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
     }
-}
-
-/// The parameters of a scene that no show moves: as the sliders stand.
-fn unmoved(cast: &Cast) -> Vec<f32> {
-    let mut sliders = cast.sliders.iter();
-    let params = cast.resources.world().scene.params.iter();
-    let mut slider = |default| sliders.next().map_or(default, |one| one.value);
-    params.map(|param| if param.is_number { param.default } else { slider(param.default) }).collect()
 }
 
 /// The source of a transition that mixes the worlds of two stays.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::app::editor::Editor;
 use crate::app::file_browser::FileBrowser;
 use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
@@ -27,6 +28,8 @@ pub(in crate::app) struct Desk {
     pub(super) files: Option<FileBrowser>,
     /// The settings, while they are open.
     pub(super) settings: Option<SettingsPanel>,
+    /// The editor, once it was opened.
+    pub(super) editor: Option<Editor>,
     /// Whether nothing shows over the picture but what was asked for and what is wrong.
     pub(super) clean: bool,
 }
@@ -55,6 +58,7 @@ impl Desk {
             browser: None,
             files: None,
             settings: None,
+            editor: None,
             clean,
         }
     }
@@ -75,6 +79,10 @@ impl Desk {
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
         content.settings = self.settings.as_ref();
+        content.editor = self.editor.as_ref().filter(|_| open == Some(Panel::Editor));
+        if content.editor.is_some_and(Editor::tells_mistakes) {
+            content.problem = None;
+        }
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
         content.hides_pointer = (self.clean || !seen.awake) && open.is_none() && content.params.is_none();
         if self.clean {
