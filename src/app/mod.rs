@@ -33,6 +33,7 @@ mod sound;
 mod stage;
 mod text_query;
 mod title;
+mod typing_times;
 mod user_input;
 mod window;
 mod window_thread;

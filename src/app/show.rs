@@ -99,6 +99,7 @@ pub fn run(
                         show.stage.leave_to_the_next(&show.settings);
                     }
                     tracing::info!("{}", show.stage.frame_times());
+                    tracing::info!("{}", show.stage.typing_times());
                     return ended;
                 }
             }

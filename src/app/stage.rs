@@ -33,6 +33,7 @@ use super::pointer_rest::PointerRest;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
+use super::typing_times::TypingTimes;
 use super::user_input::{UserInput, Wish};
 use super::window::GlWindowContext;
 use super::window_thread::Waker;
@@ -69,6 +70,8 @@ pub(super) struct Stage {
     pub(super) desk: Desk,
     /// Texts that are edited, for those that load scenes.
     drafts: Drafts,
+    /// How long keys of the editor took.
+    typing_times: TypingTimes,
     /// What was chosen, for this run.
     choices: Choices,
     /// Whether the command line says what songs play on.
@@ -349,6 +352,11 @@ impl Stage {
     /// How long a show that stands still sleeps: in silence it listens.
     fn idle_interval(&self, seen: bool) -> Duration {
         if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// How long keys of the editor took to be seen, for the log.
+    pub(super) fn typing_times(&self) -> &TypingTimes {
+        &self.typing_times
     }
 
     /// How long frames took, for the log.

@@ -121,10 +121,11 @@ impl<Tell: Fn(News)> Desk<Tell> {
         let mut looked = Instant::now();
         loop {
             let look = (!self.known.is_empty()).then_some(looked + LOOK);
-            let keep = self.to_keep.values().filter_map(|one| one.text.is_some().then(|| one.due()));
+            let now = Instant::now();
+            let keep = self.to_keep.values().filter_map(|one| one.text.is_some().then(|| one.due(now)));
             let due = keep.chain(look).min();
             let order = match due {
-                Some(due) => inbox.recv_timeout(due.saturating_duration_since(Instant::now())),
+                Some(due) => inbox.recv_timeout(due.saturating_duration_since(now)),
                 None => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
             };
             match order {
@@ -216,7 +217,7 @@ impl<Tell: Fn(News)> Desk<Tell> {
     fn keep_all(&mut self, all: bool) {
         let now = Instant::now();
         for (file, one) in &mut self.to_keep {
-            if !all && one.due() > now {
+            if !all && one.due(now) > now {
                 continue;
             }
             let Some(text) = one.text.take() else { continue };
@@ -245,8 +246,9 @@ impl<Tell: Fn(News)> Desk<Tell> {
 }
 
 impl ToKeep {
-    fn due(&self) -> Instant {
-        self.last.map_or_else(Instant::now, |last| last + KEEP)
+    /// When it may be kept next, which is `now` if it never was.
+    fn due(&self, now: Instant) -> Instant {
+        self.last.map_or(now, |last| last + KEEP)
     }
 }
 

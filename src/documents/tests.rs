@@ -2,7 +2,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
@@ -124,6 +124,20 @@ fn what_was_typed_is_kept_over_runs_until_it_is_saved() {
     place.clerk.keep(&file, None);
     place.clerk.finish(WAIT_LIMIT);
     assert_eq!(place.open().1, None);
+}
+
+#[test]
+fn what_was_typed_was_kept_only_when_the_program_ended() {
+    let place = Place::new();
+    let kept = KeptTexts::in_folder(&place.folder.path().join("state"));
+    for text in [b"typed".as_slice(), b"typed more"] {
+        place.clerk.keep(&place.file(), Some(bytes(text)));
+        let start = Instant::now();
+        while kept.of(&place.file()).is_none_or(|kept| *kept.text != *text) {
+            assert!(start.elapsed() < WAIT_LIMIT, "nobody has kept it");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
 }
 
 #[test]

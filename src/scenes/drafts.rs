@@ -116,7 +116,7 @@ impl Drafts {
 
 impl DraftTexts {
     /// The text that stands in the place of a file's, if there is one.
-    pub(super) fn of(&self, file: &Path) -> Option<&Arc<[u8]>> {
+    pub fn of(&self, file: &Path) -> Option<&Arc<[u8]>> {
         self.texts.get(file)
     }
 

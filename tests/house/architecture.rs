@@ -11,6 +11,7 @@ use std::process::Command;
 
 /// What each crate may depend on besides the standard library. None of them knows the program.
 const CRATES: &[(&str, &[&str])] = &[
+    ("editing", &["mariana-field", "thiserror"]),
     ("field", &["fidget", "image", "multiversion", "naga", "serde", "thiserror"]),
     ("music", &["ebur128", "rustfft", "serde"]),
     (
@@ -47,6 +48,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ending", &[]),
     ("faults", &[]),
     ("demo_track", &[]),
+    ("documents", &["atomic_file", "limits"]),
     ("atomic_file", &["ending"]),
     ("frame", &[]),
     // The letters of captions.
@@ -72,6 +74,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "export",
             "config",
             "demo_track",
+            "documents",
             "flash",
             "program_cache",
             "reading_order",
@@ -107,6 +110,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("glow", &["gpu"]),
     ("glutin", &["gpu", "app"]),
     ("glutin_winit", &["app"]),
+    ("arboard", &["app"]),
     ("winit", &["app"]),
     ("x11_dl", &["app"]),
     // The overlay, the letters of legends, and the fonts of both.
@@ -121,7 +125,8 @@ const OUTSIDE: &[(&str, &[&str])] = &[
 ];
 
 /// Folders without I/O, clocks and threads: the same input gives the same output.
-const PURE: &[&str] = &["crates/field/src", "crates/music/src", "src/flash", "src/frame"];
+const PURE: &[&str] =
+    &["crates/editing/src", "crates/field/src", "crates/music/src", "src/flash", "src/frame"];
 const IMPURE: &[&str] = &[
     "std::env",
     "std::fs",

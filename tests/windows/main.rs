@@ -6,6 +6,7 @@ mod playlist_window;
 mod window;
 mod window_assisted;
 mod window_changes;
+mod window_editor;
 mod window_live;
 mod window_panels;
 mod window_programs;

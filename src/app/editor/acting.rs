@@ -192,11 +192,12 @@ impl Editor {
             Command::Propose => self.propose(true),
             Command::MakeParam => self.make_param(),
             Command::TurnNumber { up } => self.turn_by_key(up, shift),
+            Command::Answer { first } => self.take_answer(first),
             Command::New => self.begin_scene(),
             Command::NextText => self.next_text(),
             Command::NextMistake => self.next_mistake(),
             Command::Leave => {
-                let small = self.find.is_some() || self.answer.is_some();
+                let small = self.find.is_some();
                 self.close_small();
                 self.answer = None;
                 if !small {
@@ -395,7 +396,8 @@ impl Editor {
         let (mut top, mut left) = document.view;
         let line = line as f32;
         top = top.min(line - 1.0).max(line + 3.0 - rows).max(0.0);
-        left = left.min(column - 4.0).max(column + 4.0 - columns).max(0.0);
+        let fits = column + 4.0 <= columns;
+        left = if fits { 0.0 } else { left.min(column - 4.0).max(column + 4.0 - columns) };
         document.view = (top, left);
     }
 

@@ -45,6 +45,11 @@ pub enum Command {
     NextText,
     /// To go to the next mistake.
     NextMistake,
+    /// To answer what is asked about the text.
+    Answer {
+        /// Whether the first answer is given.
+        first: bool,
+    },
     /// To close what is open, and then the editor.
     Leave,
 }
@@ -118,6 +123,13 @@ pub const ROWS: &[Row] = &[
         Command::NextText,
         "the next text of this scene: those that it includes",
     ),
+    letter(
+        "1",
+        "Ctrl+1",
+        Command::Answer { first: true },
+        "the first answer to what is asked above the text",
+    ),
+    letter("2", "Ctrl+2", Command::Answer { first: false }, "the second answer"),
     letter("n", "Ctrl+N", Command::New, "begin a new scene"),
     named(
         NamedKey::Escape,
@@ -217,7 +229,7 @@ mod tests {
     #[test]
     fn no_key_has_two_meanings() {
         for (index, row) in ROWS.iter().enumerate() {
-            let same = |other: &Row| (other.key, other.held) == (row.key, row.held);
+            let same = |other: &Row| (&other.key, other.held) == (&row.key, row.held);
             assert!(!ROWS[..index].iter().any(same), "{:?} stands twice", row.key);
         }
     }

@@ -15,6 +15,10 @@ const WIDTH_MIN: f32 = 500.0;
 const WIDTH_MAX: f32 = 860.0;
 /// Height of a line of words and buttons.
 const LINE: f32 = 24.0;
+/// Fewest lines for which there is room, so that there is some for proposals, too.
+const LINES_MIN: usize = 14;
+/// Height of what is around the text, about.
+const AROUND: f32 = 112.0;
 /// Distance of the words from the panel's edge.
 const EDGE: f32 = 10.0;
 
@@ -26,7 +30,11 @@ pub(super) fn show(
     requests: &mut Vec<Request>,
 ) -> Rect {
     let width = (WIDTH_SHARE * space.width()).clamp(WIDTH_MIN.min(space.width()), WIDTH_MAX);
-    let rect = Rect::from_min_size(space.min, vec2(width, space.height()));
+    // As high as its text, so that it hides no more of the picture than it must.
+    let font = context.layer_painter(egui::LayerId::background());
+    let lines = editor.document().map_or(0, |document| document.editing.buffer().line_count());
+    let wanted = (lines + 2).max(LINES_MIN) as f32 * text::cell(&font).y + AROUND;
+    let rect = Rect::from_min_size(space.min, vec2(width, wanted.min(space.height())));
     let mut ask = |request| requests.push(Request::Editor(request));
     let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
     area.show(context, |ui| {

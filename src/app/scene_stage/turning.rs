@@ -19,6 +19,11 @@ impl SceneStage {
         &self.source
     }
 
+    /// The number of the scene on the stage: another one for each version of its text.
+    pub(crate) fn shown_id(&self) -> Option<u64> {
+        self.on_stage.as_ref().map(|cast| cast.id)
+    }
+
     /// Loads the scene again, because its text has changed without its file.
     pub(crate) fn load_again(&mut self) {
         tracing::debug!("{} is loaded again for its draft", self.source.title());

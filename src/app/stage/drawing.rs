@@ -81,6 +81,7 @@ impl Stage {
         let painting = handing_over.elapsed();
         self.window.swap()?;
         let first = self.pace.show(shown);
+        self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), Instant::now());
         if let Some(Drawn { spent, .. }) = new {
             let showing = spent + handing_over.elapsed();
             let cost = self.cost(spent + painting, showing);

@@ -1,5 +1,7 @@
 //! The editor of the scene on the stage: opened and closed, its keys, and what it wants of the show.
 
+use std::time::Instant;
+
 use winit::event::{ElementState, Ime, KeyEvent, WindowEvent};
 
 use super::Stage;
@@ -92,6 +94,9 @@ impl Stage {
         let open = self.is_edited();
         let Some(editor) = &mut self.desk.editor else { return };
         editor.update();
+        if editor.tells_mistakes() {
+            self.typing_times.note_mistake();
+        }
         if open {
             editor.show_scene(self.scene.wanted_source());
         }
@@ -104,6 +109,7 @@ impl Stage {
         let effects = editor.take_effects();
         // However many keys have come, the text is loaded once.
         if effects.contains(&Effect::Reload) {
+            self.typing_times.note_key(self.scene.shown_id(), Instant::now());
             self.scene.load_again();
         }
         for effect in effects {

@@ -158,6 +158,7 @@ impl Opening<'_> {
             controls,
             desk: Desk::new(!choices.hints),
             drafts,
+            typing_times: Default::default(),
             choices,
             names_output: settings.device.is_some() || settings.silent,
             chose_output: false,

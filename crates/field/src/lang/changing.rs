@@ -5,6 +5,7 @@
 //! but numbers, the same place means the same number. What a scene's meaning depends on stays a number of the text:
 //! exponents, the bounds of loops, the defaults and ranges of parameters.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use super::diagnostic::Diagnostics;
@@ -80,6 +81,8 @@ pub(super) struct ChangingNumbers {
     values: Vec<f32>,
     /// Where the number begins that is turned, and its range.
     turning: Option<(u32, Turning)>,
+    /// Inputs whose value the meaning depends on: turned, the text has to be read again.
+    depended_on: RefCell<BTreeSet<u16>>,
 }
 
 /// A number that was read as an input.
@@ -135,8 +138,9 @@ impl ChangingNumbers {
 
     /// Those that occurred, in the order of their inputs.
     pub(super) fn numbers(&self) -> impl Iterator<Item = ChangingNumber> {
-        self.inputs.iter().zip(&self.values).map(|(&(offset, _), &value)| {
-            let turned = self.turning.filter(|(of, _)| *of == offset);
+        let fixed = self.depended_on.borrow().clone();
+        self.inputs.iter().zip(&self.values).map(move |(&(offset, input), &value)| {
+            let turned = self.turning.filter(|(of, _)| *of == offset && !fixed.contains(&input));
             let range = turned
                 .map_or((value, value), |(_, turning)| (turning.least.min(value), turning.most.max(value)));
             ChangingNumber { offset, value, range }
@@ -155,6 +159,11 @@ impl ChangingNumbers {
         if !used.inputs.iter().all(is_number) || !used.tables.is_empty() || !used.textures.is_empty() {
             return None;
         }
+        let numbers = used.inputs.iter().filter_map(|input| match input {
+            Input::Param(number) => Some(*number),
+            _ => None,
+        });
+        self.depended_on.borrow_mut().extend(numbers);
         let mut params = vec![0.0; self.first];
         params.extend(&self.values);
         let frame = FrameInputs { params, ..FrameInputs::default() };
@@ -243,6 +252,18 @@ mod tests {
         let frame = FrameInputs { params, ..FrameInputs::default() };
         let value = scene.graph.evaluate(&[scene.distance], &Point::at(2.0, 0.0, 0.0), &frame).unwrap();
         assert_eq!(value, [0.5]);
+    }
+
+    #[test]
+    fn a_number_on_which_the_meaning_depends_has_no_range_when_it_is_turned() {
+        let text = "length(p) - sum(for i in 0..4: 0.1 * i) + x^3";
+        for (place, has_range) in [(1, false), (2, true), (3, false)] {
+            let turning = Turning { place, least: 0.01, most: 9.0 };
+            let compiled =
+                compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), Some(turning));
+            let params = compiled.scene.unwrap().params;
+            assert_eq!(params.iter().any(|param| param.min < param.max), has_range, "{place}");
+        }
     }
 
     #[test]

@@ -60,17 +60,15 @@ pub(super) fn show(
     let head = painter.layout(one.about.head.clone(), style::monospace(12.0), style::ACCENT, width - 16.0);
     let text = painter.layout(one.about.text.clone(), style::proportional(12.5), style::TEXT, width - 16.0);
     let facts = painter.layout(one.about.facts.clone(), style::proportional(11.5), style::DIM, width - 16.0);
-    let parts = [head, text, facts];
-    let height: f32 = parts.iter().filter(|part| !part.is_empty()).map(|part| part.size().y + 3.0).sum();
+    let parts = [head, text, facts].map(|part| Some(part).filter(|part| !part.text().is_empty()));
+    let parts: Vec<_> = parts.into_iter().flatten().collect();
+    let height: f32 = parts.iter().map(|part| part.size().y + 3.0).sum();
     let widest = parts.iter().map(|part| part.size().x).fold(0.0, f32::max);
     let about = Rect::from_min_size(rect.right_top() + vec2(4.0, 0.0), vec2(widest + 16.0, height + 11.0));
     style::ground(&painter, about);
     style::ground(&painter, about);
     let mut y = about.top() + 6.0;
     for part in parts {
-        if part.is_empty() {
-            continue;
-        }
         let height = part.size().y;
         painter.galley(pos2(about.left() + 8.0, y), part, style::TEXT);
         y += height + 3.0;

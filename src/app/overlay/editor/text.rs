@@ -77,6 +77,14 @@ impl Page {
     }
 }
 
+/// Width and height of a column.
+pub(super) fn cell(painter: &Painter) -> Vec2 {
+    let font = style::monospace(SIZE);
+    painter.fonts_mut(|fonts| {
+        vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
+    })
+}
+
 /// Draws the text in `space`.
 pub(super) fn show(
     ui: &Ui,
@@ -87,9 +95,7 @@ pub(super) fn show(
 ) {
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
-    let cell = ui.painter().fonts_mut(|fonts| {
-        vec2(fonts.glyph_width(&font, '0'), (LINE_HEIGHT * fonts.row_height(&font)).round())
-    });
+    let cell = cell(ui.painter());
     let digits = buffer.line_count().to_string().len().max(3) as f32;
     let gutter = (digits + 1.5) * cell.x;
     let rect = Rect::from_min_max(space.min + vec2(gutter, 0.0), space.max - vec2(LANE, 0.0));
@@ -111,7 +117,7 @@ pub(super) fn show(
     draw_mistakes(&painter, space, &page, document, &seen);
     draw_cursor(&painter, &page, document, editor.has_focus());
     point(ui, &painter, &page, editor, document, &response, ask);
-    lane(ui, space, editor, document, rows, ask);
+    lane(ui, space, document, rows, ask);
     let cursor = document.editing.cursor();
     let line = buffer.line_of(cursor);
     let words = String::from_utf8_lossy(buffer.line(line)).into_owned();
@@ -420,16 +426,9 @@ fn hover_help(response: &Response, document: &Document, page: &Page, offset: usi
 }
 
 /// The lane at the right: what part of the text shows, and where mistakes are. Dragged, it scrolls.
-fn lane(
-    ui: &Ui,
-    space: Rect,
-    editor: &Editor,
-    document: &Document,
-    rows: f32,
-    ask: &mut impl FnMut(EditorRequest),
-) {
+fn lane(ui: &Ui, space: Rect, document: &Document, rows: f32, ask: &mut impl FnMut(EditorRequest)) {
     let count = document.editing.buffer().line_count() as f32;
-    if count <= rows && editor.turned().is_none() {
+    if count <= rows {
         return;
     }
     let lane = Rect::from_min_max(pos2(space.right() - LANE + 3.0, space.top()), space.max);
