@@ -228,11 +228,11 @@ fn a_number_is_dragged_and_no_text_is_read_meanwhile() {
     let (left, _, right, bottom) = wait_for_group(&app, "the number", NUMBER);
     let loads = |app: &App| app.told().matches("is loaded again for its draft").count();
     let at = |x: u32, y: u32| [x.to_string(), y.to_string()];
-    let [x, y] = at((left + right) / 2, bottom + 4);
+    let [x, y] = at((left + right) / 2, bottom + 7);
     app.xdotool(&["mousemove", "--window", app.window(), &x, &y]);
     let before = loads(&app);
     // The grip is shown where the pointer is.
-    let (grip_x, grip_y) = ((left + right) / 2, bottom + 4);
+    let (grip_x, grip_y) = ((left + right) / 2, bottom + 7);
     wait_until("the grip", || {
         let picture = app.picture();
         let near = image::imageops::crop_imm(&picture, grip_x - 6, grip_y - 4, 12, 8).to_image();

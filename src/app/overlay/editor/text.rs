@@ -22,7 +22,7 @@ const LINE_HEIGHT: f32 = 1.18;
 /// Width of the lane at the right that shows where in the text one is.
 const LANE: f32 = 10.0;
 /// Height of a number's grip, and how far above its line's lower edge it begins.
-const GRIP: (f32, f32) = (7.0, 2.0);
+const GRIP: (f32, f32) = (9.0, 3.0);
 /// Least width of a grip.
 const GRIP_WIDTH_MIN: f32 = 18.0;
 
@@ -383,7 +383,7 @@ fn grip_of(number: Rect) -> Rect {
 
 fn draw_grip(painter: &Painter, rect: Rect, held: bool) {
     let color = if held { style::ACCENT } else { style::AHEAD };
-    painter.rect_filled(rect.shrink2(vec2(0.0, 1.5)), 2.0, color);
+    painter.rect_filled(rect.shrink2(vec2(0.0, 2.5)), 2.0, color);
     // Two arrows say which way it goes.
     let middle = rect.center().y;
     for (x, way) in [(rect.left() - 5.0, -1.0), (rect.right() + 5.0, 1.0)] {
