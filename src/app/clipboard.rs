@@ -8,8 +8,10 @@ pub(super) struct Clipboard {
     orders: Option<Sender<Order>>,
     pasted: Receiver<String>,
     /// What the thread answers with, and what it wakes.
-    start: Option<(Sender<String>, Box<dyn Fn() + Send>)>,
+    start: Option<(Sender<String>, Wake)>,
 }
+
+type Wake = Box<dyn Fn() + Send>;
 
 enum Order {
     Copy(String),

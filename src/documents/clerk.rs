@@ -122,7 +122,7 @@ impl<Tell: Fn(News)> Desk<Tell> {
         loop {
             let look = (!self.known.is_empty()).then_some(looked + LOOK);
             let now = Instant::now();
-            let keep = self.to_keep.values().filter_map(|one| one.text.is_some().then(|| one.due(now)));
+            let keep = self.to_keep.values().filter(|one| one.text.is_some()).map(|one| one.due(now));
             let due = keep.chain(look).min();
             let order = match due {
                 Some(due) => inbox.recv_timeout(due.saturating_duration_since(now)),

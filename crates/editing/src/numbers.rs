@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn numbers_are_turned_in_steps_of_their_size() {
-        let turned = |text: &str, points, speed| {
+        let turned = |text: &str, points: f64, speed: TurnSpeed| {
             let number = number(text, text).unwrap();
             number.written(number.turned(points * speed.factor(), speed), speed)
         };
