@@ -13,6 +13,7 @@ mod progress;
 mod scene;
 mod scenes;
 mod show;
+mod staging;
 mod still;
 mod video;
 mod view;

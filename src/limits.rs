@@ -65,8 +65,16 @@ pub struct Limits {
     pub show_entries_max: usize,
     /// Most parameters that an entry of a show moves.
     pub show_settings_max: usize,
+    /// Most steps of one of their movements.
+    pub show_steps_max: usize,
     /// Longest fade from one scene to another, in seconds.
     pub fade_seconds_max: f64,
+    /// Most programs that are sent pictures over one port at a time.
+    pub send_readers_max: usize,
+    /// Most bytes of what such a program asks for.
+    pub send_request_bytes_max: usize,
+    /// Most places that pictures are sent to in a run.
+    pub sends_max: usize,
     /// Time in seconds after which it is told that a driver is still compiling.
     pub compile_seconds_told: f64,
     /// Longest time in seconds that a scene's first picture may take in a window; beyond it the previous scene stays.
@@ -101,10 +109,14 @@ pub const LIMITS: Limits = Limits {
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
     kept_text_bytes_max: (1 << 20) + (1 << 16),
-    show_bytes_max: 1 << 20,
+    show_bytes_max: 1 << 24,
     show_entries_max: 10_000,
     show_settings_max: 64,
+    show_steps_max: 20_000,
     fade_seconds_max: 60.0,
+    send_readers_max: 8,
+    send_request_bytes_max: 8_192,
+    sends_max: 8,
     compile_seconds_told: 20.0,
     picture_seconds_max: 10.0,
 };

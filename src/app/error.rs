@@ -3,6 +3,7 @@
 use crate::export::ExportError;
 use crate::gpu::error::GpuError;
 use crate::scenes::SceneError;
+use crate::sending::SendError;
 use mariana_player::PlayerError;
 
 /// An error of the window.
@@ -54,6 +55,9 @@ pub enum AppError {
     /// The song that is to continue cannot: it was damaged or removed.
     #[error("the song cannot continue: {0}")]
     SongLost(String),
+    /// Pictures cannot be sent.
+    #[error(transparent)]
+    Send(#[from] SendError),
     /// The song cannot be played.
     #[error(transparent)]
     Player(#[from] PlayerError),

@@ -51,16 +51,31 @@ pub enum Action {
         /// Whether it is the next.
         forward: bool,
     },
+    /// The scene at this place of the list of scenes, from 0.
+    ShowScene {
+        /// The place.
+        place: usize,
+    },
     /// Let the scenes follow the song, or not.
     ToggleFollow,
     /// Keep the scene that is on while scenes follow the song, or not.
     ToggleKeep,
     /// Bring what a show file holds for a key.
     NextCue,
+    /// Record what hands do as a show, or end that.
+    ToggleRecording,
     /// Show or hide the parameters' sliders.
     ToggleSliders,
     /// Show or hide the line about the scene.
     ToggleCorner,
+    /// Let the picture fade to black, or come back.
+    ToggleBlackout,
+    /// Hold the picture that shows, or let it go.
+    ToggleFreeze,
+    /// Hide all words and panels, or not.
+    ToggleClean,
+    /// Let the corners of the picture be moved, or be done with that.
+    ToggleCorners,
     /// Enter or leave full screen.
     ToggleFullscreen,
     /// Close the panel that is open, or else leave full screen; never quits.
@@ -140,7 +155,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("t")],
         written: "T",
         action: Action::Tap,
-        meaning: "tap the tempo, twice or more; a single tap returns to the detected one",
+        meaning: "tap the tempo; a single tap returns to the detected one",
         repeats: false,
     },
     Binding {
@@ -175,7 +190,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("d")],
         written: "D",
         action: Action::ChangeSource,
-        meaning: "listen to the next source: the song, what the computer plays, inputs",
+        meaning: "the next source: the song, what the computer plays, inputs",
         repeats: false,
     },
     Binding {
@@ -235,6 +250,24 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[
+            Key::Character("1"),
+            Key::Character("2"),
+            Key::Character("3"),
+            Key::Character("4"),
+            Key::Character("5"),
+            Key::Character("6"),
+            Key::Character("7"),
+            Key::Character("8"),
+            Key::Character("9"),
+            Key::Character("0"),
+        ],
+        written: "1 to 9, 0",
+        action: Action::ShowScene { place: 0 },
+        meaning: "the first ten scenes of that list, marked ones first",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("a")],
         written: "A",
         action: Action::ToggleFollow,
@@ -256,6 +289,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Named(NamedKey::F9)],
+        written: "F9",
+        action: Action::ToggleRecording,
+        meaning: "record what hands do, as a show that `mariana video` renders; again to end it",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("c")],
         written: "C",
         action: Action::ToggleMode,
@@ -266,7 +306,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Character("r")],
         written: "R",
         action: Action::ToggleRegions,
-        meaning: "skip empty space with regions, or not; the picture is the same",
+        meaning: "skip empty space, or not; the picture is the same",
         repeats: false,
     },
     Binding {
@@ -312,10 +352,45 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("j")],
+        written: "J",
+        action: Action::TogglePanel(Panel::Hands),
+        meaning: "knobs from outside: MIDI and OSC, what they turn, learning",
+        repeats: false,
+    },
+    Binding {
         keys: &[Key::Character("i")],
         written: "I",
         action: Action::ToggleCorner,
         meaning: "a line about the scene",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("x")],
+        written: "X",
+        action: Action::ToggleBlackout,
+        meaning: "blackout, or light again",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("z")],
+        written: "Z",
+        action: Action::ToggleFreeze,
+        meaning: "hold the picture, or let it go; the song goes on",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("w")],
+        written: "W",
+        action: Action::ToggleClean,
+        meaning: "hide every word and panel, or not",
+        repeats: false,
+    },
+    Binding {
+        keys: &[Key::Character("y")],
+        written: "Y",
+        action: Action::ToggleCorners,
+        meaning: "drag the picture's corners, for a slanted projector",
         repeats: false,
     },
     Binding {
@@ -364,8 +439,10 @@ pub fn action_of(key: &Key, repeated: bool, held: ModifiersState) -> Option<Acti
         (Key::Named(bound), Key::Named(typed)) => bound == typed,
         _ => false,
     };
-    let binding = BINDINGS.iter().find(|binding| binding.keys.iter().any(same))?;
+    let found = |binding: &'static Binding| Some((binding, binding.keys.iter().position(same)?));
+    let (binding, place) = BINDINGS.iter().find_map(found)?;
     let action = match binding.action {
+        Action::ShowScene { .. } => Action::ShowScene { place },
         Action::ChangeView { forward } => Action::ChangeView { forward: forward != held.shift_key() },
         other => other,
     };
@@ -404,7 +481,11 @@ mod tests {
             |key: &str, repeated| action_of(&Key::Character(key.into()), repeated, ModifiersState::empty());
         assert_eq!(action("M", false), Some(Action::ToggleMute));
         assert_eq!(action("m", true), None);
-        assert_eq!(action("z", false), None);
+        assert_eq!(action("ß", false), None);
+        assert_eq!(
+            ["1", "9", "0"].map(|key| action(key, false)),
+            [0, 8, 9].map(|place| Some(Action::ShowScene { place }))
+        );
         let left = action_of(&Key::Named(NamedKey::ArrowLeft), true, ModifiersState::empty());
         assert_eq!(left, Some(Action::Seek(-SEEK_SECONDS)));
         // With caps lock on, V is typed as with Shift.

@@ -12,6 +12,7 @@ use super::sound::Sound;
 use crate::config::{Choices, Settings};
 use crate::demo_track::is_demo;
 use crate::song_structures::SongReader;
+use mariana_control::midi::ClockReading;
 use mariana_music::{Gain, LiveEnergy, SongMoment, SongStructure, Tables, TapTempo};
 use mariana_player::input::LiveStatus;
 use mariana_player::{Moment, Player, PlayerStatus};
@@ -28,6 +29,10 @@ pub(super) struct Listening {
     energy: LiveEnergy,
     /// The tempo tapped by hand.
     taps: TapTempo,
+    /// The clock of a device; it comes before taps.
+    clock: Option<ClockReading>,
+    /// Its seconds when it was last looked at, and that moment.
+    clock_now: (f64, Instant),
     /// What the user wants; until the first picture the player waits in any case.
     paused: bool,
     /// How loud it was at the last look, 0..1.
@@ -42,7 +47,19 @@ impl Listening {
     /// Begins with a sound that waits for the first picture.
     pub(super) fn new(sound: Sound, songs: Option<SongReader>) -> Self {
         let (energy, taps) = (LiveEnergy::default(), TapTempo::default());
-        Self { sound, songs, energy, taps, paused: false, level: 0.0, listed: Listed::default(), track: 0 }
+        let (clock, clock_now) = (None, (0.0, Instant::now()));
+        Self {
+            sound,
+            songs,
+            energy,
+            taps,
+            clock,
+            clock_now,
+            paused: false,
+            level: 0.0,
+            listed: Listed::default(),
+            track: 0,
+        }
     }
 
     /// Whether the user wants a pause.
@@ -103,6 +120,21 @@ impl Listening {
         Some(match self.taps.at(song_time) {
             Some((tempo, _)) => format!("{tempo:.0} beats per minute"),
             None => "tap again to set the tempo".to_owned(),
+        })
+    }
+
+    /// Sets the tempo in beats per minute, or gives it back to what is heard, and says so.
+    pub(super) fn set_tempo(&mut self, tempo: Option<f64>) -> Option<String> {
+        let Some(tempo) = tempo else {
+            self.taps = TapTempo::default();
+            return Some("the tempo is that of the sound again".to_owned());
+        };
+        let Moment { song_time, .. } = self.sound.now()?;
+        self.taps.set(tempo, song_time);
+        let (least, most) = TapTempo::TEMPOS.into_inner();
+        Some(match TapTempo::TEMPOS.contains(&tempo) {
+            true => format!("{tempo:.0} beats per minute"),
+            false => format!("{tempo:.0} beats per minute are no tempo: send {least:.0} to {most:.0}"),
         })
     }
 
@@ -184,9 +216,34 @@ impl Listening {
             }
         };
         self.taps.apply(now.song_time, &mut now.features);
+        self.apply_clock(&mut now);
         let [left, right] = now.features.volume;
         self.level = left.max(right).clamp(0.0, 1.0);
         Some(now)
+    }
+
+    /// Follows the clock of a device from now on, which says this at these seconds of it; or none.
+    pub(super) fn set_clock(&mut self, clock: Option<(ClockReading, f64)>) {
+        self.clock = clock.map(|(reading, _)| reading);
+        self.clock_now = (clock.map_or(0.0, |(_, now)| now), Instant::now());
+    }
+
+    /// Replaces tempo, phase and bar by those of the clock, if there is one.
+    fn apply_clock(&self, now: &mut Moment) {
+        let (seconds, at) = self.clock_now;
+        let seconds = seconds + at.elapsed().as_secs_f64();
+        let Some((reading, (phase, number))) =
+            self.clock.and_then(|reading| Some((reading, reading.phase_at(seconds)?)))
+        else {
+            return;
+        };
+        (now.features.tempo, now.features.phase) = (reading.tempo as f32, phase);
+        if reading.knows_bar {
+            (now.features.bar_beat, now.features.bar_beats) =
+                ((number + 1) as f32, ClockReading::BEATS as f32);
+            let bar = (number as f32 + phase) / ClockReading::BEATS as f32;
+            (now.song.bar, now.song.beat_in_bar) = (bar, (number + 1) as f32);
+        }
     }
 
     /// How loud it was when [`Listening::now`] was last asked, 0..1.

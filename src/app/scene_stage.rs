@@ -15,6 +15,7 @@ mod context_change;
 mod directed;
 mod drawing;
 mod fading;
+mod hands;
 mod kept;
 mod mixing;
 mod requests;
@@ -34,6 +35,7 @@ use directed::Directed;
 use drawing::Making;
 pub(super) use drawing::{Drawn, WantedPicture};
 use fading::Fading;
+use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
 use turning::TurnedNumber;
@@ -52,6 +54,7 @@ use crate::gpu::program::Program;
 use crate::gpu::scene_program::{COMPILED_BY_ITSELF_MAX, Interpreter, Mode};
 use crate::gpu::scene_resources::SceneResources;
 use crate::scenes::{Loaded, Loader, ReadyScene, SceneError, SceneList, SceneSource};
+use mariana_control::Model;
 
 /// What the loader gives.
 pub(super) type SceneLoader = Loader<Result<ReadyScene, SceneError>>;
@@ -74,6 +77,8 @@ struct Cast {
     /// Whether it reads curves of the sound.
     hears_curves: bool,
     sliders: Vec<Slider>,
+    /// What each of them turns.
+    knobs: Vec<Knob>,
     /// When it was loaded.
     since: Instant,
     /// Whether it is the scene on the stage with its numbers as constants again.
@@ -128,8 +133,7 @@ pub(super) struct SceneStage {
     interpreters: KeptPrograms<Interpreter>,
     tasks: HashMap<u64, Task>,
     next_id: u64,
-    /// Parameters that the user moved, by name: they outlive the text that declares them.
-    moved: HashMap<String, f32>,
+    hands: Hands,
     problem: Option<(String, String)>,
     notice: Option<(String, Instant)>,
     /// What is said of a scene that was asked for and cannot be drawn yet.
@@ -147,6 +151,8 @@ pub(super) struct SceneStage {
     regions: SceneRegions,
     views: Views,
     hand: OrbitControls,
+    /// How the camera was moved in the last picture.
+    shown_hand: OrbitControls,
     /// How far above its target the scene's own camera was in the last picture, in radians.
     own_pitch: f64,
     // Last: its threads draw with what the fields above hold.
@@ -192,7 +198,7 @@ impl SceneStage {
             interpreters: KeptPrograms::default(),
             tasks: HashMap::new(),
             next_id: 0,
-            moved: HashMap::new(),
+            hands: Hands::new(Model::default(), Instant::now()),
             problem: None,
             notice: None,
             awaited: None,
@@ -204,6 +210,7 @@ impl SceneStage {
             regions,
             views: Views::starting_with(ways.view),
             hand: OrbitControls::OFF,
+            shown_hand: OrbitControls::OFF,
             own_pitch: 0.0,
             compiler,
         };

@@ -6,7 +6,8 @@
 use winit::keyboard::{Key, NamedKey};
 
 use super::sound::SHIFT_STEP_MS;
-use crate::config::{Choice, Choices, FollowChoice, QualityChoice};
+use crate::config::{Choice, Choices, FollowChoice, QualityChoice, StageChoices};
+use crate::placement::Flip;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
@@ -32,6 +33,12 @@ pub enum Fact {
     LastTracks,
     /// See [`Choices::hints`].
     Hints,
+    /// See [`StageChoices::brightness`].
+    Brightness,
+    /// See [`StageChoices::blackout_fade`].
+    BlackoutFade,
+    /// See [`StageChoices::flip`].
+    Flip,
 }
 
 /// What there is to see and to change in a row.
@@ -51,6 +58,8 @@ pub enum Values {
     },
     /// Milliseconds, negative for earlier.
     Milliseconds(f64),
+    /// 0..100.
+    Percent(f64),
 }
 
 /// A row of the panel.
@@ -94,6 +103,17 @@ pub enum SettingChange {
     LastTracks(bool),
     /// See [`Choices::hints`].
     Hints(bool),
+    /// See [`StageChoices::brightness`].
+    Brightness {
+        /// 0..100.
+        percent: f64,
+        /// Whether it stays so, or the user still moves it.
+        settled: bool,
+    },
+    /// See [`StageChoices::blackout_fade`].
+    BlackoutFade(f64),
+    /// See [`StageChoices::flip`].
+    Flip(Flip),
 }
 
 /// An output that songs can play on.
@@ -188,16 +208,21 @@ impl SettingsPanel {
         let holds = match row.values {
             Values::OneOfRows { holds } => holds,
             Values::Names { present, .. } => present == value && !row.for_this_run,
-            Values::Milliseconds(_) => true,
+            Values::Milliseconds(_) | Values::Percent(_) => true,
         };
         change.filter(|_| !holds)
     }
 
-    /// Selects the row at a place, and shifts the picture, if it is the row for that.
-    pub(super) fn shift(&mut self, row: usize, shift: f64, settled: bool) -> Option<SettingChange> {
+    /// Selects the row at a place, and changes its number, if it has one.
+    pub(super) fn shift(&mut self, row: usize, number: f64, settled: bool) -> Option<SettingChange> {
         self.select(row);
-        let is_shift = matches!(self.rows.get(row)?.values, Values::Milliseconds(_));
-        is_shift.then_some(SettingChange::Latency { shift, settled })
+        match self.rows.get(row)?.values {
+            Values::Milliseconds(_) => Some(SettingChange::Latency { shift: number, settled }),
+            Values::Percent(_) => {
+                Some(SettingChange::Brightness { percent: number.clamp(0.0, 100.0), settled })
+            }
+            Values::OneOfRows { .. } | Values::Names { .. } => None,
+        }
     }
 
     fn select(&mut self, row: usize) {
@@ -220,6 +245,10 @@ impl SettingsPanel {
                 let shift = shift + if forward { SHIFT_STEP_MS } else { -SHIFT_STEP_MS };
                 self.shift(self.selected, shift, true)
             }
+            Values::Percent(percent) => {
+                let percent = percent + if forward { PERCENT_STEP } else { -PERCENT_STEP };
+                self.shift(self.selected, percent, true)
+            }
         }
     }
 
@@ -228,7 +257,7 @@ impl SettingsPanel {
         let value = match &self.rows.get(self.selected)?.values {
             Values::OneOfRows { .. } => 0,
             Values::Names { names, present } => (present + 1) % names.len().max(1),
-            Values::Milliseconds(_) => return None,
+            Values::Milliseconds(_) | Values::Percent(_) => return None,
         };
         self.pick(self.selected, value)
     }
@@ -241,7 +270,7 @@ fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
     }
     Some(match fact {
         Fact::Output(id) => SettingChange::Output(id.clone()),
-        Fact::Latency => return None,
+        Fact::Latency | Fact::Brightness => return None,
         Fact::Quality => SettingChange::Quality(at(value)?),
         Fact::FlashLimiter => SettingChange::FlashLimiter(at(value)?),
         Fact::ToneMap => SettingChange::ToneMap(at(value)?),
@@ -249,6 +278,8 @@ fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
         Fact::Follow => SettingChange::Follow(at(value)?),
         Fact::LastTracks => SettingChange::LastTracks(at(value)?),
         Fact::Hints => SettingChange::Hints(at(value)?),
+        Fact::BlackoutFade => SettingChange::BlackoutFade(FADES.get(value)?.0),
+        Fact::Flip => SettingChange::Flip(at(value)?),
     })
 }
 
@@ -269,6 +300,49 @@ fn row_of<T: Choice>(fact: Fact, name: &str, meaning: &str, now: T, remembered: 
         },
         for_this_run: now != remembered,
     }
+}
+
+/// What an arrow adds to percent.
+const PERCENT_STEP: f64 = 5.0;
+
+/// Times of a fade that can be chosen, in seconds. The command line takes any.
+const FADES: [(f64, &str); 5] = [(0.0, "0 s"), (0.5, "0.5 s"), (1.0, "1 s"), (2.0, "2 s"), (5.0, "5 s")];
+
+/// The rows of how pictures come onto screens.
+fn staging(now: &StageChoices, remembered: &StageChoices) -> [SettingRow; 3] {
+    [
+        SettingRow {
+            fact: Fact::Brightness,
+            name: "Brightness".to_owned(),
+            meaning:
+                "How much of its light the picture has, in the window and wherever it is sent; X is blackout"
+                    .to_owned(),
+            values: Values::Percent(f64::from(now.brightness)),
+            for_this_run: now.brightness != remembered.brightness,
+        },
+        SettingRow {
+            fact: Fact::BlackoutFade,
+            name: "Blackout fade".to_owned(),
+            meaning:
+                "How long a blackout (X) takes to come and to go, and a picture that was held (Z) to give way"
+                    .to_owned(),
+            values: Values::Names {
+                names: FADES.iter().map(|(_, name)| *name).collect(),
+                present: FADES
+                    .iter()
+                    .position(|(seconds, _)| *seconds == now.blackout_fade)
+                    .unwrap_or(FADES.len()),
+            },
+            for_this_run: now.blackout_fade != remembered.blackout_fade,
+        },
+        row_of(
+            Fact::Flip,
+            "Mirror",
+            "Mirrors the picture, for projectors; Y moves its corners",
+            now.flip,
+            remembered.flip,
+        ),
+    ]
 }
 
 fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
@@ -334,7 +408,7 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
             remembered.hints,
         ),
     ];
-    outputs.chain([latency]).chain(choices).collect()
+    outputs.chain([latency]).chain(choices).chain(staging(&now.stage, &remembered.stage)).collect()
 }
 
 /// A shift by pointer, in milliseconds: in steps, and within the limits.
@@ -393,6 +467,14 @@ pub(crate) mod tests {
         select(&mut panel, "Latency");
         let shift = |shift| Some(SettingChange::Latency { shift, settled: true });
         assert_eq!((press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)), (shift(30.0), shift(40.0)));
+        select(&mut panel, "Brightness");
+        let percent = |percent| Some(SettingChange::Brightness { percent, settled: true });
+        assert_eq!(
+            (press(&mut panel, ArrowLeft), press(&mut panel, ArrowRight)),
+            (percent(95.0), percent(100.0))
+        );
+        select(&mut panel, "Blackout fade");
+        assert_eq!(press(&mut panel, ArrowRight), Some(SettingChange::BlackoutFade(1.0)));
         select(&mut panel, "Quality");
         assert_eq!(press(&mut panel, ArrowLeft), None, "there is none before the first");
         assert_eq!(press(&mut panel, ArrowRight), Some(SettingChange::Quality(QualityChoice::Low)));
@@ -402,7 +484,7 @@ pub(crate) mod tests {
         update(&mut panel, &off, None, &["usb", "tv"]);
         assert_eq!(press(&mut panel, Enter), Some(SettingChange::FlashLimiter(true)));
         (0..99).for_each(|_| drop(press(&mut panel, ArrowDown)));
-        assert_eq!(panel.rows()[panel.selected()].name, "Hints");
+        assert_eq!(panel.rows()[panel.selected()].name, "Mirror");
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
             assert_eq!(panel.take_key(&key), (false, None), "{key:?} is the show's");
         }

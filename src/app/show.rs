@@ -199,8 +199,10 @@ impl Show {
     /// Takes in what has happened, and returns when to look again if nothing happens before.
     fn look_around(&mut self) -> Result<Instant, AppError> {
         self.obey_controls();
+        self.obey_hands();
         self.over |= self.stage.look_at_status(&self.settings)?;
-        self.stage.look_around()
+        let until = self.stage.look_around()?;
+        Ok(self.stage.hands_due().map_or(until, |due| until.min(due)))
     }
 
     fn draw(&mut self) -> Result<(), AppError> {
@@ -242,11 +244,17 @@ impl Show {
             Action::ChangeNumber { larger } => stage.scene.step_view(larger),
             Action::GiveCameraBack => stage.scene.give_camera_back(),
             Action::ChangeScene { forward } => stage.scene.go(forward),
+            Action::ShowScene { place } => stage.show_scene_at(place),
             Action::ToggleFollow => stage.toggle_follow(),
             Action::ToggleKeep => stage.toggle_keep(),
             Action::NextCue => stage.next_cue(),
+            Action::ToggleRecording => stage.toggle_recording(),
             Action::ToggleSliders => stage.desk.panels.toggle_sliders(),
             Action::ToggleCorner => stage.desk.panels.toggle_corner(),
+            Action::ToggleBlackout => stage.toggle_blackout(),
+            Action::ToggleFreeze => stage.toggle_freeze(),
+            Action::ToggleClean => stage.toggle_clean(),
+            Action::ToggleCorners => stage.toggle_corners(),
             Action::ToggleFullscreen => stage.toggle_fullscreen(),
             Action::Leave => stage.leave(),
             Action::ToggleHelp => stage.desk.panels.toggle_help(),
@@ -261,6 +269,16 @@ impl Show {
         match request {
             Request::Act(action) => self.act(action),
             other => self.stage.obey(other),
+        }
+    }
+
+    /// Does what hands from outside wish for.
+    fn obey_hands(&mut self) {
+        for deed in self.stage.take_wishes() {
+            match self.stage.obey_deed(&deed) {
+                Some(action) => self.act(action),
+                None => self.stage.hurry_reports(),
+            }
         }
     }
 

@@ -5,9 +5,13 @@ mod desk;
 mod directing;
 mod drawing;
 mod editing;
+mod hands;
 mod leaving;
+mod mastering;
 mod opening;
 mod panels;
+mod recording;
+mod sending;
 mod settings;
 
 use std::path::PathBuf;
@@ -24,12 +28,16 @@ use super::announcer::TrackOrder;
 use super::direction::Direction;
 use super::drawing_pace::DrawingPace;
 use super::error::AppError;
+use super::feeds::Feeds;
 use super::frame_times::FrameTimes;
+use super::hands::Hands;
 use super::keys::Action;
 use super::listening::Listening;
+use super::masters::Masters;
 use super::media_controls::Asked;
 use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
+use super::recording::Recording;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
@@ -60,7 +68,14 @@ pub(super) struct Stage {
     live: Option<LiveDirector>,
     cues: Cues,
     pace: DrawingPace,
+    /// Brightness, blackout, and whether the picture is held.
+    masters: Masters,
+    /// Where pictures are sent.
+    feeds: Feeds,
     reports: Reports,
+    /// What is recorded of the show.
+    recording: Recording,
+    hands: Hands,
     input: UserInput,
     /// Whether nothing of the window can be seen.
     occluded: bool,
@@ -215,6 +230,20 @@ impl Stage {
                 return None;
             }
         }
+        if let (Some(hands), Some((key, _))) = (&mut self.desk.hands, self.input.typed(event)) {
+            let (taken, request) = hands.take_key(key);
+            if let Some(request) = request {
+                self.obey_in_hands(request);
+            }
+            if taken {
+                return None;
+            }
+        }
+        if let Some((key, held)) = self.input.typed(event)
+            && self.take_corner_key(key, held)
+        {
+            return None;
+        }
         match event {
             WindowEvent::Moved(place) => self.window.note_place((*place).into()),
             WindowEvent::Resized(size) => {
@@ -317,8 +346,11 @@ impl Stage {
             files.update();
         }
         self.update_settings();
+        self.update_hands();
+        self.tell_recording();
         let now = Instant::now();
         self.reports.update(now);
+        let to_send = self.send(now)?;
         let edited = self.scene.saves_samples(now);
         // A picture that was begun is not begun again because the text rests.
         if edited || !self.scene.is_drawing() {
@@ -332,20 +364,21 @@ impl Stage {
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
-        let moving = moves || self.could_be_better(now) || overlay_due.is_some_and(|due| due <= now);
+        // A picture that is held changes no more.
+        let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
+        let moving = changes || self.is_dimming(now) || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen = !self.occluded || self.pace.shown().is_none();
+        let seen = !self.occluded || self.pace.shown().is_none() || self.feeds.are_any();
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.
             let idle = now + self.idle_interval(seen);
-            let wake = overlay_due.filter(|_| seen).map_or(idle, |due| due.min(idle));
-            Ok(wake)
+            Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due() || self.scene.has_regions() {
             self.window.window().request_redraw();
-            Ok(now + IDLE_INTERVAL)
+            Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            Ok(self.pace.due())
+            Ok(to_send.map_or(self.pace.due(), |due| due.min(self.pace.due())))
         }
     }
 

@@ -1,9 +1,11 @@
 //! Flags that are numbers, checked against the limits.
 
+use mariana_control::limits::LIMITS as CONTROL_LIMITS;
 use mariana_field::world::BlendKind;
 use mariana_player::limits::LIMITS as PLAYER_LIMITS;
 
 use crate::limits::LIMITS;
+use crate::placement::{Corners, Crop};
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let (width, height) =
@@ -44,6 +46,11 @@ fn parse_whole(text: &str, low: u16, high: u16, unit: &str) -> Result<u16, Strin
     let value: i64 = text.trim().parse().map_err(|_| format!("'{text}' is not a whole number"))?;
     let value = u16::try_from(value).ok().filter(|value| (low..=high).contains(value));
     value.ok_or_else(|| format!("it must be from {low} to {high} {unit}"))
+}
+
+/// A rate at which messages of OSC are sent.
+pub(super) fn parse_osc_rate(text: &str) -> Result<f64, String> {
+    parse_within(text, CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max, "times a second")
 }
 
 /// A volume.
@@ -107,6 +114,31 @@ pub(super) fn parse_fade(text: &str) -> Result<f64, String> {
     parse_within(text, 0.0, LIMITS.fade_seconds_max, "seconds")
 }
 
+/// So many numbers with commas between.
+fn parse_numbers<const COUNT: usize>(text: &str, example: &str) -> Result<[f64; COUNT], String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse()).collect();
+    let numbers = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    numbers.ok_or_else(|| format!("write {COUNT} numbers with commas between, such as {example}"))
+}
+
+/// What a picture loses at its edges.
+pub(super) fn parse_crop(text: &str) -> Result<Crop, String> {
+    Ok(Crop::try_from(parse_numbers::<4>(text, "10,0,10,0")?)?)
+}
+
+/// Where a picture's corners lie.
+pub(super) fn parse_corners(text: &str) -> Result<Corners, String> {
+    if text.trim() == "off" {
+        return Ok(Corners::default());
+    }
+    let percent = parse_numbers::<8>(text, "0,0,100,5,100,95,0,100")?;
+    let mut corners = [[0.0; 2]; 4];
+    for (share, percent) in corners.as_flattened_mut().iter_mut().zip(percent) {
+        *share = percent / 100.0;
+    }
+    Ok(Corners::try_from(corners)?)
+}
+
 pub(super) fn parse_latency(text: &str) -> Result<f64, String> {
     parse_within(text, -PLAYER_LIMITS.latency_ms_max, PLAYER_LIMITS.latency_ms_max, "milliseconds")
 }
@@ -152,5 +184,25 @@ mod tests {
         }
         assert!(parse_fps("0").is_err() && parse_fps("1001").is_err());
         assert_eq!(parse_latency("-180"), Ok(-180.0));
+    }
+
+    #[test]
+    fn edges_and_corners_are_percent_and_what_cannot_be_drawn_is_refused() {
+        assert_eq!(parse_crop("10, 0,5.5,0").map(<[f64; 4]>::from), Ok([10.0, 0.0, 5.5, 0.0]));
+        let corners = parse_corners("0,0,100,5,100,95,-2,100").map(<[[f64; 2]; 4]>::from);
+        assert_eq!(corners, Ok([[0.0, 0.0], [1.0, 0.05], [1.0, 0.95], [-0.02, 1.0]]));
+        assert_eq!(parse_corners("off"), Ok(Corners::default()));
+        for (text, part) in [("1,2,3", "4 numbers"), ("60,0,60,0", "0 to 90"), ("a,b,c,d", "4 numbers")] {
+            let message = parse_crop(text).unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
+        for (text, part) in [
+            ("0,0,1,1", "8 numbers"),
+            ("100,0,0,0,0,100,100,100", "clockwise"),
+            ("0,0,999,0,100,100,0,100", "one screen"),
+        ] {
+            let message = parse_corners(text).unwrap_err();
+            assert!(message.contains(part), "{text}: {message}");
+        }
     }
 }

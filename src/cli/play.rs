@@ -8,16 +8,20 @@ use clap::{ArgAction, Args};
 use super::choices::{RepeatChoice, choice};
 use super::common::{CommonArguments, DEFAULT_SCENE, OneScene};
 use super::files::{Files, is_standard, song_or_demo};
-use super::parse::{parse_fade, parse_fps, parse_latency, parse_percent, parse_size};
+use super::parse::{parse_fade, parse_fps, parse_latency, parse_osc_rate, parse_percent, parse_size};
 use super::show::ShowChoice;
+use super::staging::StagingArguments;
 use super::view::ViewArguments;
 use crate::app;
-use crate::config::{Choices, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile};
+use crate::config::{
+    Choices, HandSettings, LastShow, ListenChoice, Memory, PlaySettings, QualityChoice, SettingsFile,
+};
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
+use mariana_control::osc::Place;
 use mariana_player::playlist::{Opened, Playlist};
 use mariana_player::track::Repeat;
 
@@ -88,6 +92,19 @@ pub(super) struct PlayArguments {
     /// auto where several tracks play and no scene is named]
     #[arg(long, value_name = "AUTO-OFF-FILE")]
     show: Option<ShowChoice>,
+    /// Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells
+    /// what they can do
+    #[arg(long, value_name = "PORT")]
+    osc: Option<Place>,
+    /// Send what is heard to another program or to lights, by OSC
+    #[arg(long, value_name = "HOST:PORT")]
+    osc_send: Option<Place>,
+    /// How often a second it is sent
+    #[arg(long, value_name = "HZ", default_value = "30", value_parser = parse_osc_rate, allow_negative_numbers = true, requires = "osc_send")]
+    osc_rate: f64,
+    /// Whether MIDI devices are heard; J maps them
+    #[arg(long, value_name = "ON-OFF", default_value = "on", value_parser = choice::<bool>(), action = ArgAction::Set)]
+    midi: bool,
     /// Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the
     /// panel of settings still counts
     #[arg(long)]
@@ -95,6 +112,8 @@ pub(super) struct PlayArguments {
     /// Print which OpenGL is available, and exit
     #[arg(long)]
     gl_info: bool,
+    #[command(flatten)]
+    staging: StagingArguments,
     #[command(flatten)]
     scene: OneScene,
     #[command(flatten)]
@@ -138,6 +157,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         gain: common.gain.unwrap_or(remembered.gain),
         follow_song: arguments.show.as_ref().map_or(remembered.follow_song, ShowChoice::follow),
         hints: remembered.hints && !arguments.clean,
+        stage: arguments.staging.over(&remembered.stage),
         ..remembered
     };
     let last = match arguments.new {
@@ -160,13 +180,23 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         program_cache: if arguments.program_cache { ProgramCache::of_user() } else { ProgramCache::off() },
         fullscreen: arguments.fullscreen || (arguments.size.is_none() && last.fullscreen),
         begin_at: 0.0,
+        hands: HandSettings {
+            osc: arguments.osc,
+            osc_send: arguments.osc_send,
+            osc_rate: arguments.osc_rate,
+            midi: arguments.midi,
+        },
         sliders: BTreeMap::new(),
         remembered: !arguments.new && !arguments.gl_info,
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // A window of another size might reach beyond the screen there.
         place: last.place.filter(|_| arguments.size.is_none()),
+        sends: Vec::new(),
+        send_size: None,
+        send_fps: 0.0,
         gl_info: arguments.gl_info,
     };
+    arguments.staging.tell(&mut settings)?;
     let repeat = match arguments.repeat {
         _ if arguments.once => Repeat::Off,
         RepeatChoice::All => Repeat::All,

@@ -7,7 +7,8 @@ use mariana_field::world::ToneMap;
 use mariana_music::Gain;
 use serde::{Deserialize, Serialize};
 
-use super::{FollowChoice, QualityChoice};
+use super::{FollowChoice, QualityChoice, StageChoices};
+use crate::placement::Flip;
 
 /// One of several things, each with a name.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -44,6 +45,15 @@ impl Choice for FollowChoice {
         (Self::Lists, "lists", "Where several tracks play and no scene was named"),
         (Self::On, "on", "Always"),
         (Self::Off, "off", "N and P change the scene"),
+    ];
+}
+
+impl Choice for Flip {
+    const ALL: &'static [(Self, &'static str, &'static str)] = &[
+        (Self::Off, "off", ""),
+        (Self::Horizontal, "horizontal", "For a screen that is lit from behind"),
+        (Self::Vertical, "vertical", ""),
+        (Self::Both, "both", "For a projector that hangs upside down"),
     ];
 }
 
@@ -91,6 +101,9 @@ pub struct Choices {
     /// Whether more shows over the picture than what was asked for and what is wrong.
     #[serde(with = "by_name", skip_serializing_if = "is_on")]
     pub hints: bool,
+    /// How pictures come onto screens.
+    #[serde(skip_serializing_if = "is_default")]
+    pub stage: StageChoices,
 }
 
 impl Default for Choices {
@@ -104,6 +117,7 @@ impl Default for Choices {
             follow_song: FollowChoice::default(),
             last_tracks: true,
             hints: true,
+            stage: StageChoices::default(),
         }
     }
 }
@@ -112,21 +126,26 @@ fn is_on(switch: &bool) -> bool {
     *switch
 }
 
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+pub(super) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
 /// Writes a choice as its name.
-mod by_name {
+pub(super) mod by_name {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
     use super::Choice;
 
-    pub(super) fn serialize<T: Choice, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    pub(in crate::config) fn serialize<T: Choice, S: Serializer>(
+        value: &T,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(value.name())
     }
 
-    pub(super) fn deserialize<'de, T: Choice, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    pub(in crate::config) fn deserialize<'de, T: Choice, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<T, D::Error> {
         let name = String::deserialize(deserializer)?;
         T::named(&name).ok_or_else(|| D::Error::custom(format!("there is no choice '{name}'")))
     }
@@ -148,6 +167,7 @@ mod tests {
         assert_named::<bool>();
         assert_named::<QualityChoice>();
         assert_named::<FollowChoice>();
+        assert_named::<Flip>();
         assert_named::<Gain>();
         assert_named::<Option<ToneMap>>();
         assert_eq!(<Option<ToneMap>>::ALL.len(), ToneMap::ALL.len() + 1, "a tone map cannot be chosen");
@@ -165,6 +185,7 @@ mod tests {
             follow_song: FollowChoice::On,
             last_tracks: false,
             hints: false,
+            stage: StageChoices { brightness: 40, flip: Flip::Both, ..StageChoices::default() },
         };
         let text = toml::to_string(&chosen).unwrap();
         assert!(text.contains("flash_limiter = \"off\"") && text.contains("tone_map = \"none\""), "{text}");

@@ -1,18 +1,26 @@
 //! The settings of a run: what the command line chooses, with the defaults, and what is remembered from run to run.
 
 mod choices;
+mod knobs;
 mod last_show;
+mod performances;
 mod settings;
+mod stage_choices;
 mod understood;
 
 pub use choices::{Choice, Choices};
+pub use knobs::{KnobEdit, KnobMemory, KnobsError};
 pub use last_show::LastShow;
+pub use performances::{Kept, PerformanceFiles};
 pub use settings::{Settings, SettingsError, SettingsFile};
+pub use stage_choices::StageChoices;
 
 use std::collections::BTreeMap;
 
 use crate::program_cache::ProgramCache;
+use crate::sending::SendWish;
 use crate::show::ShowSource;
+use mariana_control::osc::Place;
 
 /// How a scene's expressions are run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -75,6 +83,19 @@ pub struct Memory {
     pub trouble: Option<SettingsError>,
 }
 
+/// Which hands from outside there are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HandSettings {
+    /// Where OSC is heard; none hears none.
+    pub osc: Option<Place>,
+    /// Where what is heard goes by OSC.
+    pub osc_send: Option<Place>,
+    /// How often a second it goes there.
+    pub osc_rate: f64,
+    /// Whether MIDI is heard.
+    pub midi: bool,
+}
+
 /// How the window plays and shows a song, or what it listens to.
 #[derive(Debug, Clone)]
 pub struct PlaySettings {
@@ -118,6 +139,14 @@ pub struct PlaySettings {
     pub size: (u32, u32),
     /// Where on the desktop the window opens, in pixels; none lets the system choose.
     pub place: Option<(i32, i32)>,
+    /// Hands from outside.
+    pub hands: HandSettings,
+    /// Where pictures are sent.
+    pub sends: Vec<SendWish>,
+    /// Width and height of those pictures, in pixels; none is the window's size at the start.
+    pub send_size: Option<(u32, u32)>,
+    /// How many of them there are in a second.
+    pub send_fps: f64,
     /// Print the OpenGL version and driver, and end.
     pub gl_info: bool,
 }

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::error::ExportError;
 use super::painter::{Easel, Model, SceneChoice, held_of, require_inputs};
 use crate::frame::held_inputs::{HeldInputs, Setting};
+use crate::frame::orbit_controls::OrbitControls;
 use crate::frame::{Frame, Staging};
 use crate::scenes::{ReadyScene, SceneBlend, SceneError, SceneSource, camera_number};
 use crate::show::{Programme, Stay, blend_kind};
@@ -110,9 +111,12 @@ impl ShowPainter {
             let held = from.0.held.followed_by(&to.0.held, scenes.0.params.len());
             let staging = Staging { params: &params, held: &held, camera: None };
             let frame = Frame::staged(model.world(), time, sound, size, &staging);
+            let frame = frame.by_hand(model.world(), moment.stay.hand_at(time));
             return self.easel.draw(&model, frame);
         }
         let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
+        // A hand moves the camera of the scene that comes.
+        let under_frame = under_frame.by_hand(under.world(), OrbitControls::OFF);
         let (over, over_frame) = self.frame(moment.stay, time, sound, size)?;
         self.easel.draw_faded((&under, under_frame), (&over, over_frame), 1.0 - share)
     }
@@ -132,6 +136,7 @@ impl ShowPainter {
         let model = self.model(Drawn::Scene(stay.scene.clone()), |_| Ok(ready))?;
         let staging = Staging { params: &params, held: &held, camera };
         let frame = Frame::staged(model.world(), time, sound, size, &staging);
+        let frame = frame.by_hand(model.world(), stay.hand_at(time));
         Ok((model, frame))
     }
 

@@ -5,7 +5,6 @@ mod encoding;
 mod seam;
 mod sink;
 mod title_card;
-mod y4m;
 
 use super::error::ExportError;
 use super::output::Output;

@@ -5,25 +5,23 @@
 //! it. In materials and the sky, `eye` is where the eye really is. A scene's own formulas for the camera's path do
 //! not see the hand.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
 /// A turn around the point that the camera looks at, and a change of the distance to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OrbitControls {
-    /// Turn around the vertical, in radians: how far the eye goes to the left.
-    yaw: f64,
-    /// Turn upwards, in radians.
-    pitch: f64,
+    /// Turn around the vertical, in degrees: how far the eye goes to the left.
+    yaw: f32,
+    /// Turn upwards, in degrees.
+    pitch: f32,
     /// What the distance is multiplied by.
-    zoom: f64,
+    zoom: f32,
 }
 
-/// Radians for a drag as long as the picture is high.
-const TURN: f64 = PI;
-/// The eye keeps away from straight above and below: largest angle from the horizon, in radians.
-const PITCH_MAX: f64 = 0.49 * PI;
+/// Degrees for a drag as long as the picture is high.
+const TURN: f64 = 180.0;
+/// The eye keeps away from straight above and below: largest angle from the horizon, in degrees.
+const PITCH_MAX: f64 = 0.49 * 180.0;
 /// The distance is multiplied by e to this power for each notch of a wheel.
 const NOTCH: f64 = 0.12;
 /// Range of [`OrbitControls::zoom`].
@@ -49,16 +47,30 @@ impl OrbitControls {
         if !(right.abs() < WAY_MAX && down.abs() < WAY_MAX) {
             return;
         }
-        self.yaw = (self.yaw + TURN * right) % (2.0 * PI);
-        let own = own.clamp(-PITCH_MAX, PITCH_MAX);
-        self.pitch = (self.pitch + TURN * down).clamp(-PITCH_MAX - own, PITCH_MAX - own);
+        self.yaw = ((f64::from(self.yaw) + TURN * right) % 360.0) as f32;
+        let own = own.to_degrees().clamp(-PITCH_MAX, PITCH_MAX);
+        let pitch = f64::from(self.pitch) + TURN * down;
+        self.pitch = pitch.clamp(-PITCH_MAX - own, PITCH_MAX - own) as f32;
     }
 
     /// Comes nearer by this many notches of a wheel.
     pub fn zoom(&mut self, notches: f64) {
         if notches.is_finite() {
-            self.zoom = (self.zoom * (-NOTCH * notches).exp()).clamp(ZOOM.0, ZOOM.1);
+            let zoom = f64::from(self.zoom) * (-NOTCH * notches).exp();
+            self.zoom = zoom.clamp(ZOOM.0, ZOOM.1) as f32;
         }
+    }
+
+    /// Turns to the left and upwards in degrees, and what the distance to the target is multiplied by.
+    pub fn turns(&self) -> [f32; 3] {
+        [self.yaw, self.pitch, self.zoom]
+    }
+
+    /// The controls of such numbers, within their ranges; what is no number turns nothing.
+    pub fn of_turns([yaw, pitch, zoom]: [f32; 3]) -> Self {
+        let turn = |turn: f32| if turn.is_finite() { turn % 360.0 } else { 0.0 };
+        let zoom = if zoom.is_finite() { zoom.clamp(ZOOM.0 as f32, ZOOM.1 as f32) } else { 1.0 };
+        Self { yaw: turn(yaw), pitch: turn(pitch).clamp(-180.0, 180.0), zoom }
     }
 
     /// How far above its target a camera is, in radians.
@@ -74,11 +86,13 @@ impl OrbitControls {
         if *self == Self::OFF {
             return (eye, forward);
         }
-        let reach = (away.length() * self.zoom).min(REACH_MAX);
+        let reach = (away.length() * f64::from(self.zoom)).min(REACH_MAX);
         let mut back = -forward;
         if (self.yaw, self.pitch) != (0.0, 0.0) {
-            let yaw = back.x.atan2(back.z) + self.yaw;
-            let pitch = (Self::pitch_of(back, DVec3::ZERO) + self.pitch).clamp(-PITCH_MAX, PITCH_MAX);
+            let most = PITCH_MAX.to_radians();
+            let yaw = back.x.atan2(back.z) + f64::from(self.yaw).to_radians();
+            let pitch = Self::pitch_of(back, DVec3::ZERO) + f64::from(self.pitch).to_radians();
+            let pitch = pitch.clamp(-most, most);
             back = DVec3::new(pitch.cos() * yaw.sin(), pitch.sin(), pitch.cos() * yaw.cos());
         }
         (target + reach * back, -back)
@@ -149,9 +163,9 @@ mod tests {
         hand.drag((0.0, 50.0), own);
         let height =
             |hand: &OrbitControls| OrbitControls::pitch_of(hand.place(eye, DVec3::ZERO).0, DVec3::ZERO);
-        assert!((height(&hand) - PITCH_MAX).abs() < 1e-6);
+        assert!((height(&hand).to_degrees() - PITCH_MAX).abs() < 1e-4);
         hand.drag((0.0, -0.1), own);
-        assert!((height(&hand) - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-6);
+        assert!((height(&hand).to_degrees() - (PITCH_MAX - 0.1 * TURN)).abs() < 1e-4);
     }
 
     proptest! {

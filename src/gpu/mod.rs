@@ -16,6 +16,7 @@ mod guest;
 pub mod headless;
 mod lens;
 pub mod object;
+pub mod picture_reader;
 pub mod post;
 pub mod probe;
 pub mod program;

@@ -14,13 +14,14 @@ use super::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_pre
 use crate::program_cache::ProgramKey;
 
 /// The uniform blocks of the shaders, with their binding points (see `shaders/README.md`).
-pub const UNIFORM_BLOCKS: [(&str, u32); 6] = [
+pub const UNIFORM_BLOCKS: [(&str, u32); 7] = [
     ("FrameBlock", 0),
     ("PassBlock", 1),
     ("PictureBlock", 2),
     ("PostBlock", 3),
     ("ViewBlock", 4),
     ("FlashBlock", 5),
+    ("PlaceBlock", 6),
 ];
 
 /// The renderer's own textures, with their units (see `shaders/README.md`). The scene's have the first ones, by their

@@ -21,6 +21,7 @@
 
 mod fade;
 mod making;
+mod placing;
 mod rehearsal;
 
 use std::rc::Rc;
@@ -48,6 +49,8 @@ use fade::Fade;
 use making::Making;
 pub use making::Progress;
 use mariana_field::world::ToneMap;
+pub use placing::PLACING_SHADERS;
+use placing::Placing;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;
@@ -90,6 +93,8 @@ pub struct Renderer {
     targets: Option<Targets>,
     /// Enlarges pictures for a window.
     upscale: Option<LazyProgram>,
+    /// Dims pictures and puts them where they lie in a window.
+    placing: Option<Placing>,
     flashes: Option<FlashPass>,
     /// Whether the limiter has taken the finished picture.
     is_limited: bool,
@@ -153,6 +158,7 @@ impl Renderer {
             edge_samples: EdgeSamples::Four,
             targets: None,
             upscale: None,
+            placing: None,
             flashes: None,
             is_limited: false,
             limited: None,
@@ -178,6 +184,7 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(LazyProgram::new(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
+        self.placing = Some(Placing::new(&self.gl, library)?);
         self.time_pictures()
     }
 
@@ -227,8 +234,9 @@ impl Renderer {
     /// # Errors
     /// No room for a copy of the picture, which all but windows need.
     pub fn limit_flashes(&mut self, seconds: f64) -> Result<(), GpuError> {
-        if let (Some(flashes), Some(targets)) = (&mut self.flashes, &self.targets) {
-            let finished = targets.post.finished();
+        let finished = self.stands.as_ref().or(self.targets.as_ref().map(|targets| targets.post.finished()));
+        let dimmed = self.placing.as_ref().and_then(Placing::dimmed);
+        if let (Some(flashes), Some(finished)) = (&mut self.flashes, dimmed.or(finished)) {
             flashes.take(finished, seconds);
             if self.upscale.is_none() {
                 let copy = match self.limited.take().filter(|copy| copy.size() == finished.size()) {
@@ -241,6 +249,7 @@ impl Renderer {
             }
             self.is_limited = true;
         }
+        self.placing.iter_mut().for_each(Placing::forget_copy);
         self.gl.check("limiting flashes")
     }
 
@@ -318,7 +327,7 @@ impl Renderer {
     /// # Errors
     /// An error that the driver reports.
     pub fn show(&self, window: (u32, u32)) -> Result<(), GpuError> {
-        let Some(picture) = self.finished() else { return Ok(()) };
+        let Some(picture) = self.bright_as_shown() else { return Ok(()) };
         match &self.upscale {
             Some(upscale) if picture.size() != window => {
                 picture.bind_color(0, unit_of("picture"));
@@ -336,8 +345,8 @@ impl Renderer {
 
     /// The finished picture, its flashes limited, four bytes per pixel, the top row first. Empty before the first draw.
     pub fn read(&self) -> Vec<u8> {
-        let limited = self.limited.as_ref().filter(|_| self.is_limited);
-        limited.or(self.finished()).map_or_else(Vec::new, |picture| picture.read_rgba8(0))
+        let limited = self.limited.as_ref().filter(|_| self.is_limited && self.is_copied());
+        limited.or(self.bright_as_shown()).map_or_else(Vec::new, |picture| picture.read_rgba8(0))
     }
 
     /// Distance evaluations of the last picture; zero without [`Counting::On`].

@@ -8,7 +8,7 @@ use glow::HasContext;
 
 use super::error::GpuError;
 use super::gl::Gl;
-use super::object::{Framebuffer, Renderbuffer, Texture};
+use super::object::{Buffer, Framebuffer, Renderbuffer, Texture};
 use crate::faults::{self, Fault};
 
 /// A framebuffer with its colour textures, all of one size, and optionally a stencil.
@@ -279,6 +279,21 @@ impl Target {
         let mut floats: Vec<f32> = words.iter().map(|word| f32::from_ne_bytes(*word)).collect();
         flip_rows(&mut floats, row);
         floats
+    }
+
+    /// Copies colour attachment 0 into a buffer of the driver, four bytes per pixel, the lowest row first.
+    pub(super) fn read_into(&self, buffer: &Buffer) {
+        // SAFETY: both are ours, and the buffer has room for these texels.
+        unsafe {
+            self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.framebuffer.native()));
+            self.gl.read_buffer(glow::COLOR_ATTACHMENT0);
+            self.gl.pixel_store_i32(glow::PACK_ALIGNMENT, 1);
+            self.gl.bind_buffer(glow::PIXEL_PACK_BUFFER, Some(buffer.native()));
+            let (width, height) = (self.size.0.cast_signed(), self.size.1.cast_signed());
+            let offset = glow::PixelPackData::BufferOffset(0);
+            self.gl.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, offset);
+            self.gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
+        }
     }
 
     fn read(&self, index: u32, format: u32, kind: u32, bytes: &mut [u8]) {

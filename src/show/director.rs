@@ -216,7 +216,11 @@ fn transition(change: &Change<'_>, from: &SceneCard, to: &SceneCard, coin: bool)
         Way::Melt if change.energy < CALM => Transition::new(way, Length::Bars(4.0)),
         Way::Melt => Transition::new(way, Length::Bars(2.0)),
         Way::Portal => {
-            let shape = if coin { PortalShape::Ball } else { PortalShape::Plane };
+            let shape = match to.about.portal {
+                Some(_) => PortalShape::Own,
+                None if coin => PortalShape::Ball,
+                None => PortalShape::Plane,
+            };
             Transition { shape, ..Transition::new(way, Length::Bars(2.0)) }
         }
         Way::Fade => Transition::new(way, Length::Bars(1.0)),

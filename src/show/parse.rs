@@ -14,7 +14,7 @@
 
 mod words;
 
-use super::script::{Anchor, Entry, Length, Script, Setting, Transition, When};
+use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, When};
 use crate::limits::LIMITS;
 use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};
 use mariana_field::world::{BlendKind, PortalShape};
@@ -240,23 +240,36 @@ impl<'a> Reader<'a> {
     }
 
     fn setting(&mut self) -> Read<Setting> {
-        let param = self.named("a parameter's name")?.text.to_owned();
+        let named = self.named("a parameter's name")?;
+        let turn = self.peek().map(|next| format!("{} {}", named.text, next.text));
+        let param = match turn.filter(|turn| CAMERA_TURNS.contains(&turn.as_str())) {
+            Some(turn) => {
+                self.at += 1;
+                turn
+            }
+            None => named.text.to_owned(),
+        };
         if !self.eat("=") {
             return Err(self.missing("`=` and a value", "as in `set swell = 0.2 -> 0.5 over 8 bars`"));
         }
         let from = self.signed()?;
-        let (mut to, mut over, mut after) = (from, Length::ZERO, Length::ZERO);
-        if self.eat("->") {
-            to = self.signed()?;
+        let mut steps = Vec::new();
+        while self.eat("->") {
+            let to = self.signed()?;
             if !self.eat("over") {
                 return Err(self.missing("`over` and how long it takes", "as in `0.2 -> 0.5 over 8 bars`"));
             }
-            over = self.length()?;
+            steps.push(Step { to, over: self.length()? });
+            if steps.len() > LIMITS.show_steps_max {
+                let many = format!("a parameter moves in more than {} steps", LIMITS.show_steps_max);
+                let many = Diagnostic::over_limit(named.span, many);
+                return Err(Box::new(
+                    many.hint("write an entry for the rest, with the same scene and `cut`"),
+                ));
+            }
         }
-        if self.eat("after") {
-            after = self.length()?;
-        }
-        Ok(Setting { param, from, to, after, over })
+        let after = if self.eat("after") { self.length()? } else { Length::ZERO };
+        Ok(Setting { param, from, steps, after })
     }
 
     fn signed(&mut self) -> Read<f32> {

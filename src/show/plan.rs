@@ -1,5 +1,7 @@
 //! A show in seconds.
 
+use super::script::CAMERA_TURNS;
+use crate::frame::orbit_controls::OrbitControls;
 use mariana_field::lang::{Param, Scene, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 
@@ -60,6 +62,17 @@ pub struct Move {
     pub to: f32,
 }
 
+/// What a show does with a parameter at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved<'a> {
+    /// The parameter's name.
+    pub name: &'a str,
+    /// Its value.
+    pub value: f32,
+    /// The same number for as long as it is the same movement in the same stay.
+    pub part: u64,
+}
+
 /// What is on at a moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment<'a> {
@@ -118,6 +131,9 @@ pub fn blend_kind(entrance: Entrance) -> Option<BlendKind> {
     }
 }
 
+/// At so many seconds from its ends a movement is at them: no picture is that short, and texts round.
+const EXACT: f64 = 1e-6;
+
 impl Stay {
     /// The parameters of its scene at `time` seconds of the song; those that it does not move are as `other` says.
     pub fn numbers_at(&self, scene: &Scene, time: f64, other: impl Fn(&Param) -> f32) -> Vec<f32> {
@@ -128,23 +144,45 @@ impl Stay {
 
     /// The values of the parameters that this stay moves, at `time` seconds of the song, the last word for each.
     pub fn params_at(&self, time: f64) -> Vec<(&str, f32)> {
-        let mut values: Vec<(&str, f32)> = Vec::new();
+        self.moved_at(time).into_iter().map(|moved| (moved.name, moved.value)).collect()
+    }
+
+    /// How it turns the camera of its scene at `time` seconds of the song.
+    pub fn hand_at(&self, time: f64) -> OrbitControls {
+        if !self.moves.iter().any(|one| CAMERA_TURNS.contains(&one.param.as_str())) {
+            return OrbitControls::OFF;
+        }
+        let moved = self.params_at(time);
+        let mut turns = OrbitControls::OFF.turns();
+        for (turn, name) in turns.iter_mut().zip(CAMERA_TURNS) {
+            *turn = moved.iter().find(|(moved, _)| *moved == name).map_or(*turn, |(_, value)| *value);
+        }
+        OrbitControls::of_turns(turns)
+    }
+
+    /// The same with which of its movements each value is part of.
+    pub fn moved_at(&self, time: f64) -> Vec<Moved<'_>> {
+        let mut values: Vec<Moved<'_>> = Vec::new();
         for one in &self.moves {
             // Before its first move a parameter is where that begins.
-            let known = values.iter_mut().find(|(name, _)| *name == one.param);
+            let known = values.iter_mut().find(|known| known.name == one.param);
             let is_set_at_once = one.seconds <= 0.0 && one.from == one.to;
-            if time < one.start && (known.is_some() || is_set_at_once) {
+            let gone = time - one.start;
+            if gone < -EXACT && (known.is_some() || is_set_at_once) {
                 continue;
             }
-            let share = if one.seconds > 0.0 {
-                ((time - one.start) / one.seconds).clamp(0.0, 1.0) as f32
+            let value = if gone >= one.seconds - EXACT && gone >= -EXACT {
+                one.to
+            } else if gone <= EXACT {
+                one.from
             } else {
-                f32::from(u8::from(time >= one.start))
+                one.from + (one.to - one.from) * (gone / one.seconds) as f32
             };
-            let value = one.from + (one.to - one.from) * share;
+            let part = self.start.to_bits().rotate_left(32) ^ one.start.to_bits();
+            let moved = Moved { name: &one.param, value, part };
             match known {
-                Some((_, known)) => *known = value,
-                None => values.push((&one.param, value)),
+                Some(known) => *known = moved,
+                None => values.push(moved),
             }
         }
         values
@@ -183,5 +221,9 @@ mod tests {
         one.moves = vec![part(2.0, 4.0, 0.0, 1.0), part(8.0, 0.0, 0.3, 0.5)];
         let at = |time| one.params_at(time).first().map(|(_, value)| *value).unwrap();
         assert_eq!([0.0, 2.0, 3.0, 6.0, 7.0, 8.0, 99.0].map(at), [0.0, 0.0, 0.25, 1.0, 1.0, 0.5, 0.5]);
+        let part = |time| one.moved_at(time).first().map(|moved| moved.part).unwrap();
+        assert!(part(3.0) == part(7.0) && part(7.0) != part(8.0), "another movement has another number");
+        let later = Stay { start: 1.0, ..one.clone() };
+        assert_ne!(later.moved_at(3.0).first().map(|moved| moved.part), Some(part(3.0)));
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::director::{SceneCard, direct};
 use super::plan::{Entrance, Plan, Stay};
 use super::resolve::resolve;
-use super::script::Script;
+use super::script::{CAMERA_TURNS, Script};
 use super::{parse, print};
 use crate::limits::LIMITS;
 use crate::scenes::{SceneBlend, SceneError, SceneSource, SeenScene};
@@ -102,6 +102,13 @@ impl Known {
         let params = scene.params.into_iter().filter(|param| !param.is_number).map(|param| param.name);
         let cameras = scene.cameras.into_iter().map(|(name, _)| name).collect();
         Ok(Self { source, about: scene.about, cameras, params: params.collect() })
+    }
+}
+
+impl Known {
+    /// Whether a show can move that.
+    fn has(&self, param: &String) -> bool {
+        self.params.contains(param) || CAMERA_TURNS.contains(&param.as_str())
     }
 }
 
@@ -213,9 +220,7 @@ impl Programme {
                 let (scene, hint) = (entry.scene.clone(), listed("cameras", &scene.cameras));
                 return Err(ShowError::NoCamera { scene, camera: camera.clone(), hint });
             }
-            if let Some(setting) =
-                entry.settings.iter().find(|setting| !scene.params.contains(&setting.param))
-            {
+            if let Some(setting) = entry.settings.iter().find(|setting| !scene.has(&setting.param)) {
                 let (scene, hint) = (entry.scene.clone(), listed("parameters", &scene.params));
                 return Err(ShowError::NoParam { scene, param: setting.param.clone(), hint });
             }
@@ -302,7 +307,7 @@ fn listed(what: &str, names: &[String]) -> String {
 }
 
 /// What a show calls a scene.
-fn name_of(source: &SceneSource) -> String {
+pub fn name_of(source: &SceneSource) -> String {
     match source {
         SceneSource::Shipped(name) => name.clone(),
         SceneSource::File(path) => path.display().to_string(),

@@ -2,7 +2,7 @@
 
 use super::bar_lines::BarLines;
 use super::plan::{Entrance, Move, Plan, Stay};
-use super::script::{Anchor, Length, Script, Transition, When};
+use super::script::{Anchor, Length, Script, Setting, Step, Transition, When};
 use mariana_field::lang::{Diagnostic, Span, Way};
 use mariana_music::SongStructure;
 
@@ -52,19 +52,8 @@ pub fn resolve(
             way.map_or(USUAL, |way| Transition::new(way, Length::Bars(USUAL_BARS)))
         });
         let seconds = lasting(transition.length, start, &lines);
-        let mut moves: Vec<Move> = (entry.settings.iter())
-            .map(|setting| {
-                let begin = start + lasting(setting.after, start, &lines);
-                let seconds = lasting(setting.over, begin, &lines);
-                Move {
-                    param: setting.param.clone(),
-                    start: begin,
-                    seconds,
-                    from: setting.from,
-                    to: setting.to,
-                }
-            })
-            .collect();
+        let mut moves: Vec<Move> =
+            entry.settings.iter().flat_map(|setting| moves_of(setting, start, &lines)).collect();
         moves.sort_by(|a, b| a.start.total_cmp(&b.start));
         stays.push(Stay {
             start,
@@ -75,6 +64,22 @@ pub fn resolve(
         });
     }
     (Plan::new(stays), left_out)
+}
+
+/// The parts of a movement that belongs to an entry at `start`.
+fn moves_of(setting: &Setting, start: f64, lines: &BarLines) -> Vec<Move> {
+    let param = || setting.param.clone();
+    let (mut begin, mut from) = (start + lasting(setting.after, start, lines), setting.from);
+    if setting.steps.is_empty() {
+        return vec![Move { param: param(), start: begin, seconds: 0.0, from, to: from }];
+    }
+    let part = |step: &Step| {
+        let seconds = lasting(step.over, begin, lines);
+        let part = Move { param: param(), start: begin, seconds, from, to: step.to };
+        (begin, from) = (begin + seconds, step.to);
+        part
+    };
+    setting.steps.iter().map(part).collect()
 }
 
 /// Why a moment is not in a song.

@@ -123,17 +123,30 @@ impl Transition {
     }
 }
 
-/// A parameter that moves, or is set.
+/// A parameter that moves, or is set; or a turn of the camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
-    /// Its name in the scene.
+    /// Its name in the scene, or one of [`CAMERA_TURNS`].
     pub param: String,
     /// Its value before.
     pub from: f32,
-    /// Its value behind.
-    pub to: f32,
+    /// Where it goes, one after the other; if nowhere, it is set.
+    pub steps: Vec<Step>,
     /// How long after the entry it begins.
     pub after: Length,
+}
+
+/// A part of a movement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The value behind.
+    pub to: f32,
     /// How long it takes.
     pub over: Length,
 }
+
+/// What turns the camera of any scene as a hand in the window does: see [`OrbitControls::turns`]. No parameter has such a
+/// name.
+///
+/// [`OrbitControls::turns`]: crate::frame::orbit_controls::OrbitControls::turns
+pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"];

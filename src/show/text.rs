@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::resolve::clock;
-use super::script::{Anchor, Entry, Length, Script, Setting};
+use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting};
 use mariana_field::lang::Way;
 use mariana_field::world::{BlendKind, PortalShape};
 
@@ -62,9 +62,11 @@ fn moment(entry: &Entry) -> String {
 }
 
 fn set(setting: &Setting) -> String {
-    let mut text = format!("  set {} = {}", name(&setting.param), setting.from);
-    if setting.from != setting.to || setting.over.number() > 0.0 {
-        let _ = write!(text, " -> {} over {}", setting.to, length(setting.over));
+    let is_turn = CAMERA_TURNS.contains(&setting.param.as_str());
+    let param = if is_turn { setting.param.clone() } else { name(&setting.param) };
+    let mut text = format!("  set {param} = {}", setting.from);
+    for step in &setting.steps {
+        let _ = write!(text, " -> {} over {}", step.to, length(step.over));
     }
     if setting.after.number() > 0.0 {
         let _ = write!(text, " after {}", length(setting.after));

@@ -11,6 +11,16 @@ fn the_keys_are_those_of_the_program() {
 }
 
 #[test]
+fn the_addresses_of_osc_are_those_of_the_program() {
+    use mariana::app::hands::page::{action_table, address_table, sent_line};
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/osc.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    for part in [address_table(), action_table(), sent_line()] {
+        assert!(page.contains(&part), "docs/osc.md should read:\n{part}");
+    }
+}
+
+#[test]
 fn every_subcommand_is_named() {
     let output = Command::new(env!("CARGO_BIN_EXE_mariana")).arg("--help").output().unwrap();
     let help = String::from_utf8(output.stdout).unwrap();

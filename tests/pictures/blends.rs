@@ -24,7 +24,7 @@ const TIME: f64 = 20.0;
 /// What is drawn always: a melt with planes on both sides, of what is no distance into what is one, out of a closed
 /// place, of what has bounds into what has none, of what together takes the interpreter many registers, of a wall
 /// without end into what stands alone; and portals.
-const SLICE: [(&str, &str, BlendKind, f32); 8] = [
+const SLICE: [(&str, &str, BlendKind, f32); 9] = [
     ("speakers", "first_steps", BlendKind::Melt, 0.5),
     ("heart", "terrain", BlendKind::Melt, 0.25),
     ("tunnel", "city", BlendKind::Melt, 0.5),
@@ -33,6 +33,7 @@ const SLICE: [(&str, &str, BlendKind, f32); 8] = [
     ("clockwork", "orb", BlendKind::Melt, 0.5),
     ("metaballs", "moonrise", BlendKind::Portal(PortalShape::Ball), 0.4),
     ("first_steps", "gyroid", BlendKind::Portal(PortalShape::Plane), 0.6),
+    ("speakers", "heart", BlendKind::Portal(PortalShape::Own), 0.4),
 ];
 
 /// The most rays that may end at their cap, as a share of the pixels.

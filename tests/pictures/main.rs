@@ -10,6 +10,7 @@ mod hardware_path;
 mod light;
 mod light_to_screen;
 mod mips;
+mod placing;
 mod ray_oracle;
 mod scene_looks;
 mod scene_modes;

@@ -13,7 +13,7 @@ use mariana::gpu::flash_pass::{FLASH_SHADERS, FLASH_VERTEX_SHADER};
 use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::{Program, VERTEX_SHADER};
-use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
+use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::samplers::SAMPLERS_SHADER;
 use mariana::gpu::scene_program::{Mode, SCENE_SHADER, as_coverage, as_views, variant_of, without_sky};
 use mariana::gpu::shader_source::{ShaderLibrary, ShaderSourceError, Variant, driver_preamble};
@@ -84,8 +84,8 @@ fn scene_case(scene: &SceneSource, mode: Mode, software: bool, counting: Countin
 /// All shaders of the program, the vertex shaders first.
 fn cases() -> Vec<Case> {
     let plain = [VERTEX_SHADER, FLASH_VERTEX_SHADER, EDGE_SHADER, UPSCALE_SHADER, SAMPLERS_SHADER];
-    let plain = plain.map(|file| (file, &[][..]));
-    let own = plain.into_iter().chain(FLASH_SHADERS).chain(POST_SHADERS);
+    let plain = plain.into_iter().chain(PLACING_SHADERS).map(|file| (file, &[][..]));
+    let own = plain.chain(FLASH_SHADERS).chain(POST_SHADERS);
     let mut cases: Vec<Case> = own
         .map(|(file, defines)| {
             let name = format!("{file} {defines:?}");

@@ -117,10 +117,15 @@ impl Desktop {
         self.show(command, song)
     }
 
-    /// The program that listens instead of playing a song, when its window shows.
+    /// The program that listens, or plays the demo track, when its window shows.
     pub(crate) fn listen(&self, options: &[&str]) -> App<'_> {
+        self.listen_printing_to(Stdio::piped(), options)
+    }
+
+    /// The same with another standard output.
+    pub(crate) fn listen_printing_to(&self, stdout: Stdio, options: &[&str]) -> App<'_> {
         let mut command = self.command(PROGRAM);
-        command.args(ALONE).args(options).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command.args(ALONE).args(options).stdout(stdout).stderr(Stdio::piped());
         self.show(command, Path::new(""))
     }
 

@@ -14,6 +14,8 @@ use mariana_testing::process::{output_of, wait_until};
 use mariana_testing::wave::write_wav;
 
 const SIZE: &str = "64x36";
+/// Moments of the song that a key reaches, 5 s from each other.
+const MOMENTS: usize = 20;
 const QUIT_LIMIT: Duration = Duration::from_secs(60);
 
 struct Place {
@@ -26,7 +28,7 @@ impl Place {
         let desktop = Desktop::start();
         let song = desktop.folder().join("song.wav");
         // Clicks, so that there is a tempo.
-        let samples = (0..60 * 48_000).flat_map(|frame| {
+        let samples = (0..100 * 48_000).flat_map(|frame| {
             let since = frame % 24_000;
             [if since < 400 { 0.5 * (0.4 * since as f32).sin() } else { 0.0 }; 2]
         });
@@ -40,7 +42,8 @@ impl Place {
                      material paint {{ color = 0  roughness = 1  emission = level * vec3({colour}) }}\n\
                      object wall {{ shape = 5 - p.z  material = paint }}\nsky {{ color = 0  ambient = 0 }}\n\
                      light none {{ direction = vec3(0, -1, 0)  color = 0 }}\n\
-                     camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n"
+                     camera {{ position = vec3(0)  target = vec3(0, 0, 5) }}\n\
+                     about {{ portal = box(p, vec3(0.8, 0.5, 0.3)) }}\n"
                 ),
             );
         }
@@ -101,9 +104,9 @@ fn wait_for_channel(app: &App<'_>, wanted: usize) {
     wait_until("a colour", || channel(app) == Some(wanted));
 }
 
-/// Pauses, and goes to a time that is a multiple of 5 s.
+/// Goes to a time that is a multiple of 5 s.
 fn go_to(app: &mut App<'_>, seconds: usize) {
-    app.press(&["Left"; 12]);
+    app.press(&["Left"; MOMENTS]);
     if seconds > 0 {
         app.press(&vec!["Right"; seconds / 5]);
     }
@@ -113,27 +116,44 @@ fn go_to(app: &mut App<'_>, seconds: usize) {
 fn a_window_shows_of_a_show_what_a_still_does_and_each_save_of_its_file() {
     let place = Place::new();
     let show = place.path("my.show");
-    let text = "at start red.scene\nat 4 s green.scene melt over 2 s\n set level = 0.2 -> 1 over 8 s\n\
-                at 14 s blue.scene portal over 2 s\n\
-                at 29 s red.scene fade over 2 s\nat 34 s red.scene fade over 4 s\n set level = 0.3\n";
-    place.write("my.show", text);
+    // At each moment that the keys reach something is under way.
+    let mut text = "at start red.scene\n".to_owned();
+    let ways = ["melt", "portal", "fade", "portal plane", "melt", "portal shape", "fade"];
+    let scenes = ["green", "blue", "red", "blue"];
+    for (number, (way, scene)) in ways.iter().cycle().zip(scenes.iter().cycle()).take(MOMENTS - 2).enumerate()
+    {
+        let start = 5 * number + 4;
+        text.push_str(&format!(
+            "at {start} s {scene}.scene {way} over 2 s\n set level = 0.2 -> 1 over 8 s\n"
+        ));
+    }
+    text.push_str(&format!("at {} s red.scene fade over 4 s\n set level = 0.3\n", 5 * (MOMENTS - 1) - 1));
+    place.write("my.show", &text);
     let mut app = place.open(&["--show", &show]);
     app.wait_until_told("the scenes follow the song");
     app.press(&["space"]);
     app.wait_for_title("paused", |title| title.contains("paused"));
-    let times = [(0, "0"), (10, "10"), (5, "5"), (15, "15"), (30, "30"), (35, "35"), (20, "20")];
-    for (seconds, time) in times {
-        go_to(&mut app, seconds);
-        let wanted = place.still(&show, time);
-        wait_until(&format!("the still of {time} s"), || app.picture() == wanted);
+    go_to(&mut app, 0);
+    let wanted: Vec<RgbaImage> =
+        (0..MOMENTS).map(|number| place.still(&show, &(5 * number).to_string())).collect();
+    for (number, wanted) in wanted.iter().enumerate() {
+        if number > 0 {
+            app.press(&["Right"]);
+        }
+        wait_until(&format!("the still of {} s", 5 * number), || app.picture() == *wanted);
     }
+    app.press(&["Left"; 4]);
+    wait_until("the same after a jump", || app.picture() == wanted[MOMENTS - 5]);
+    go_to(&mut app, 10);
+    wait_for_channel(&app, 2);
     // A save shows; one with mistakes costs nothing and is told.
-    place.write("my.show", &text.replace("blue", "green"));
+    let still = "at start blue.scene\nat 30 s red.scene portal over 2 s\n";
+    place.write("my.show", &still.replace("blue", "green"));
     wait_for_channel(&app, 1);
-    place.write("my.show", &text.replace("portal over", "portl over"));
+    place.write("my.show", &still.replace("portal", "portl"));
     app.wait_until_told("did you mean `portal`?");
     wait_for_channel(&app, 1);
-    place.write("my.show", text);
+    place.write("my.show", still);
     wait_for_channel(&app, 2);
     quit(app);
 }
@@ -151,7 +171,8 @@ fn the_first_track_of_a_list_was_taken_for_an_input() {
     write_wav(&place.song, 48_000, 2, samples);
     for (name, range) in [("red", "0 .. 0.3"), ("green", "0.3 .. 0.5"), ("blue", "0.6 .. 1")] {
         let scene = fs::read_to_string(place.path(&format!("{name}.scene"))).unwrap();
-        place.write(&format!("{name}.scene"), &format!("about {{ energy = {range} }}\n{scene}"));
+        let scene = scene.replace("about {", &format!("about {{ energy = {range} "));
+        place.write(&format!("{name}.scene"), &scene);
     }
     let show = place.path("auto.show");
     let mut command = command_in(PROGRAM, place.desktop.folder(), None);

@@ -18,6 +18,8 @@ const PERIOD_MIN: f64 = 0.15;
 #[derive(Clone, Debug, Default)]
 pub struct TapTempo {
     taps: Vec<f64>,
+    /// The time of a beat and the length of one, as they were set.
+    given: Option<(f64, f64)>,
 }
 
 impl TapTempo {
@@ -42,7 +44,24 @@ impl TapTempo {
             self.taps.remove(0);
         }
         self.taps.push(time);
+        if let (Some((origin, _)), [only]) = (&mut self.given, &self.taps[..]) {
+            *origin = *only;
+        }
     }
+
+    /// Sets the tempo in beats per minute at a time; the beat goes on where it was, or begins there. From then on a single
+    /// tap is where a beat is, and two or more set another tempo. Other tempos than [`TapTempo::TEMPOS`] change nothing.
+    pub fn set(&mut self, tempo: f64, time: f64) {
+        if !Self::TEMPOS.contains(&tempo) || !time.is_finite() {
+            return;
+        }
+        let (period, phase) = (60.0 / tempo, self.at(time).map_or(0.0, |(_, phase)| f64::from(phase)));
+        self.taps.clear();
+        self.given = Some((time - phase * period, period));
+    }
+
+    /// Tempos that can be set, in beats per minute.
+    pub const TEMPOS: std::ops::RangeInclusive<f64> = 10.0..=400.0;
 
     /// Beats per minute and the position between two beats, 0 up to 1, at a time; none without two taps.
     pub fn at(&self, time: f64) -> Option<(f32, f32)> {
@@ -62,7 +81,7 @@ impl TapTempo {
     fn fit(&self) -> Option<(f64, f64)> {
         let count = self.taps.len();
         if count < 2 {
-            return None;
+            return self.given;
         }
         let middle = (count - 1) as f64 / 2.0;
         let mean = self.taps.iter().sum::<f64>() / count as f64;
@@ -110,6 +129,22 @@ mod tests {
     fn another_tempo_is_taken_up_with_its_second_tap() {
         let (tempo, _) = tapped(&[0.0, 0.5, 1.0, 1.5, 2.5, 3.5]).at(4.0).unwrap();
         assert!((tempo - 60.0).abs() < 1e-4, "{tempo}");
+    }
+
+    #[test]
+    fn a_tempo_that_is_set_goes_on_with_the_beat_and_taps_move_it() {
+        let mut taps = tapped(&[0.0, 0.5]);
+        taps.set(60.0, 0.75);
+        assert_eq!((taps.at(0.75), taps.at(1.25)), (Some((60.0, 0.5)), Some((60.0, 0.0))));
+        taps.tap(10.25);
+        assert_eq!(taps.at(10.5), Some((60.0, 0.25)), "one tap is where the beat is");
+        taps.tap(10.75);
+        assert_eq!(taps.at(10.75), Some((120.0, 0.0)), "two are a tempo");
+        let before = taps.clone();
+        for (tempo, time) in [(0.0, 1.0), (f64::NAN, 1.0), (1e9, 1.0), (120.0, f64::NAN)] {
+            taps.set(tempo, time);
+            assert_eq!(taps.at(11.0), before.at(11.0), "{tempo} at {time}");
+        }
     }
 
     #[test]

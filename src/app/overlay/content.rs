@@ -6,10 +6,13 @@ use std::time::{Duration, Instant};
 use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
+use crate::app::corner_hands::CornerHands;
 use crate::app::editor::Editor;
 use crate::app::file_browser::FileBrowser;
+use crate::app::hands::panel::HandsPanel;
 use crate::app::scene_browser::SceneBrowser;
 use crate::app::settings_panel::SettingsPanel;
+use mariana_control::Hand;
 
 /// What is shown over the picture; every part is optional, and by default there is none.
 #[derive(Debug, Default)]
@@ -42,6 +45,12 @@ pub struct OverlayContent<'a> {
     pub settings: Option<&'a SettingsPanel>,
     /// The editor.
     pub editor: Option<&'a Editor>,
+    /// Knobs from outside.
+    pub hands: Option<&'a HandsPanel>,
+    /// The parameter that a knob is being learned for.
+    pub learning: Option<&'a str>,
+    /// The corners of the picture, while they are moved.
+    pub corners: Option<CornerHands>,
     /// Whether the pointer is hidden while it is over the picture.
     pub hides_pointer: bool,
 }
@@ -88,6 +97,8 @@ pub struct Slider {
     pub max: f32,
     /// What a double click brings back.
     pub default: f32,
+    /// Whose hand turned it last.
+    pub hand: Hand,
 }
 
 /// How long a notice stays before it fades, at least, and for each of its characters.
@@ -141,8 +152,16 @@ impl Slider {
         self.clamped(self.min + position.clamp(0.0, 1.0) * (self.max - self.min))
     }
 
+    /// Whose hand holds it, where that is neither the text nor the slider itself.
+    pub(super) fn hand_words(&self) -> &'static str {
+        match self.hand {
+            Hand::Text | Hand::Slider => "",
+            other => other.name(),
+        }
+    }
+
     /// The value with as many digits as a slider can distinguish.
-    pub(super) fn value_text(&self) -> String {
+    pub(in crate::app) fn value_text(&self) -> String {
         let decimals = match self.max - self.min {
             span if span >= 200.0 => 0,
             span if span >= 20.0 => 1,
@@ -176,6 +195,7 @@ impl OverlayContent<'_> {
             && self.files.is_none()
             && self.settings.is_none()
             && self.editor.is_none()
+            && self.corners.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
     }
@@ -195,6 +215,7 @@ impl OverlayContent<'_> {
             || self.files.is_some()
             || self.settings.is_some()
             || self.editor.is_some()
+            || self.corners.is_some()
     }
 
     /// A number that changes when something else shows. A notice counts for as long as it shows, faded or not.
@@ -211,10 +232,12 @@ impl OverlayContent<'_> {
         self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
         self.editor.map(Editor::revision).hash(&mut hasher);
+        (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
+        self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);
         for slider in self.params.iter().flat_map(|sliders| sliders.iter()) {
             let numbers = [slider.value, slider.min, slider.max, slider.default].map(f32::to_bits);
-            (&slider.name, numbers).hash(&mut hasher);
+            (&slider.name, numbers, slider.hand).hash(&mut hasher);
         }
         hasher.finish()
     }
@@ -249,7 +272,8 @@ mod tests {
     #[test]
     fn what_shows_has_another_fingerprint_than_what_showed() {
         let now = Instant::now();
-        let mut sliders = [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0 }];
+        let mut sliders =
+            [Slider { name: "size".into(), value: 1.0, min: 0.0, max: 2.0, default: 1.0, hand: Hand::Text }];
         let mut seen = std::collections::BTreeSet::new();
         let list = |present| SourceList { names: vec!["a".into(), "b".into()], present };
         let contents: [OverlayContent<'_>; 9] = [
@@ -289,7 +313,8 @@ mod tests {
 
     #[test]
     fn values_of_sliders_stay_in_their_range() {
-        let slider = |min, max| Slider { name: "x".into(), value: 0.25, min, max, default: 0.5 };
+        let slider =
+            |min, max| Slider { name: "x".into(), value: 0.25, min, max, default: 0.5, hand: Hand::Text };
         let unit = slider(0.0, 1.0);
         assert_eq!([-1.0, 0.25, 7.0, f32::NAN].map(|value| unit.clamped(value)), [0.0, 0.25, 1.0, 0.5]);
         assert_eq!([-1.0, 0.25, 2.0].map(|position| slider(-4.0, 4.0).value_at(position)), [-4.0, -2.0, 4.0]);

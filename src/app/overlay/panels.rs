@@ -9,7 +9,8 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, editor, files, help, params, problem, settings, sources, style, tracks, welcome,
+    assisted, bar, browser, corners, editor, files, hands, help, params, problem, settings, sources, style,
+    tracks, welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -38,6 +39,7 @@ struct Kept {
     /// The file that was selected when the list was last drawn.
     selected_file: Option<usize>,
     seen_setting: Option<settings::Seen>,
+    seen_hand: Option<hands::Seen>,
 }
 
 /// What was laid out.
@@ -127,6 +129,9 @@ fn show(
             space.max.y = (rect.top() - 0.5 * style::MARGIN).max(space.top());
         }
     }
+    if let Some(hands) = &content.corners {
+        panels.extend(corners::show(context, screen, hands, requests));
+    }
     let mut left = space;
     if let Some(text) = content.corner {
         assisted::text(context, "about the picture", text, false);
@@ -135,7 +140,7 @@ fn show(
     let mut changed = false;
     let help = content.help.then(|| help::draw(&front, space));
     if let Some(sliders) = content.params.as_deref_mut().filter(|sliders| !sliders.is_empty()) {
-        let (rect, moved) = params::show(context, space, help, sliders);
+        let (rect, moved) = params::show(context, space, help, (sliders, content.learning), requests);
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
@@ -170,6 +175,10 @@ fn show(
             panels.push(settings::show(context, space, rows, &mut kept.seen_setting, requests));
         }
         None => kept.seen_setting = None,
+    }
+    match content.hands {
+        Some(rows) => panels.push(hands::show(context, space, rows, &mut kept.seen_hand, requests)),
+        None => kept.seen_hand = None,
     }
     if let Some(words) = content.welcome.as_ref().filter(|words| !words.is_gone(now)) {
         welcome::draw(&back, left, words, now);

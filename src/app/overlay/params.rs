@@ -2,9 +2,10 @@
 //!
 //! They are made by hand, because egui's own sliders take the keyboard's focus and the keys belong to the show.
 
-use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, pos2, vec2};
+use egui::{Align2, Id, Order, Rect, Response, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::content::Slider;
+use super::requests::Request;
 use super::{assisted, style};
 
 /// Width of the panel in points, if the window is wide enough.
@@ -30,7 +31,8 @@ pub(super) fn show(
     context: &egui::Context,
     space: Rect,
     cover: Option<Rect>,
-    sliders: &mut [Slider],
+    (sliders, learning): (&mut [Slider], Option<&str>),
+    requests: &mut Vec<Request>,
 ) -> (Rect, bool) {
     let width = width(space.width() + 2.0 * style::MARGIN);
     let id = Id::unique("overlay parameters");
@@ -53,7 +55,8 @@ pub(super) fn show(
                         ui.set_width((ui.available_width() - LANE).max(0.0));
                         let rows = sliders.iter_mut().enumerate();
                         rows.fold(false, |changed, (i, slider)| {
-                            ui.push_id(i, |ui| row(ui, slider)).inner || changed
+                            let is_learning = learning == Some(&*slider.name);
+                            ui.push_id(i, |ui| row(ui, slider, is_learning, requests)).inner || changed
                         })
                     })
                     .inner
@@ -63,8 +66,8 @@ pub(super) fn show(
     (shown.response.rect, shown.inner)
 }
 
-/// Name, value and rail of one parameter; returns whether the value changed.
-fn row(ui: &mut Ui, slider: &mut Slider) -> bool {
+/// Name, value and rail of one parameter; returns whether the value changed. A click on the name learns what turns it.
+fn row(ui: &mut Ui, slider: &mut Slider, is_learning: bool, requests: &mut Vec<Request>) -> bool {
     let before = slider.value;
     slider.value = slider.clamped(slider.value);
     let full = ui.available_width();
@@ -84,8 +87,27 @@ fn row(ui: &mut Ui, slider: &mut Slider) -> bool {
         style::TEXT,
     );
     let font = style::proportional(style::TEXT_SIZE);
-    let name = style::line(painter, &slider.name, font, style::TEXT, value.left() - line.left() - 8.0);
-    painter.galley(pos2(line.left(), line.center().y - 0.5 * name.size().y), name, style::TEXT);
+    let room = value.left() - line.left() - 8.0;
+    let name = style::line(painter, &slider.name, font, style::TEXT, room);
+    let size = name.size();
+    let label = ui.interact(
+        Rect::from_min_size(pos2(line.left(), line.center().y - 0.5 * size.y), size),
+        ui.scope_id().with("name"),
+        Sense::click(),
+    );
+    let color = if is_learning || label.hovered() { style::ACCENT } else { style::TEXT };
+    painter.galley_with_override_text_color(label.rect.min, name, color);
+    let words = if is_learning { "move a knob" } else { slider.hand_words() };
+    let font = style::proportional(style::SMALL_SIZE);
+    let words = style::line(painter, words, font, style::DIM, (room - size.x - 8.0).max(0.0));
+    let at = pos2(label.rect.right() + 8.0, line.center().y - 0.5 * words.size().y);
+    painter.galley_with_override_text_color(at, words, if is_learning { style::ACCENT } else { style::DIM });
+    label.widget_info(|| {
+        WidgetInfo::selected(egui::Role::Button, true, is_learning, format!("learn {}", slider.name))
+    });
+    if label.clicked() {
+        requests.push(Request::LearnParam(slider.name.clone()));
+    }
     if changed_by_user {
         let response = ui.interact(reset, ui.scope_id().with("reset"), Sense::click());
         let color = if response.hovered() { style::TEXT } else { style::DIM };

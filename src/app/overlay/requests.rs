@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::app::editor::EditorRequest;
+use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
 
 /// A panel that opens from the bar; one at a time is open.
@@ -20,6 +21,10 @@ pub enum Panel {
     Settings,
     /// The text of the scene.
     Editor,
+    /// Knobs from outside.
+    Hands,
+    /// The corners of the picture.
+    Corners,
 }
 
 /// What the user asked for with the pointer.
@@ -43,6 +48,19 @@ pub enum Request {
     Files(FileRequest),
     /// Something with the settings.
     Settings(SettingRequest),
+    /// Something with knobs from outside.
+    Hands(HandsRequest),
+    /// To learn what turns a parameter of the scene on the stage, by its name, or to stop.
+    LearnParam(String),
+    /// To move a corner of the picture.
+    Corner {
+        /// Which, clockwise from the upper left.
+        corner: usize,
+        /// Where to, as shares of the screen to the right and down.
+        place: [f64; 2],
+        /// Whether the pointer has let go of it.
+        settled: bool,
+    },
 }
 
 /// What is asked of the list of tracks; entries are counted from 0 in the list's own order.

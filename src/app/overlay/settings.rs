@@ -141,7 +141,7 @@ fn draw_row(
     let values = Rect::from_min_max(pos2(rect.left() + start, rect.top()), rect.max);
     let name_width = match row.values {
         Values::OneOfRows { .. } => width - 12.0,
-        Values::Names { .. } | Values::Milliseconds(_) => start - 12.0,
+        Values::Names { .. } | Values::Milliseconds(_) | Values::Percent(_) => start - 12.0,
     };
     draw_name(ui, row, rect, name_width, is_selected);
     match &row.values {
@@ -157,7 +157,12 @@ fn draw_row(
             }
         }
         Values::Milliseconds(shift) => {
-            if let Some((shift, settled)) = draw_shift(ui, values, *shift) {
+            if let Some((shift, settled)) = draw_number(ui, values, *shift, &SHIFT) {
+                ask(SettingRequest::Shift { row: place, shift, settled });
+            }
+        }
+        Values::Percent(percent) => {
+            if let Some((shift, settled)) = draw_number(ui, values, *percent, &PERCENT) {
                 ask(SettingRequest::Shift { row: place, shift, settled });
             }
         }
@@ -256,40 +261,70 @@ fn draw_names(ui: &Ui, rect: Rect, row: &SettingRow, names: &[&str], present: us
     clicked
 }
 
-/// Draws a rail for the shift; returns where the user moves it, and whether it stays there.
-fn draw_shift(ui: &Ui, rect: Rect, shift: f64) -> Option<(f64, bool)> {
+/// A number on a rail.
+struct Scale {
+    /// The ends of the rail.
+    from: f64,
+    to: f64,
+    /// What a double click brings back.
+    usual: f64,
+    words: fn(f64) -> String,
+    rounded: fn(f64) -> f64,
+    name: &'static str,
+}
+
+const SHIFT: Scale = Scale {
+    from: -RAIL_MS,
+    to: RAIL_MS,
+    usual: 0.0,
+    words: |shift| if shift == 0.0 { "0 ms".to_owned() } else { format!("{shift:+.0} ms") },
+    rounded: whole_steps,
+    name: "latency in milliseconds",
+};
+
+const PERCENT: Scale = Scale {
+    from: 0.0,
+    to: 100.0,
+    usual: 100.0,
+    words: |percent| format!("{percent:.0} %"),
+    rounded: f64::round,
+    name: "brightness in percent",
+};
+
+/// Draws a rail for a number; returns where the user moves it, and whether it stays there.
+fn draw_number(ui: &Ui, rect: Rect, shift: f64, scale: &Scale) -> Option<(f64, bool)> {
     let painter = ui.painter();
-    let words = format!("{shift:+.0} ms");
-    let words = if shift == 0.0 { "0 ms" } else { &words };
-    let number = style::line(painter, words, style::proportional(style::TEXT_SIZE), style::TEXT, 80.0);
+    let words = (scale.words)(shift);
+    let number = style::line(painter, &words, style::proportional(style::TEXT_SIZE), style::TEXT, 80.0);
     let place = pos2(rect.right() - 8.0 - number.size().x, rect.center().y - 0.5 * number.size().y);
     painter.galley(place, number, style::TEXT);
     let hold =
         Rect::from_min_max(rect.min, pos2((rect.right() - 84.0).max(rect.left() + 1.0), rect.bottom()));
     let rail = Rect::from_center_size(hold.center(), vec2((hold.width() - 18.0).max(1.0), 3.0));
     let x_of = |shift: f64| {
-        let share = (0.5 + 0.5 * shift / RAIL_MS).clamp(0.0, 1.0);
+        let share = ((shift - scale.from) / (scale.to - scale.from)).clamp(0.0, 1.0);
         rail.left() + share as f32 * rail.width()
     };
-    let response = ui.interact(hold, ui.scope_id().with("shift"), Sense::click_and_drag());
+    let response = ui.interact(hold, ui.scope_id().with("number"), Sense::click_and_drag());
     let held = response.hovered() || response.is_pointer_button_down_on();
     painter.rect_filled(rail, 1.5, style::RAIL);
-    let zero = Rect::from_center_size(pos2(x_of(0.0), rail.center().y), vec2(1.5, 9.0));
+    let base = if scale.from < 0.0 { 0.0 } else { scale.from };
+    let zero = Rect::from_center_size(pos2(x_of(base), rail.center().y), vec2(1.5, 9.0));
     painter.rect_filled(zero, 0.0, style::RAIL);
-    let (least, most) = (x_of(shift.min(0.0)), x_of(shift.max(0.0)));
+    let (least, most) = (x_of(shift.min(base)), x_of(shift.max(base)));
     let filled = Rect::from_min_max(pos2(least, rail.top()), pos2(most, rail.bottom()));
     painter.rect_filled(filled, 1.5, style::ACCENT);
     let color = if held { style::TEXT } else { style::ACCENT };
     painter.circle_filled(pos2(x_of(shift), rail.center().y), if held { 6.0 } else { 5.5 }, color);
-    response.widget_info(|| WidgetInfo::slider(true, shift, "latency in milliseconds"));
+    response.widget_info(|| WidgetInfo::slider(true, shift, scale.name));
     if response.double_clicked() {
-        return Some((0.0, true));
+        return Some((scale.usual, true));
     }
     let settled = response.drag_stopped() || response.clicked();
     let pointer =
         response.interact_pointer_pos().filter(|_| settled || response.is_pointer_button_down_on())?;
     let share = f64::from((pointer.x - rail.left()) / rail.width()).clamp(0.0, 1.0);
-    let wanted = whole_steps(RAIL_MS * (2.0 * share - 1.0));
+    let wanted = (scale.rounded)(scale.from + share * (scale.to - scale.from));
     (settled || wanted != shift).then_some((wanted, settled))
 }
 

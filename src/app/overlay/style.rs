@@ -27,7 +27,7 @@ pub(super) const ON_ACCENT: Color32 = Color32::from_rgb(8, 10, 13);
 pub(super) const RAIL: Color32 = Color32::from_rgba_premultiplied(44, 44, 44, 44);
 
 /// The background of a panel: near black, 84 % opaque.
-const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
+pub(super) const GROUND: Color32 = Color32::from_rgba_premultiplied(8, 10, 13, 214);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(20, 20, 20, 20);
 const CORNERS: CornerRadius = CornerRadius::same(7);
 

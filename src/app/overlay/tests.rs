@@ -16,6 +16,7 @@ use crate::app::settings_panel::SettingsPanel;
 use crate::config::{Choices, QualityChoice};
 use crate::system_fonts::SystemFonts;
 use crate::system_fonts::tiny_font::{TinyFont, folder_of};
+use mariana_control::Hand;
 use mariana_player::{ListedTrack, ListedTracks};
 
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
@@ -71,7 +72,14 @@ impl Stage {
 }
 
 fn sliders(count: usize) -> Vec<Slider> {
-    let slider = |i| Slider { name: format!("knob {i}"), value: 0.0, min: 0.0, max: 4.0, default: 1.0 };
+    let slider = |i| Slider {
+        name: format!("knob {i}"),
+        value: 0.0,
+        min: 0.0,
+        max: 4.0,
+        default: 1.0,
+        hand: Hand::Text,
+    };
     (0..count).map(slider).collect()
 }
 

@@ -3,8 +3,8 @@
 
 use std::time::Instant;
 
+use super::hands::sliders_of;
 use super::{Cast, FirstTree, SceneStage};
-use crate::app::overlay::Slider;
 use crate::config::SdfChoice;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::error::GpuError;
@@ -62,15 +62,7 @@ impl SceneStage {
         let interpreter = fits
             .is_ok()
             .then(|| Interpreter::for_scene(ready.world.traits, &ready.buffers, &ready.plan, self.gl.info()));
-        let params = ready.world.scene.params.iter().filter(|param| !param.is_number);
-        let sliders = params.map(|param| Slider {
-            name: param.name.clone(),
-            value: param.default,
-            min: param.min,
-            max: param.max,
-            default: param.default,
-        });
-        let sliders = sliders.collect();
+        let (sliders, knobs) = sliders_of(&source, &ready);
         let graph = &ready.world.scene.graph;
         let (moves, hears_curves) = (graph.moves_by_itself(), graph.reads_curves());
         let id = self.fresh_id();
@@ -89,6 +81,7 @@ impl SceneStage {
             moves,
             hears_curves,
             sliders,
+            knobs,
             since: Instant::now(),
             settles: ready.settles,
             is_resting: false,
@@ -139,11 +132,8 @@ impl SceneStage {
                 self.before = replaced;
             }
             self.forget_obsolete();
-            // The sliders may have been moved since the scene was asked for.
-            for slider in self.on_stage.iter_mut().flat_map(|cast| &mut cast.sliders) {
-                let value = self.moved.get(&slider.name).copied().unwrap_or(slider.default);
-                slider.value = value.clamp(slider.min, slider.max);
-            }
+            // Hands may have turned its parameters since the scene was asked for.
+            self.update_sliders();
             self.awaited = None;
             if is_another {
                 self.fade_if_it_can();

@@ -1,12 +1,14 @@
 //! What a stage begins with, and what of it goes on when its context is lost and another one takes its place.
 
-use std::collections::HashMap;
+use std::time::Instant;
 
+use super::hands::Hands;
 use super::{SceneLoader, SceneStage};
 use crate::config::SdfChoice;
 use crate::gpu::scene_resources::CellUse;
 use crate::scenes::{ReadyScene, SceneList, SceneSource};
 use crate::view::ViewChoice;
+use mariana_control::Model;
 
 /// What loads scenes.
 pub(in crate::app) struct SceneLoaders {
@@ -45,8 +47,8 @@ pub(in crate::app) struct KeptScenes {
     pub shown: Option<LoadedScene>,
     /// The scene that was last asked for.
     pub wanted: SceneSource,
-    /// Parameters that were moved.
-    pub moved: HashMap<String, f32>,
+    /// What hands have turned, and the zero of its seconds.
+    pub hands: (Model, Instant),
     /// How scenes are drawn.
     pub ways: DrawingWays,
 }
@@ -63,7 +65,7 @@ impl SceneStage {
             loaders: SceneLoaders { shown: self.loader, ahead: self.ahead.into_loaders() },
             shown,
             wanted: self.source,
-            moved: self.moved,
+            hands: self.hands.kept(),
             ways: DrawingWays {
                 sdf: self.choice,
                 cells: self.regions.wish(),
@@ -73,9 +75,9 @@ impl SceneStage {
         }
     }
 
-    /// Goes on where another stage ended, with the parameters that were moved and the scene that was asked for.
-    pub(in crate::app) fn take_over(&mut self, moved: HashMap<String, f32>, wanted: SceneSource) {
-        self.moved = moved;
+    /// Goes on where another stage ended, with what hands have turned and the scene that was asked for.
+    pub(in crate::app) fn take_over(&mut self, hands: (Model, Instant), wanted: SceneSource) {
+        self.hands = Hands::new(hands.0, hands.1);
         if wanted != self.source {
             self.list = SceneList::around(&wanted);
             self.source = wanted.clone();

@@ -3,14 +3,15 @@
 //! A transition that mixes worlds is a scene of its own ([`SceneSource::Blend`]), prepared ahead like any other. Where
 //! it was not ready in time, or the machine cannot draw it, the scenes fade instead.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::ahead::WantedAhead;
+use super::hands::Stays;
 use super::{Cast, SceneStage};
+use crate::app::recording::Performed;
+use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
-use crate::show::{Programme, Stay, blend_kind};
-use mariana_field::world::World;
+use crate::show::{Programme, Stay, blend_kind, name_of};
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -85,6 +86,11 @@ impl SceneStage {
     pub(in crate::app) fn toggle_lock(&mut self) -> bool {
         self.directed.is_locked = !self.directed.is_locked;
         self.directed.overruled = None;
+        self.directed.is_locked
+    }
+
+    /// Whether the scene stays although there is a show.
+    pub(in crate::app) fn is_kept(&self) -> bool {
         self.directed.is_locked
     }
 
@@ -172,57 +178,70 @@ impl SceneStage {
     }
 
     /// The parameters of a scene at `time` seconds of the song, and its camera's number: as the show moves them, and
-    /// else, or where the user moved a slider, as the sliders stand.
+    /// else, or where another hand turned one, as that left it.
     pub(super) fn staged(&self, cast: &Cast, time: f64) -> (Vec<f32>, Option<usize>) {
-        let world = cast.resources.world();
-        let moment =
-            self.directed.programme().and_then(|programme| Some((programme, programme.plan().at(time)?)));
-        let Some((programme, moment)) = moment else { return (self.unmoved(cast), None) };
-        let (SceneSource::Blend(_), Some(split)) = (&cast.source, world.blended) else {
-            return match programme.source(&moment.stay.scene) == Some(&cast.source) {
-                true => self.staged_in(cast, moment.stay, time),
-                false => (self.unmoved(cast), None),
-            };
-        };
-        let mut numbers = self.unmoved(cast);
-        let last = world.scene.params.len().saturating_sub(1);
-        let share = match moment.leaving {
-            Some((from, share)) => {
-                self.move_params(world, &mut numbers, 0..split, (from, time));
-                self.move_params(world, &mut numbers, split..last, (moment.stay, time));
-                share
-            }
-            None => 1.0,
-        };
-        if let Some(number) = numbers.last_mut() {
+        let (stays, share) = self.stays(cast, time);
+        let mut numbers = self.numbers(cast, &stays, time);
+        if let Some((share, number)) = share.zip(numbers.last_mut()) {
             *number = share;
         }
-        (numbers, None)
+        let world = cast.resources.world();
+        let camera = stays.first.filter(|_| share.is_none());
+        (numbers, camera.and_then(|stay| camera_number(world, stay.camera.as_deref())))
+    }
+
+    /// How the camera of the scene on the stage is moved at `time` seconds of the song: by the user's hand, or else as the
+    /// show turns it.
+    pub(super) fn hand_at(&self, time: f64) -> OrbitControls {
+        let Some(cast) = self.on_stage.as_ref().filter(|_| self.hand == OrbitControls::OFF) else {
+            return self.hand;
+        };
+        let (stays, _) = self.stays(cast, time);
+        stays.second.or(stays.first).map_or(OrbitControls::OFF, |stay| stay.hand_at(time))
+    }
+
+    /// What is on the stage at `time` seconds of the song, to be recorded.
+    pub(in crate::app) fn performed(&self, time: f64) -> Option<Performed> {
+        let cast = self.on_stage.as_ref()?;
+        let (stays, _) = self.stays(cast, time);
+        let split = cast.resources.world().blended.unwrap_or(0);
+        let params = cast.sliders.iter().zip(&cast.knobs).filter(|(_, knob)| knob.place >= split);
+        let params = params.map(|(slider, _)| (slider.name.clone(), slider.value, slider.default));
+        let source = match &cast.source {
+            SceneSource::Blend(blend) => &blend.to.source,
+            source => source,
+        };
+        let overruled = self.directed.entered.is_some_and(|(index, _)| self.directed.is_overruled(index));
+        let stay = stays.second.or(stays.first).filter(|_| !overruled && !self.directed.is_locked);
+        Some(Performed {
+            source: source.clone(),
+            scene: named(source),
+            camera: stay.and_then(|stay| stay.camera.clone()),
+            directed: stay.map(|stay| (stay.entrance, stay.start)),
+            fade: self.fading.seconds(),
+            params: params.collect(),
+            hand: self.hand_at(time),
+        })
     }
 
     /// The same in a certain stay.
     pub(super) fn staged_in(&self, cast: &Cast, stay: &Stay, time: f64) -> (Vec<f32>, Option<usize>) {
-        let (world, mut numbers) = (cast.resources.world(), self.unmoved(cast));
-        self.move_params(world, &mut numbers, 0..world.scene.params.len(), (stay, time));
-        (numbers, camera_number(world, stay.camera.as_deref()))
+        let numbers = self.numbers(cast, &Stays { first: Some(stay), second: None }, time);
+        (numbers, camera_number(cast.resources.world(), stay.camera.as_deref()))
     }
 
-    /// Moves some of the parameters as a stay does, but for those that the user moved.
-    fn move_params(
-        &self,
-        world: &World,
-        numbers: &mut [f32],
-        range: Range<usize>,
-        (stay, time): (&Stay, f64),
-    ) {
-        let moved = stay.params_at(time);
-        let params = world.scene.params.iter().zip(numbers);
-        for (param, number) in params.skip(range.start).take(range.len()) {
-            let is_moved = self.moved.contains_key(&param.name);
-            let value = moved.iter().find(|(name, _)| *name == param.name && !is_moved);
-            if let Some((_, value)) = value {
-                *number = *value;
-            }
+    /// The stays that a scene is on in at `time` seconds of the song, and of a blend its share.
+    pub(super) fn stays(&self, cast: &Cast, time: f64) -> (Stays<'_>, Option<f32>) {
+        let programme = self.directed.programme();
+        let moment = programme.and_then(|programme| Some((programme, programme.plan().at(time)?)));
+        let Some((programme, moment)) = moment else { return Default::default() };
+        if !matches!(cast.source, SceneSource::Blend(_)) || cast.resources.world().blended.is_none() {
+            let is_on = programme.source(&moment.stay.scene) == Some(&cast.source);
+            return (Stays { first: is_on.then_some(moment.stay), second: None }, None);
+        }
+        match moment.leaving {
+            Some((from, share)) => (Stays { first: Some(from), second: Some(moment.stay) }, Some(share)),
+            None => (Stays::default(), Some(1.0)),
         }
     }
 
@@ -231,6 +250,17 @@ impl SceneStage {
         let of_blend =
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
+    }
+}
+
+/// What shows call a scene, wherever they are.
+fn named(source: &SceneSource) -> String {
+    match source {
+        SceneSource::File(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            name_of(&SceneSource::File(path))
+        }
+        source => name_of(source),
     }
 }
 

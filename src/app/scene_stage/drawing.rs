@@ -149,7 +149,8 @@ impl SceneStage {
             Some(under) => self.staged_in(cast, &under.stay, time),
             None => self.staged(cast, time),
         };
-        let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand };
+        let hand = if beneath.is_some() { OrbitControls::OFF } else { self.hand_at(time) };
+        self.shown_hand = hand;
         let wishes = Wishes { params: &params, camera, hand };
         let drawable = self.regions.drawable((cast.id, mode), &cast.resources, wanted, sound, wishes);
         let Some((frame, shown)) = drawable else { return Ok(None) };
@@ -272,6 +273,15 @@ impl SceneStage {
         } else if self.views.choice().is_none() {
             self.fading.want();
         }
+    }
+
+    /// Lets what shows fade into what comes next, for so many seconds. Views, and what a show mixes by itself, are cut.
+    pub(crate) fn fade_from_shown(&mut self, seconds: f64) {
+        if self.views.choice().is_none() && !self.fades_with_both() {
+            self.fading.next_takes(seconds);
+            self.fading.want();
+        }
+        self.revision += 1;
     }
 
     fn tell_dear(&mut self, dear: &Cast, why: &str) {

@@ -109,6 +109,11 @@ impl Mixing {
         }
     }
 
+    /// Whether a picture of two scenes was begun and is not finished.
+    pub(super) fn is_begun(&self) -> bool {
+        self.begun.is_some()
+    }
+
     /// The picture is finished or given up.
     pub(super) fn end(&mut self) {
         self.begun = None;

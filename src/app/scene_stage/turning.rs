@@ -41,24 +41,19 @@ impl SceneStage {
         self.revision += 1;
     }
 
-    /// The parameters of a scene that no show moves: as the sliders stand, and the hand that turns a number.
-    pub(super) fn unmoved(&self, cast: &Cast) -> Vec<f32> {
+    /// Puts the value of the number that a hand turns among the parameters of a scene, if it is one of them.
+    pub(super) fn turn_in(&self, cast: &Cast, numbers: &mut [f32]) {
         let world = cast.resources.world();
-        let turned = self
-            .turned
-            .as_ref()
-            .filter(|turned| world.blended.is_none() && cast.source.file() == Some(&turned.file));
-        let mut sliders = cast.sliders.iter();
-        let mut slider = |default| sliders.next().map_or(default, |one| one.value);
-        let params = world.scene.params.iter();
-        let value = |param: &mariana_field::lang::Param| match (param.is_number, turned) {
-            (false, _) => slider(param.default),
-            // Once the hand has let go, the number has no range.
-            (true, Some(turned)) if param.span.start as usize == turned.digits && param.min < param.max => {
-                turned.value
-            }
-            (true, _) => param.default,
-        };
-        params.map(value).collect()
+        let Some(turned) = &self.turned else { return };
+        if world.blended.is_some() || cast.source.file() != Some(&turned.file) {
+            return;
+        }
+        // Once the hand has let go, the number has no range.
+        let place = world.scene.params.iter().position(|param| {
+            param.is_number && param.span.start as usize == turned.digits && param.min < param.max
+        });
+        if let Some(number) = place.and_then(|place| numbers.get_mut(place)) {
+            *number = turned.value;
+        }
     }
 }

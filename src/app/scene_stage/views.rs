@@ -195,6 +195,10 @@ impl SceneStage {
     /// Moves the camera by hand; the first move also tells the user how to return.
     pub(crate) fn move_camera(&mut self, change: impl FnOnce(&mut OrbitControls, f64)) {
         let was_off = self.hand == OrbitControls::OFF;
+        if was_off {
+            // From where a show has it.
+            self.hand = self.shown_hand;
+        }
         change(&mut self.hand, self.own_pitch);
         if was_off && self.hand != OrbitControls::OFF {
             self.tell("you are moving the camera: press Home to return to the scene's own".to_owned());

@@ -1,7 +1,5 @@
 //! What the user asks of the stage: another scene, another way to draw it, other parameters.
 
-use std::collections::BTreeMap;
-
 use super::SceneStage;
 use crate::config::SdfChoice;
 use crate::gpu::scene_program::Mode;
@@ -84,31 +82,6 @@ impl SceneStage {
         let drawn = drawn.map(|(cast, mode)| ((cast.id, mode), &cast.resources));
         let now = self.regions.toggle(drawn);
         self.tell(now.to_owned());
-        self.revision += 1;
-    }
-
-    /// Moves sliders as they were moved before, by their names.
-    pub(crate) fn move_sliders(&mut self, moved: &BTreeMap<String, f32>) {
-        self.moved.extend(moved.iter().map(|(name, value)| (name.clone(), *value)));
-    }
-
-    /// The sliders of the scene on the stage that were moved, by their names.
-    pub(crate) fn moved_sliders(&self) -> BTreeMap<String, f32> {
-        let sliders = self.on_stage.iter().flat_map(|cast| &cast.sliders);
-        let moved = sliders.filter(|slider| slider.value.to_bits() != slider.default.to_bits());
-        moved.map(|slider| (slider.name.clone(), slider.value)).collect()
-    }
-
-    /// Takes over what the user did to the sliders.
-    pub(crate) fn note_moved(&mut self) {
-        let Some(cast) = &self.on_stage else { return };
-        for slider in &cast.sliders {
-            if slider.value == slider.default {
-                self.moved.remove(&slider.name);
-            } else {
-                self.moved.insert(slider.name.clone(), slider.value);
-            }
-        }
         self.revision += 1;
     }
 }

@@ -3,8 +3,11 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::app::corner_hands::CornerHands;
 use crate::app::editor::Editor;
 use crate::app::file_browser::FileBrowser;
+use crate::app::hands::Hands;
+use crate::app::hands::panel::HandsPanel;
 use crate::app::listening::Listening;
 use crate::app::overlay::{Bar, OverlayContent, Panel, PanelSwitches, Tracks, Welcome};
 use crate::app::reports::Reports;
@@ -30,8 +33,14 @@ pub(in crate::app) struct Desk {
     pub(super) settings: Option<SettingsPanel>,
     /// The editor, once it was opened.
     pub(super) editor: Option<Editor>,
+    /// Knobs from outside, while they are open.
+    pub(super) hands: Option<HandsPanel>,
+    /// The corners of the picture, while they are moved.
+    pub(super) corners: Option<CornerHands>,
     /// Whether nothing shows over the picture but what was asked for and what is wrong.
     pub(super) clean: bool,
+    /// Whether only panels show that were opened since.
+    pub(super) bare: bool,
 }
 
 /// The pointer and the track at a moment.
@@ -59,8 +68,16 @@ impl Desk {
             files: None,
             settings: None,
             editor: None,
+            hands: None,
+            corners: None,
             clean,
+            bare: false,
         }
+    }
+
+    /// Whether nothing shows that was not asked for.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.clean || self.bare
     }
 
     /// Adds to `content` what is to be shown now.
@@ -68,6 +85,7 @@ impl Desk {
         &'a self,
         content: &mut OverlayContent<'a>,
         seen: &'a Seen,
+        hands: &'a Hands,
         listening: &'a Listening,
         reports: &'a Reports,
         now: Instant,
@@ -83,9 +101,15 @@ impl Desk {
         if content.editor.is_some_and(Editor::tells_mistakes) {
             content.problem = None;
         }
+        content.hands = self.hands.as_ref();
+        content.learning = hands.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });
-        content.hides_pointer = (self.clean || !seen.awake) && open.is_none() && content.params.is_none();
-        if self.clean {
+        content.corners = self.corners;
+        content.hides_pointer =
+            (self.is_quiet() || !seen.awake) && open.is_none() && content.params.is_none();
+        if self.bare {
+            (content.notice, content.problem, content.hint) = (None, None, None);
+        } else if self.clean {
             content.notice = None;
         } else if let Some(since) = self
             .welcomed
@@ -95,7 +119,7 @@ impl Desk {
             content.welcome = Some(Welcome { title, artist, scene, since });
         }
         // Screen readers find its buttons at any time.
-        let shows_bar = seen.awake && !self.clean;
+        let shows_bar = seen.awake && !self.is_quiet();
         if seen.assisted || shows_bar {
             content.bar = Some(Bar {
                 now: playing,

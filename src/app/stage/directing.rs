@@ -8,11 +8,13 @@ use crate::config::FollowChoice;
 use crate::show::{Hearing, LiveDirector};
 use mariana_player::Moment;
 use std::sync::Arc;
+use std::time::Instant;
 
 impl Stage {
     /// Brings the scene on that the show has at a moment.
     pub(super) fn direct(&mut self, moment: Option<Moment>) {
         let Some(moment) = moment else { return };
+        self.hands.note_sound(&moment.features, &moment.song, Instant::now());
         let (track, list) = (self.listening.track_of(moment), self.listening.listed());
         // Of an input nothing is known before it is heard.
         let song = track.map_or_else(|| Some(Arc::default()), |track| self.listening.structure(track));
@@ -49,6 +51,7 @@ impl Stage {
             }
         }
         self.scene.follow(moment.song_time);
+        self.scene.follow_hands(moment.song_time);
     }
 
     /// Brings what a show file holds for a key.

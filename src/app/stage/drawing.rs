@@ -12,6 +12,8 @@ use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
+use crate::gpu::renderer::Renderer;
+use crate::placement::{Placement, WHOLE, fitted, within};
 use mariana_player::Moment;
 
 /// How often a window without a picture is painted again: something may have covered it.
@@ -30,7 +32,8 @@ impl Stage {
             self.pace.begun(begun);
         }
         let size = self.window.size();
-        self.pace.set_window_size(size);
+        let placement = self.placement();
+        self.pace.set_window_size(size.map(|size| placement.picture_size(size)));
         let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
             return Ok(false);
         };
@@ -38,45 +41,56 @@ impl Stage {
         // still: it would be begun again with all pixels.
         self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
         let level = self.level(begun);
-        let drawn = drawn_size(level, size, self.side_max());
+        let whole = placement.picture_size(size);
+        let drawn = drawn_size(level, whole, self.side_max());
         if !self.scene.is_ready() {
             return self.show_waiting(size).map(|()| false);
         }
         let wanted = Shown { moment, size: drawn, edges: level.edges, revision: self.scene.revision() };
-        let mut new = None;
+        // A picture that is held is what is wanted.
+        let held = self.holds_picture();
+        let wanted = self.pace.shown().filter(|_| held).unwrap_or(wanted);
+        let (mut new, gain) = (None, self.masters.gain(begun));
         if self.pace.shown() != Some(wanted) || self.scene.is_drawing() {
             // The curves take longer than all other inputs of a frame, so they are only computed for scenes that read
             // them.
             let curves = if self.scene.hears_curves() { self.listening.curves() } else { Default::default() };
             let Moment { features, song, .. } = moment;
             let sound = mariana_music::Sound { features, tables: curves, song };
-            let aspect = f64::from(size.0) / f64::from(size.1.max(1));
+            let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
             let picture = WantedPicture { moment, sound, size: drawn, aspect, level };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
-            if new.is_some() {
-                // What flashes too often is dimmed.
-                self.renderer.limit_flashes(self.pace.note_picture(begun))?;
-            } else {
+            if new.is_none() {
                 self.weigh_picture(level, begun);
             }
+        }
+        let dims = self.pace.shown().is_some() && gain != self.renderer.gain();
+        if new.is_some() || dims {
+            self.renderer.dim(gain)?;
+            // What flashes too often is dimmed.
+            self.renderer.limit_flashes(self.pace.note_picture(begun))?;
+            self.feeds.note_picture();
+        }
+        if let Some(Drawn { shown, .. }) = new {
+            self.record(shown.moment);
         }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
         self.note_scene();
         let seen = self.look_around_desk(begun);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &self.listening, &self.reports, begun);
+        self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, begun);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
-        let waits = new.is_none() && (shown != wanted || is_drawing);
+        let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
         if waits && self.overlay.due(&content, begun).is_none_or(|due| due > begun) {
             return Ok(false);
         }
-        self.renderer.show(size)?;
+        show_picture(&mut self.renderer, size, &placement, held)?;
         let painted = self.overlay.paint(self.window.window(), size, content)?;
         let painting = handing_over.elapsed();
         self.window.swap()?;
@@ -134,7 +148,7 @@ impl Stage {
         let corner = self.corner_line(now);
         let seen = self.look_around_desk(now);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
-        self.desk.add_to(&mut content, &seen, &self.listening, &self.reports, now);
+        self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, now);
         let due = self.overlay.due(&content, now);
         // The bar goes when the pointer has rested.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);
@@ -144,7 +158,8 @@ impl Stage {
     /// What the overlay needs to know of the pointer and the track.
     fn look_around_desk(&mut self, now: Instant) -> Seen {
         let awake = self.pointer_rest.is_awake(self.overlay.has_pointer(), now);
-        let (lists, shows_bar) = (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.clean);
+        let (lists, shows_bar) =
+            (self.desk.panels.open() == Some(Panel::Tracks), awake && !self.desk.is_quiet());
         let song = self.listening.with_song(|player| {
             // How loud the track is is not measured before the bar shows it.
             let shape = if shows_bar { player.shape() } else { None };
@@ -215,6 +230,22 @@ impl Stage {
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
     }
+}
+
+/// Copies the picture into the window of `size` pixels, where it lies there.
+fn show_picture(
+    renderer: &mut Renderer,
+    size: (u32, u32),
+    placement: &Placement,
+    held: bool,
+) -> Result<(), GpuError> {
+    // A picture that is held keeps its shape in a window of another one.
+    let shape = renderer.shape().filter(|_| held);
+    let area = shape.map_or(WHOLE, |shape| fitted(placement.rest_of(shape), size));
+    if placement.is_plain() && area == WHOLE {
+        return renderer.show(size);
+    }
+    renderer.show_placed(size, &within(area, &placement.map()), placement.part())
 }
 
 /// Paints a window of `size` pixels that has no picture yet: what there is to say, and the scene's title, over black.

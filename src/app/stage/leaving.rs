@@ -1,5 +1,7 @@
 //! What a show leaves to the next one when it ends: volume, window, scene, sliders, and where its tracks had got to.
 
+use std::time::Instant;
+
 use super::Stage;
 use crate::config::{LastShow, PlaySettings};
 use crate::scenes::SceneSource;
@@ -13,6 +15,7 @@ impl Stage {
         if let Some(editor) = &mut self.desk.editor {
             editor.finish();
         }
+        self.recording.finish(Instant::now());
         if !settings.remembered {
             return;
         }

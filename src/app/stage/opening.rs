@@ -15,17 +15,21 @@ use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
+use crate::app::feeds::Feeds;
+use crate::app::hands::Hands;
 use crate::app::listening::Listening;
+use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
+use crate::app::recording::Recording;
 use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
 use crate::app::window::{GlWindowContext, OpenWindow};
 use crate::app::window_thread::Waker;
-use crate::config::{Choices, DEFAULT_DEVICE, Memory, PlaySettings};
+use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
 use crate::gpu::background::Sources;
@@ -75,6 +79,9 @@ impl Opening<'_> {
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
+        // A place that nothing can be sent to ends it before anything shows.
+        let feeds =
+            Feeds::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -139,6 +146,7 @@ impl Opening<'_> {
         let direction = Direction::start(file, follow, settings.names_scene, move || of_shows.wake())
             .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })?;
         let of_controls = waker.clone();
+        let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
             listening: Listening::new(sound, songs),
             renderer,
@@ -147,7 +155,11 @@ impl Opening<'_> {
             live: None,
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
+            feeds,
+            masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
+            recording: Recording::new(PerformanceFiles::of_user()),
+            hands: Hands::start(&settings.hands, waker),
             input: UserInput::default(),
             occluded: false,
             pointer_rest: PointerRest::default(),
@@ -220,6 +232,7 @@ pub(in crate::app) fn renewed(
     let assisted = overlay.is_assisted();
     drop(overlay);
     drop(old_renderer);
+    stage.feeds.let_go();
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());
@@ -240,7 +253,7 @@ pub(in crate::app) fn renewed(
     if assisted {
         overlay.assist(Assistance::Begins);
     }
-    scenes.take_over(kept.moved, kept.wanted);
+    scenes.take_over(kept.hands, kept.wanted);
     stage.reports.answer("the driver had lost the picture: it is drawn anew".to_owned());
     Ok(Stage {
         renderer: renderer(&window, &stage.choices, scene)?,

@@ -24,6 +24,8 @@ impl Stage {
         self.look_through_scenes(self.desk.panels.open() == Some(Panel::Scenes));
         self.look_through_files(self.desk.panels.open() == Some(Panel::Files));
         self.show_settings(self.desk.panels.open() == Some(Panel::Settings));
+        self.show_hands(self.desk.panels.open() == Some(Panel::Hands));
+        self.show_corners(self.desk.panels.open() == Some(Panel::Corners));
     }
 
     /// Whether keys are text at present.
@@ -169,13 +171,23 @@ impl Stage {
 
     /// Closes what is open, or leaves full screen.
     pub(in crate::app) fn leave(&mut self) {
+        if self.hands.stop_learning() {
+            return self.update_hands();
+        }
         if !self.desk.panels.close() {
             self.window.set_fullscreen(false);
         }
+        self.leave_panels();
+    }
+
+    /// Leaves what belongs to panels that are closed.
+    pub(super) fn leave_panels(&mut self) {
         self.look_through_scenes(false);
         self.look_through_files(false);
         self.show_settings(false);
         self.write_text(false);
+        self.show_hands(false);
+        self.show_corners(false);
     }
 
     /// What the pointer asked for since the last call.
@@ -207,6 +219,9 @@ impl Stage {
             Request::Scenes(request) => return self.obey_in_scenes(request),
             Request::Files(request) => self.obey_in_files(request),
             Request::Settings(request) => self.obey_in_settings(request),
+            Request::Hands(request) => self.obey_in_hands(request),
+            Request::LearnParam(name) => self.learn_param(name),
+            Request::Corner { corner, place, settled } => self.move_corner(corner, place, settled),
         }
         self.hurry_reports();
     }

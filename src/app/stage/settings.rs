@@ -65,6 +65,15 @@ impl Stage {
                 }
                 self.choose(move |choices| choices.last_tracks = on);
             }
+            SettingChange::Brightness { percent, settled } => self.set_brightness(percent, settled),
+            SettingChange::BlackoutFade(seconds) => {
+                self.masters.set_fade(seconds);
+                self.choose(move |choices| choices.stage.blackout_fade = seconds);
+            }
+            SettingChange::Flip(flip) => {
+                self.choose(move |choices| choices.stage.flip = flip);
+                self.window.window().request_redraw();
+            }
             SettingChange::Hints(on) => {
                 self.desk.clean = !on;
                 self.choose(move |choices| choices.hints = on);
@@ -83,7 +92,7 @@ impl Stage {
     }
 
     /// Notes a choice for this run and for those that follow.
-    fn choose(&mut self, change: impl Fn(&mut Choices)) {
+    pub(super) fn choose(&mut self, change: impl Fn(&mut Choices)) {
         change(&mut self.choices);
         self.listening.remember(move |settings| change(&mut settings.choices));
     }

@@ -6,11 +6,11 @@ use std::thread::JoinHandle;
 
 use super::VideoRequest;
 use super::encoder::Encoder;
-use super::y4m;
 use crate::export::alpha::straight;
 use crate::export::error::ExportError;
 use crate::export::output::{Output, write_standard};
 use crate::export::still::Pixels;
+use crate::y4m::{self, Chroma};
 
 /// Where the frames go.
 pub(super) enum Sink {
@@ -32,7 +32,7 @@ impl Sink {
     pub(super) fn open(request: &VideoRequest) -> Result<Self, ExportError> {
         let path = match &request.output {
             Output::Standard => {
-                write_standard(&y4m::header(request.size, request.fps))?;
+                write_standard(&y4m::header(request.size, request.fps, Chroma::Whole))?;
                 return Ok(Self::Standard);
             }
             Output::Path(path) => path,

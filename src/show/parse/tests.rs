@@ -11,7 +11,7 @@ fn script(text: &str) -> Script {
 fn a_show_is_read() {
     let read = script(
         "# my show\r\nat start speakers\r\n\r\nat section b 2 + 1.5 beats tunnel camera inside melt over 2 bars # why\n\
-         \tset swell = -0.2 -> .5 over 8 bars after 1 s\nat 1:02.5 - 3 s \"my own/orb.scene\" portal\nat end first-steps cut",
+         \tset swell = -0.2 -> .5 over 8 bars -> 1 over 1 beat after 1 s\nat 1:02.5 - 3 s \"my own/orb.scene\" portal\nat end first-steps cut",
     );
     assert_eq!(read.entries.len(), 4);
     let tunnel = &read.entries[1];
@@ -21,9 +21,8 @@ fn a_show_is_read() {
     let swell = Setting {
         param: "swell".to_owned(),
         from: -0.2,
-        to: 0.5,
+        steps: vec![Step { to: 0.5, over: Length::Bars(8.0) }, Step { to: 1.0, over: Length::Beats(1.0) }],
         after: Length::Seconds(1.0),
-        over: Length::Bars(8.0),
     };
     assert_eq!(tunnel.settings, [swell]);
     let orb = &read.entries[2];
@@ -78,6 +77,8 @@ fn what_is_too_much_is_over_a_limit() {
     let fault = |text: &str| parse("test.show", text).diagnostics.first().map(|one| one.fault);
     assert_eq!(fault(&"at start x\n".repeat(LIMITS.show_entries_max + 1)), Some(Fault::OverLimit));
     assert_eq!(fault(&"#".repeat(LIMITS.show_bytes_max + 1)), Some(Fault::OverLimit));
+    let steps = format!("at start x\nset a = 1{}", " -> 1 over 1 s".repeat(LIMITS.show_steps_max + 1));
+    assert_eq!(fault(&steps), Some(Fault::OverLimit));
     let settings = format!("at start x\n{}", "set a = 1\n".repeat(LIMITS.show_settings_max + 1));
     assert_eq!(fault(&settings), Some(Fault::OverLimit));
 }
@@ -88,6 +89,8 @@ prop_compose! {
     }
 }
 
+const SHAPES: [PortalShape; 3] = [PortalShape::Ball, PortalShape::Plane, PortalShape::Own];
+
 prop_compose! {
     fn entry()(
         anchor in prop_oneof![
@@ -97,7 +100,7 @@ prop_compose! {
         ],
         offset in length(), before in any::<bool>(),
         scene in "[a-z_]{1,8}|[a-z]{1,4}[ /.][a-z]{1,4}", camera in proptest::option::of("[a-z]{1,8}"),
-        way in 0usize..5, is_plane in any::<bool>(), over in length(), swell in proptest::option::of((-9i16..9, -9i16..9, length(), length())),
+        way in 0usize..5, shape in 0usize..3, over in length(), swell in proptest::option::of((-9i16..9, proptest::collection::vec((-9i16..9, length()), 0..4), length(), 0usize..4)),
     ) -> Entry {
         let negative = |length| match length {
             Length::Seconds(number) => Length::Seconds(-number),
@@ -107,15 +110,14 @@ prop_compose! {
         let offset = if offset.number() == 0.0 { Length::ZERO } else if before { negative(offset) } else { offset };
         let transition = Way::ALL.get(way).map(|way| Transition {
             way: *way,
-            shape: if *way == Way::Portal && is_plane { PortalShape::Plane } else { PortalShape::Ball },
+            shape: if *way == Way::Portal { SHAPES[shape] } else { PortalShape::Ball },
             length: if *way == Way::Cut { Length::ZERO } else { over },
         });
-        let settings = swell.into_iter().map(|(from, to, over, after)| Setting {
-            param: "swell".to_owned(),
+        let settings = swell.into_iter().map(|(from, steps, after, name)| Setting {
+            param: CAMERA_TURNS.get(name).copied().unwrap_or("swell").to_owned(),
             from: f32::from(from) / 8.0,
-            to: f32::from(to) / 8.0,
+            steps: steps.into_iter().map(|(to, over)| Step { to: f32::from(to) / 8.0, over }).collect(),
             after: if after.number() == 0.0 { Length::ZERO } else { after },
-            over: if from == to { Length::ZERO } else { over },
         }).collect();
         Entry { when: When { anchor, offset }, scene, camera, transition, settings, span: Span::default() }
     }

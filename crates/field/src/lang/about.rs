@@ -1,7 +1,8 @@
 //! What a scene says of itself: who made it, and what a show that chooses scenes should know.
 
-use super::builtin::uses::NOTHING;
+use super::builtin::uses::{FRAME, NOTHING, POINT};
 use super::fields::{DefaultValue, Field, Holds};
+use crate::graph::NodeId;
 
 /// How one scene gives way to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -12,7 +13,7 @@ pub enum Way {
     Fade,
     /// The worlds are mixed: surfaces flow into each other.
     Melt,
-    /// The other world appears inside a growing ball.
+    /// The other world appears inside a growing shape.
     Portal,
 }
 
@@ -58,6 +59,9 @@ pub struct About {
     pub enter: Option<Way>,
     /// How it likes to go.
     pub leave: Option<Way>,
+    /// The distance to the shape in which it may appear, as seen from its front: x to the right, y up, z towards the
+    /// eye. At the middle of the transition 1 is as long as the way from the eye to the camera's target.
+    pub portal: Option<NodeId>,
 }
 
 impl Default for About {
@@ -71,6 +75,7 @@ impl Default for About {
             moods: Vec::new(),
             enter: None,
             leave: None,
+            portal: None,
         }
     }
 }
@@ -89,6 +94,15 @@ impl About {
         of_about("moods", Holds::Text, "Words for what it feels like, in quotes, with commas between them."),
         of_about("enter", Holds::Way, "How it likes to come: `cut`, `fade`, `melt` or `portal`."),
         of_about("leave", Holds::Way, "How it likes to go."),
+        Field {
+            uses: POINT | FRAME,
+            ..of_about(
+                "portal",
+                Holds::Shape,
+                "The distance to the shape in which it comes through a `portal shape`: `p.x` to the right, `p.y` up, `p.z` \
+                 towards the eye; it grows from nothing, and at the middle 1 is as far as the camera's target.",
+            )
+        },
     ];
 }
 

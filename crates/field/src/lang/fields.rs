@@ -40,6 +40,8 @@ pub enum Holds {
     Range,
     /// The name of a way in which scenes follow each other.
     Way,
+    /// The distance to a shape, a number at each point.
+    Shape,
 }
 
 impl Holds {
@@ -47,7 +49,7 @@ impl Holds {
     pub const fn parts(self) -> usize {
         match self {
             Holds::Vector => 3,
-            Holds::Number | Holds::ToneMap | Holds::Material | Holds::Text | Holds::Way => 1,
+            Holds::Number | Holds::ToneMap | Holds::Material | Holds::Text | Holds::Way | Holds::Shape => 1,
             Holds::Range => 2,
         }
     }

@@ -8,7 +8,7 @@ use mariana::gpu::flash_pass::FLASH_SHADERS;
 use mariana::gpu::headless::Headless;
 use mariana::gpu::post::POST_SHADERS;
 use mariana::gpu::program::Program;
-use mariana::gpu::renderer::{Counting, EDGE_SHADER, UPSCALE_SHADER};
+use mariana::gpu::renderer::{Counting, EDGE_SHADER, PLACING_SHADERS, UPSCALE_SHADER};
 use mariana::gpu::scene_program::{Interpreter, Mode, SCENE_SHADER, as_views, variant_of};
 use mariana::gpu::shader_source::{ShaderLibrary, Variant};
 use mariana::scenes::{SceneSource, shipped_names};
@@ -49,8 +49,8 @@ struct Wanted {
 fn wanted(gl: &mariana::gpu::gl::Gl, names: &[String]) -> anyhow::Result<Vec<Wanted>> {
     let is_wanted = |name: &str| names.is_empty() || names.iter().any(|word| name.contains(word.as_str()));
     let mut found = Vec::new();
-    let plain = [EDGE_SHADER, UPSCALE_SHADER].map(|file| (file, &[][..]));
-    for (file, defines) in plain.into_iter().chain(FLASH_SHADERS).chain(POST_SHADERS) {
+    let plain = [EDGE_SHADER, UPSCALE_SHADER].into_iter().chain(PLACING_SHADERS).map(|file| (file, &[][..]));
+    for (file, defines) in plain.chain(FLASH_SHADERS).chain(POST_SHADERS) {
         let name = format!("{file} {}", defines.join(" ")).trim_end().to_owned();
         if is_wanted(&name) {
             found.push(Wanted { name, file, variant: Variant::of(defines) });

@@ -236,7 +236,7 @@ impl Lowering<'_> {
                 }
                 Holds::Text => self.text(field.name, entry.value),
                 Holds::Range => self.range(field.name, entry.value, entry.end),
-                Holds::Number | Holds::Vector => {
+                Holds::Number | Holds::Vector | Holds::Shape => {
                     let value = self.within(field.uses, place(section), |this| this.expr(entry.value));
                     self.field_value(value, field.holds, text, self.ast.span(entry.value))
                 }
@@ -250,7 +250,7 @@ impl Lowering<'_> {
     }
 
     fn field_value(&mut self, value: Value, holds: Holds, name: &str, span: Span) -> Value {
-        if holds == Holds::Number {
+        if holds != Holds::Vector {
             return match self.one_number(value, &format!("`{name}`"), span) {
                 Some(part) => Value::scalar(part),
                 None => Value::Unknown,
@@ -358,6 +358,10 @@ impl Lowering<'_> {
             Some((Value::Vector(vector), _)) => self.known(vector.part(part)),
             _ => None,
         };
+        let portal = match values.given("portal") {
+            Some((Value::Vector(vector), _)) => Some(vector.part(0)),
+            _ => None,
+        };
         let way = |name: &str| number(name, 0).and_then(Way::numbered);
         let words = text("moods").unwrap_or_default();
         let words = words.split(',').map(str::trim).filter(|word| !word.is_empty());
@@ -369,6 +373,7 @@ impl Lowering<'_> {
             moods: words.map(str::to_lowercase).collect(),
             enter: way("enter"),
             leave: way("leave"),
+            portal,
         }
     }
 

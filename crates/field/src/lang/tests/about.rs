@@ -24,6 +24,7 @@ fn a_scene_says_what_it_is_for() {
         moods: vec!["calm".to_owned(), "wet".to_owned()],
         enter: Some(Way::Melt),
         leave: Some(Way::Cut),
+        portal: None,
     };
     assert_eq!(said, wanted);
     assert_eq!(about("y"), About::default());

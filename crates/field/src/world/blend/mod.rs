@@ -42,10 +42,11 @@ pub enum BlendKind {
 
 impl BlendKind {
     /// All kinds: what each is called, and what it does.
-    pub const ALL: [(BlendKind, &'static str, &'static str); 3] = [
+    pub const ALL: [(BlendKind, &'static str, &'static str); 4] = [
         (BlendKind::Melt, "melt", "every surface flows from one scene to the other"),
         (BlendKind::Portal(PortalShape::Ball), "ball", "the other scene is inside a growing ball"),
         (BlendKind::Portal(PortalShape::Plane), "plane", "the other scene is behind a moving plane"),
+        (BlendKind::Portal(PortalShape::Own), "shape", "the other scene is inside a shape that it names"),
     ];
 
     /// What it is called.
@@ -126,11 +127,14 @@ impl World {
         let camera = camera::mixed(&mut graph, &a.camera, &b.camera, s);
         let (planes, rest, material) = match kind {
             BlendKind::Melt => {
-                let material = mixed_all(&mut graph, &a.material, &b.material, s);
+                let material = material(&mut graph, &a.material, &b.material, s);
                 let (planes, rest) = melt::melt(&mut graph, &a, &b, s);
                 (planes, rest, material)
             }
-            BlendKind::Portal(shape) => portal::through(&mut graph, (&a, &b), shape, &camera, s),
+            BlendKind::Portal(shape) => {
+                let to = (&to.scene, before);
+                portal::through(&mut graph, (&a, &b), shape, to, &camera, s).map_err(graph_error)?
+            }
         };
         let rest = rest.map(|rest| clear_of_the_eye(&mut graph, rest, (&a, &b))).transpose();
         let rest = rest.map_err(graph_error)?;
@@ -247,6 +251,24 @@ fn mixed_all(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<No
     a.iter().zip(b).map(|(&a, &b)| if a == b { a } else { graph.mix(a, b, s) }).collect()
 }
 
+/// The mixed material. Mirrors of one side alone are gone at the middle, and those of the other side come after it: so
+/// no picture follows the rays of more mirrors than one of the scenes has.
+fn material(graph: &mut Graph, a: &[NodeId], b: &[NodeId], s: NodeId) -> Vec<NodeId> {
+    let of = |numbers: &[NodeId]| Material::of(String::new(), numbers.iter().copied());
+    let (a_own, b_own) = (of(a), of(b));
+    let mut mixed = of(&mixed_all(graph, a, b, s));
+    if a_own.reflect != b_own.reflect {
+        let one = graph.constant(1.0);
+        let twice = graph.add(s, s);
+        let (gone, come) = (graph.sub(one, twice), graph.sub(twice, one));
+        let (gone, come) = (graph.mul(a_own.reflect, gone), graph.mul(b_own.reflect, come));
+        let alone = graph.max(gone, come);
+        let both = graph.min(a_own.reflect, b_own.reflect);
+        mixed.reflect = graph.max(both, alone);
+    }
+    mixed.numbers()
+}
+
 /// Light from what shines nearby. Each side's light is weakened by its own distance here, so the distance that is told
 /// to the shaders is 0.
 fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> Option<[NodeId; 4]> {
@@ -273,9 +295,15 @@ fn glow(graph: &mut Graph, (a, b): (&Side, &Side), reach: NodeId, s: NodeId) -> 
     Some([r, g, b, zero])
 }
 
-/// The lights of both, each with the share of its side.
+/// The lights of both, each with the share of its side. They change in the middle half: shadow rays of both together
+/// cost most near the ends, where the surfaces of one scene are nearly whole.
 fn lights(graph: &mut Graph, (a, b): (&Side, &Side), s: NodeId) -> Vec<Light> {
-    let one = graph.constant(1.0);
+    let [zero, half, one] = [0.0, 0.5, 1.0].map(|number| graph.constant(number));
+    let s = graph.sub(s, half);
+    let s = graph.add(s, s);
+    let s = graph.add(s, half);
+    let s = graph.max(s, zero);
+    let s = graph.min(s, one);
     let rest = graph.sub(one, s);
     let mut lights: Vec<Light> = Vec::with_capacity(a.lights.len() + b.lights.len());
     for (side, share) in [(a, rest), (b, s)] {

@@ -2,12 +2,12 @@
 //!
 //! **What belongs to which side.** Surfaces and their materials do. Light does not: lights, sky and glow are mixed by
 //! the share, because a light of one side alone would ask for the side at every step of its rays. A surface that is cut
-//! by the portal has the material of its object there.
+//! by the portal has the material of its object there: that of the side whose part is nearer.
 
 use super::Steps;
-use super::side::Side;
-use crate::graph::{Graph, NodeId, Op};
-use crate::lang::Camera;
+use super::side::{self, Side, Vector};
+use crate::graph::{Graph, GraphError, NodeId, Op};
+use crate::lang::{Camera, Scene};
 
 /// The shape in which the second scene appears.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
@@ -17,52 +17,152 @@ pub enum PortalShape {
     Ball,
     /// The half space to the left of a plane along the line of sight that moves to the right.
     Plane,
+    /// The shape that the second scene names in its block `about`, which grows around the camera's target; a ball where
+    /// it names none.
+    Own,
 }
 
 /// Nearer to its end than this, a portal moves no more: it has left everything behind it.
 const LEFT_MIN: f32 = 1e-3;
+/// The share of a transition in which a shape of a scene may come out of nothing, and in which it is filled up.
+const QUARTER: f32 = 0.25;
 
-/// The distance to the portal, negative inside: as large as the way from the eye to the target at the middle, without
-/// end towards the end.
-fn portal(graph: &mut Graph, shape: PortalShape, camera: &Camera, s: NodeId) -> NodeId {
-    let p = super::side::position(graph);
-    let off = [0, 1, 2].map(|axis| graph.sub(p[axis], camera.target[axis]));
-    let sight = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
-    let length = graph.length(&sight);
+/// The camera's target and the directions of a picture around it.
+struct Seen {
+    /// From the target to the point.
+    off: Vector,
+    /// To the right in the picture.
+    right: Vector,
+    /// From the eye to the target.
+    sight: Vector,
+    /// How far that is.
+    length: NodeId,
+}
+
+impl Seen {
+    fn by(graph: &mut Graph, camera: &Camera) -> Self {
+        let p = side::position(graph);
+        let off = [0, 1, 2].map(|axis| graph.sub(p[axis], camera.target[axis]));
+        let sight = [0, 1, 2].map(|axis| graph.sub(camera.target[axis], camera.position[axis]));
+        let length = graph.length(&sight);
+        let level = graph.length(&[sight[0], sight[2]]);
+        // Of a camera that looks straight down, the side is any.
+        let least = graph.constant(LEFT_MIN);
+        let level = graph.max(level, least);
+        let (zero, left) = (graph.constant(0.0), graph.neg(sight[0]));
+        let right = [graph.div(sight[2], level), zero, graph.div(left, level)];
+        Self { off, right, sight, length }
+    }
+
+    /// How far the point is to the right, up and towards the eye.
+    fn point(&self, graph: &mut Graph) -> Vector {
+        let least = graph.constant(LEFT_MIN);
+        let length = graph.max(self.length, least);
+        let back = self.sight.map(|part| graph.div(part, length));
+        let back = back.map(|part| graph.neg(part));
+        let [rx, ry, rz] = self.right;
+        let [bx, by, bz] = back;
+        let mut cross = |[a, b]: [NodeId; 2], [c, d]: [NodeId; 2]| {
+            let (left, right) = (graph.mul(a, d), graph.mul(b, c));
+            graph.sub(left, right)
+        };
+        // Forwards times right.
+        let up = [cross([ry, rz], [by, bz]), cross([rz, rx], [bz, bx]), cross([rx, ry], [bx, by])];
+        [self.right, up, back].map(|axis| dot(graph, self.off, axis))
+    }
+}
+
+fn dot(graph: &mut Graph, a: Vector, b: Vector) -> NodeId {
+    let parts = [0, 1, 2].map(|axis| graph.mul(a[axis], b[axis]));
+    let sum = graph.add(parts[0], parts[1]);
+    graph.add(sum, parts[2])
+}
+
+/// How large something is that grows from nothing at 0 beyond everything at 1.
+fn growth(graph: &mut Graph, share: NodeId) -> NodeId {
     let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
-    let rest = graph.sub(one, s);
+    let rest = graph.sub(one, share);
     let rest = graph.max(rest, least);
-    let grown = match shape {
-        PortalShape::Ball => graph.div(s, rest),
-        PortalShape::Plane => {
-            let begun = graph.max(s, least);
-            let (begun, rest) = (graph.div(one, begun), graph.div(one, rest));
-            graph.sub(rest, begun)
-        }
-    };
-    let reached = graph.mul(grown, length);
-    let from = match shape {
-        PortalShape::Ball => graph.length(&off),
-        PortalShape::Plane => {
-            // To the right in the picture.
-            let level = graph.length(&[sight[0], sight[2]]);
-            let right = [graph.div(sight[2], level), graph.div(sight[0], level)];
-            let (x, z) = (graph.mul(off[0], right[0]), graph.mul(off[2], right[1]));
-            graph.sub(x, z)
-        }
-    };
+    graph.div(share, rest)
+}
+
+/// The distance to a ball around the target that grows with a share.
+fn ball(graph: &mut Graph, seen: &Seen, share: NodeId) -> NodeId {
+    let grown = growth(graph, share);
+    let (reached, from) = (graph.mul(grown, seen.length), graph.length(&seen.off));
     graph.sub(from, reached)
 }
 
+/// The distance to a half space that grows with a share.
+fn half_space(graph: &mut Graph, seen: &Seen, share: NodeId) -> NodeId {
+    let (one, least) = (graph.constant(1.0), graph.constant(LEFT_MIN));
+    let rest = graph.sub(one, share);
+    let (begun, rest) = (graph.max(share, least), graph.max(rest, least));
+    let (begun, rest) = (graph.div(one, begun), graph.div(one, rest));
+    let grown = graph.sub(rest, begun);
+    let (reached, from) = (graph.mul(grown, seen.length), dot(graph, seen.off, seen.right));
+    graph.sub(from, reached)
+}
+
+/// The distance to the shape that a scene names, which grows with the share `s`. It may have holes and no end, so a
+/// ball lets it out of nothing in the first quarter, and another one fills it up in the last.
+fn own_shape(
+    graph: &mut Graph,
+    seen: &Seen,
+    (scene, shape, before): (&Scene, NodeId, (usize, usize)),
+    s: NodeId,
+) -> Result<NodeId, GraphError> {
+    let grown = growth(graph, s);
+    let least = graph.constant(LEFT_MIN);
+    let grown = graph.max(grown, least);
+    let size = graph.mul(grown, seen.length);
+    let size = graph.max(size, least);
+    let point = seen.point(graph).map(|part| graph.div(part, size));
+    let value = side::copied_at(graph, (&scene.graph, shape), before, point)?;
+    let value = graph.mul(value, size);
+    let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+    let quarters = graph.constant(1.0 / QUARTER);
+    let out = graph.mul(s, quarters);
+    let filled = graph.sub(one, s);
+    let filled = graph.mul(filled, quarters);
+    let filled = graph.sub(one, filled);
+    let (out, filled) = (graph.min(out, one), graph.max(filled, zero));
+    let (out, filled) = (ball(graph, seen, out), ball(graph, seen, filled));
+    let value = graph.max(value, out);
+    Ok(graph.min(value, filled))
+}
+
+/// The distance to the portal, negative inside: as large as the way from the eye to the target at the middle, without
+/// end towards the end.
+fn portal(
+    graph: &mut Graph,
+    shape: PortalShape,
+    (to, before): (&Scene, (usize, usize)),
+    camera: &Camera,
+    s: NodeId,
+) -> Result<NodeId, GraphError> {
+    let seen = Seen::by(graph, camera);
+    Ok(match (shape, to.about.portal) {
+        (PortalShape::Own, Some(shape)) => own_shape(graph, &seen, (to, shape, before), s)?,
+        (PortalShape::Plane, _) => half_space(graph, &seen, s),
+        (PortalShape::Ball | PortalShape::Own, _) => ball(graph, &seen, s),
+    })
+}
+
 /// The first scene outside of the portal, the second one inside: planes that both share, the rest, and the material.
+/// `to` is the second scene with how many pictures and parameters come before its own.
+///
+/// # Errors
+/// Those of [`Graph::check`].
 pub(super) fn through(
     graph: &mut Graph,
     (a, b): (&Side, &Side),
     shape: PortalShape,
+    to: (&Scene, (usize, usize)),
     camera: &Camera,
     s: NodeId,
-) -> (Vec<NodeId>, Option<Steps>, Vec<NodeId>) {
-    let portal = portal(graph, shape, camera, s);
+) -> Result<(Vec<NodeId>, Option<Steps>, Vec<NodeId>), GraphError> {
+    let portal = portal(graph, shape, to, camera, s)?;
     // A plane of both goes through the portal as it is.
     let (planes, [a_rest, b_rest]) = if a.planes == b.planes {
         (a.planes.clone(), [a.rest, b.rest])
@@ -76,9 +176,13 @@ pub(super) fn through(
         (Some(a), Some(b)) => Some([0, 1].map(|part| graph.min(a[part], b[part]))),
         (a, b) => a.or(b),
     };
-    let zero = graph.constant(0.0);
-    let is_inside = graph.binary(Op::Less, portal, zero);
+    // Not by the portal's sign: where it cuts, that is a matter of rounding.
+    let [a_near, b_near] = [(a, outside), (b, portal)].map(|(side, portal)| match side.whole(graph) {
+        Some([_, estimate]) => graph.max(estimate, portal),
+        None => graph.constant(f32::MAX),
+    });
+    let is_second = graph.binary(Op::Less, b_near, a_near);
     let numbers = a.material.iter().zip(&b.material);
-    let material = numbers.map(|(&a, &b)| graph.select(is_inside, b, a)).collect();
-    (planes, rest, material)
+    let material = numbers.map(|(&a, &b)| graph.select(is_second, b, a)).collect();
+    Ok((planes, rest, material))
 }

@@ -164,24 +164,61 @@ impl Own {
 }
 
 /// Copies all nodes; gives the place of each.
-fn copied(graph: &mut Graph, from: &Graph, (textures, params): (usize, usize), own: &Own) -> Vec<NodeId> {
+fn copied(graph: &mut Graph, from: &Graph, before: (usize, usize), own: &Own) -> Vec<NodeId> {
     let mut moved: Vec<NodeId> = Vec::with_capacity(from.len());
     for node in from.nodes() {
         // Operands stand before the nodes that use them.
-        let at = |id: NodeId| moved.get(id.index()).copied().unwrap_or_default();
-        let copy = match node {
-            Node::Constant(value) => graph.constant(value),
-            Node::Input(Input::Param(number)) => graph.input(Input::Param(number + params as u16)),
-            Node::Input(input) => own.value(input).unwrap_or_else(|| graph.input(input)),
-            Node::Unary(op, a) => graph.unary(op, at(a)),
-            Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
-            Node::Texture { texture, channel, u, v } => {
-                graph.texture(texture + textures as u16, channel, at(u), at(v))
-            }
-        };
+        let copy = copy(graph, node, before, &|input| own.value(input), &moved);
         moved.push(copy);
     }
     moved
+}
+
+/// Copies what `root` needs, with the point at `place`.
+///
+/// # Errors
+/// Those of [`Graph::check`].
+pub(super) fn copied_at(
+    graph: &mut Graph,
+    (from, root): (&Graph, NodeId),
+    before: (usize, usize),
+    place: Vector,
+) -> Result<NodeId, GraphError> {
+    let value = |input| match input {
+        Input::X => Some(place[0]),
+        Input::Y => Some(place[1]),
+        Input::Z => Some(place[2]),
+        _ => None,
+    };
+    let mut moved = vec![NodeId::default(); root.index() + 1];
+    for id in from.order(&[root])?.nodes {
+        let copy = copy(graph, from.node(id), before, &value, &moved);
+        if let Some(place) = moved.get_mut(id.index()) {
+            *place = copy;
+        }
+    }
+    Ok(at_index(&moved, root))
+}
+
+/// Copies a node whose operands are at `moved`; `value` tells what stands for an input.
+fn copy(
+    graph: &mut Graph,
+    node: Node,
+    (textures, params): (usize, usize),
+    value: &dyn Fn(Input) -> Option<NodeId>,
+    moved: &[NodeId],
+) -> NodeId {
+    let at = |id: NodeId| at_index(moved, id);
+    match node {
+        Node::Constant(value) => graph.constant(value),
+        Node::Input(Input::Param(number)) => graph.input(Input::Param(number + params as u16)),
+        Node::Input(input) => value(input).unwrap_or_else(|| graph.input(input)),
+        Node::Unary(op, a) => graph.unary(op, at(a)),
+        Node::Binary(op, a, b) => graph.binary(op, at(a), at(b)),
+        Node::Texture { texture, channel, u, v } => {
+            graph.texture(texture + textures as u16, channel, at(u), at(v))
+        }
+    }
 }
 
 /// The coordinates of the point.

@@ -138,7 +138,7 @@ proptest! {
                     off - length * share / (1.0 - share)
                 }
                 // Both cameras are the default one and look along z.
-                PortalShape::Plane => p[0] - camera.target[0] - length * (1.0 / (1.0 - share) - 1.0 / share),
+                PortalShape::Plane | PortalShape::Own => p[0] - camera.target[0] - length * (1.0 / (1.0 - share) - 1.0 / share),
             };
             let own = distance(if away < 0.0 { &b } else { &a }, p, &FrameInputs::default());
             if away.abs() > 1e-3 && own.abs() > 1e-3 {
@@ -199,6 +199,100 @@ fn at_either_end_a_blend_is_the_scene_there() {
             let sky = of(&blend, &blend.scene.sky.color, &frame(&a, &b, share));
             assert_eq!(sky, of(alone, &alone.scene.sky.color, &silence(alone)));
         }
+    }
+}
+
+#[test]
+fn a_portal_of_a_scene_has_the_shape_that_it_names() {
+    // An eighth of the space: to the right, above, and nearer than the target.
+    let outside = world_of("sphere(p + vec3(0, 50, 0), 1)\nabout { portal = 1 }");
+    let corner = world_of(
+        "param k = 0.25 in 0 .. 1\nabout { portal = max(k - p.x, k - p.y, k - p.z) }\n-1\n\
+         camera { position = vec3(0, 4, -3) target = vec3(0) }",
+    );
+    let shape = BlendKind::Portal(PortalShape::Own);
+    let blend = World::blend(&outside, &corner, shape, &Alignment::NONE, 0.5).unwrap();
+    let solid = |share: f32, [right, up, near]: [f32; 3]| {
+        // Where the eye is, there is no portal.
+        let inputs = FrameInputs { eye: [-1e5, -1e5, 1e5], ..frame(&outside, &corner, share) };
+        let camera = blend.frame_tape.values(&inputs).camera;
+        let sight = [0, 1, 2].map(|axis| camera.target[axis] - camera.position[axis]);
+        let length = sight.iter().map(|part| part * part).sum::<f32>().sqrt();
+        let size = length * share / (1.0 - share);
+        let [x, y, z] = sight.map(|part| part / length);
+        let level = (x * x + z * z).sqrt();
+        let (to_right, above) = ([z / level, 0.0, -x / level], [-y * x / level, level, -y * z / level]);
+        let p = [0, 1, 2].map(|axis| {
+            let way = right * to_right[axis] + up * above[axis] - near * [x, y, z][axis];
+            camera.target[axis] + size * way
+        });
+        distance(&blend, p, &inputs) < -1e-4
+    };
+    for share in [0.3, 0.5, 0.7] {
+        assert!(solid(share, [0.4, 0.4, 0.4]), "inside at {share}");
+        for outside in [[0.1, 0.4, 0.4], [0.4, 0.1, 0.4], [0.4, 0.4, 0.1], [-0.4, 0.4, 0.4]] {
+            assert!(!solid(share, outside), "{outside:?} at {share}");
+        }
+    }
+    assert!(!solid(0.001, [9.0, 9.0, 9.0]), "it comes out of nothing, although the shape has no end");
+    assert!(solid(0.999, [-0.1, -0.1, -0.1]), "in the end it is filled up");
+
+    let nameless = world_of("sphere(p, 1)");
+    let [own, ball] = [PortalShape::Own, PortalShape::Ball].map(|shape| {
+        World::blend(&outside, &nameless, BlendKind::Portal(shape), &Alignment::NONE, 0.5).unwrap()
+    });
+    assert_eq!(own.roots, ball.roots, "a scene that names none comes in a ball");
+}
+
+#[test]
+fn where_a_portal_cuts_a_solid_its_material_is_no_matter_of_rounding() {
+    let [solid, empty] = ["1", "0"].map(|color| {
+        let shape = if color == "1" { "length(p) - 50" } else { "length(p - vec3(0, 90, 0)) - 1" };
+        world_of(&format!("material m {{ color = {color} }}\nobject o {{ shape = {shape} material = m }}"))
+    });
+    let portal = BlendKind::Portal(PortalShape::Ball);
+    for (from, to, color) in [(&solid, &empty, 1.0), (&empty, &solid, 1.0)] {
+        let blend = World::blend(from, to, portal, &Alignment::NONE, 0.5).unwrap();
+        let inputs = frame(from, to, 0.5);
+        let camera = blend.frame_tape.values(&inputs).camera;
+        let radius =
+            (0..3).map(|axis| (camera.target[axis] - camera.position[axis]).powi(2)).sum::<f32>().sqrt();
+        for number in 0..200 {
+            let off = [0, 1, 2].map(|axis| cell_hash(number as f32, axis as f32) - 0.5);
+            let length = off.iter().map(|part| part * part).sum::<f32>().sqrt();
+            // As exact as a traced ray is.
+            let near = radius * (1.0 + 1e-4 * (cell_hash(number as f32, 3.0) - 0.5));
+            let p = [0, 1, 2].map(|axis| camera.target[axis] + off[axis] / length * near);
+            let found = value(&blend, blend.scene.materials[0].color[0], p, &inputs);
+            assert_eq!(found, color, "{p:?}");
+        }
+    }
+}
+
+#[test]
+fn a_melt_follows_the_rays_of_no_more_mirrors_and_lamps_than_one_scene_has() {
+    let [matt, bright] = [(0.0, -9), (0.4, 9)].map(|(reflect, x)| {
+        world_of(&format!(
+            "material m {{ reflect = {reflect} }}\nobject o {{ shape = sphere(p, 1) material = m }}\n\
+             light l {{ position = vec3({x}, 9, 0) color = 1 }}"
+        ))
+    });
+    for (from, to, mirrors) in [
+        (&matt, &bright, [0.0, 0.0, 0.2, 0.4]),
+        (&bright, &matt, [0.4, 0.2, 0.0, 0.0]),
+        (&bright, &bright, [0.4; 4]),
+    ] {
+        let melt = World::blend(from, to, BlendKind::Melt, &Alignment::NONE, 0.5).unwrap();
+        for (share, mirror) in [0.0, 0.25, 0.75, 1.0].into_iter().zip(mirrors) {
+            let inputs = frame(from, to, share);
+            let found = value(&melt, melt.scene.materials[0].reflect, [0.0, 1.0, 0.0], &inputs);
+            assert!((found - mirror).abs() < 1e-6, "{found} at {share}, not {mirror}");
+            let lights = melt.frame_tape.values(&inputs).lights;
+            let shining = lights.iter().filter(|light| light.color != [0.0; 3]).count();
+            assert_eq!(shining, 1, "at {share}");
+        }
+        let both = melt.frame_tape.values(&frame(from, to, 0.5)).lights;
+        assert!(both.iter().all(|light| light.color == [0.5; 3]), "{both:?}");
     }
 }
 

@@ -1,10 +1,26 @@
-//! YUV4MPEG2: a stream of uncompressed pictures that encoders and players read, with the whole chroma (4:4:4), in the
-//! colours of ITU-R BT.709 with 16 to 235 for black to white. Its header has no word for the matrix.
+//! YUV4MPEG2: a stream of uncompressed pictures that encoders and players read, in the colours of ITU-R BT.709 with 16 to
+//! 235 for black to white. Its header has no word for the matrix.
+
+/// How much of the colour is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Chroma {
+    /// That of each pixel (4:4:4).
+    Whole,
+    /// The mean of four pixels (4:2:0).
+    Quarter,
+}
+
+/// What begins each picture of the stream.
+const HEAD: &[u8] = b"FRAME\n";
 
 /// What the stream begins with.
-pub(super) fn header((width, height): (u32, u32), fps: f64) -> Vec<u8> {
+pub fn header((width, height): (u32, u32), fps: f64, chroma: Chroma) -> Vec<u8> {
     let (frames, seconds) = ratio(fps);
-    format!("YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 C444 XCOLORRANGE=LIMITED\n")
+    let chroma = match chroma {
+        Chroma::Whole => "C444",
+        Chroma::Quarter => "C420jpeg",
+    };
+    format!("YUV4MPEG2 W{width} H{height} F{frames}:{seconds} Ip A1:1 {chroma} XCOLORRANGE=LIMITED\n")
         .into_bytes()
 }
 
@@ -21,13 +37,41 @@ fn ratio(fps: f64) -> (u64, u64) {
 }
 
 /// A picture of RGBA bytes, the top row first, as the stream holds it.
-pub(super) fn frame(rgba: &[u8]) -> Vec<u8> {
-    const HEAD: &[u8] = b"FRAME\n";
+pub fn frame(rgba: &[u8]) -> Vec<u8> {
     let pixels = rgba.as_chunks::<4>().0;
     let mut bytes = Vec::with_capacity(HEAD.len() + 3 * pixels.len());
     bytes.extend_from_slice(HEAD);
     for plane in [LUMA, BLUE, RED] {
         bytes.extend(pixels.iter().map(|pixel| plane.of(*pixel)));
+    }
+    bytes
+}
+
+/// A picture of RGBA bytes and an even size, with a quarter of the chroma, as the stream holds it.
+pub fn frame_of_quarter(rgba: &[u8], size: (u32, u32)) -> Vec<u8> {
+    let mut bytes = HEAD.to_vec();
+    bytes.extend(quarter_planes(rgba, size));
+    bytes
+}
+
+/// The planes of such a picture, one after the other: light, blue and red (known as I420 or YU12).
+pub fn quarter_planes(rgba: &[u8], (width, _): (u32, u32)) -> Vec<u8> {
+    let pixels = rgba.as_chunks::<4>().0;
+    let width = (width as usize).max(2);
+    let mut bytes = Vec::with_capacity(pixels.len() + pixels.len() / 2);
+    bytes.extend(pixels.iter().map(|pixel| LUMA.of(*pixel)));
+    for plane in [BLUE, RED] {
+        for rows in pixels.chunks_exact(2 * width) {
+            let (upper, lower) = rows.split_at(width);
+            let fours = upper.as_chunks::<2>().0.iter().zip(lower.as_chunks::<2>().0);
+            bytes.extend(fours.map(|([a, b], [c, d])| {
+                let mean = |i: usize| {
+                    let sum: u16 = [a, b, c, d].iter().map(|pixel| u16::from(pixel[i])).sum();
+                    ((sum + 2) / 4) as u8
+                };
+                plane.of([mean(0), mean(1), mean(2), 255])
+            }));
+        }
     }
     bytes
 }
@@ -92,11 +136,21 @@ mod tests {
     }
 
     #[test]
+    fn four_pixels_share_their_colour() {
+        let (red, blue) = ([255, 0, 0, 255], [0, 0, 255, 255]);
+        let rgba = [[red, red, blue, blue].concat(), [red, red, blue, blue].concat()].concat();
+        let planes = quarter_planes(&rgba, (4, 2));
+        assert_eq!(planes, [63, 63, 32, 32, 63, 63, 32, 32, 102, 240, 240, 118]);
+        assert_eq!(frame_of_quarter(&rgba, (4, 2)), [b"FRAME\n", &planes[..]].concat());
+        assert!(header((4, 2), 30.0, Chroma::Quarter).windows(8).any(|word| word == b"C420jpeg"));
+    }
+
+    #[test]
     fn rates_are_fractions() {
         for (fps, told) in
             [(30.0, "F30:1"), (29.97, "F30000:1001"), (23.976, "F24000:1001"), (12.5, "F12500:1000")]
         {
-            let header = String::from_utf8(header((4, 2), fps)).unwrap();
+            let header = String::from_utf8(header((4, 2), fps, Chroma::Whole)).unwrap();
             assert!(header.starts_with("YUV4MPEG2 W4 H2 ") && header.contains(told), "{header}");
         }
     }

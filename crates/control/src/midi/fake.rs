@@ -1,0 +1,73 @@
+//! Ports for tests and measurements on machines without a sequencer: they say that they are fake.
+
+#![cfg(unix)]
+
+use std::any::Any;
+use std::io;
+use std::os::unix::net::UnixDatagram;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use super::ports::{Hear, Ports};
+
+/// What the name of such a port ends in.
+const SAYS_SO: &str = " (fake port)";
+/// The ending of a file that stands for a device that is plugged in.
+const ENDING: &str = "port";
+/// How often a port looks whether it is still wanted.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// A folder in which each file `NAME.port` is a device that is plugged in. Its bytes come as datagrams to the socket
+/// `NAME.socket` beside it, which is there while it is heard.
+pub struct FolderPorts(pub PathBuf);
+
+impl Ports for FolderPorts {
+    fn names(&mut self) -> Result<Vec<String>, String> {
+        let entries = std::fs::read_dir(&self.0).map_err(|error| error.to_string())?;
+        let mut names: Vec<String> = entries
+            .flatten()
+            .map(|entry| entry.path())
+            .filter(|path| path.extension().is_some_and(|ending| ending == ENDING))
+            .filter_map(|path| Some(format!("{}{SAYS_SO}", path.file_stem()?.to_str()?)))
+            .collect();
+        names.sort();
+        Ok(names)
+    }
+
+    fn open(&mut self, name: &str, mut hear: Hear) -> Result<Box<dyn Any>, String> {
+        let name = name.strip_suffix(SAYS_SO).unwrap_or(name);
+        let path = self.0.join(format!("{name}.socket"));
+        let open = |path: &Path| -> io::Result<UnixDatagram> {
+            if path.exists() {
+                std::fs::remove_file(path)?;
+            }
+            let socket = UnixDatagram::bind(path)?;
+            socket.set_read_timeout(Some(LOOK))?;
+            Ok(socket)
+        };
+        let socket = open(&path).map_err(|error| error.to_string())?;
+        let is_over = Arc::new(AtomicBool::new(false));
+        let of_thread = is_over.clone();
+        let heard = std::thread::Builder::new().name("fake MIDI".into()).spawn(move || {
+            let mut bytes = vec![0; 65_536];
+            while !of_thread.load(Ordering::Relaxed) {
+                if let Ok(length) = socket.recv(&mut bytes) {
+                    hear(bytes.get(..length).unwrap_or_default());
+                }
+            }
+            let _ = std::fs::remove_file(path);
+        });
+        heard.map(|_| Box::new(Open(is_over)) as Box<dyn Any>).map_err(|error| error.to_string())
+    }
+}
+
+/// Ends the thread when dropped.
+struct Open(Arc<AtomicBool>);
+
+impl Drop for Open {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}

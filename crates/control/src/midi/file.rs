@@ -1,0 +1,236 @@
+//! Mappings as a file that people can read and write.
+
+use serde::{Deserialize, Serialize};
+
+use super::mapping::{Curve, Mapping, Mappings, Target};
+use super::source::Source;
+use crate::limits::LIMITS;
+
+/// What is remembered of MIDI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MappingFile {
+    /// Whether a device's clock sets the tempo.
+    pub clock: bool,
+    /// All mappings.
+    pub mappings: Mappings,
+}
+
+impl Default for MappingFile {
+    fn default() -> Self {
+        Self { clock: true, mappings: Mappings::default() }
+    }
+}
+
+/// Why a file of mappings is not understood.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MappingsError {
+    /// It is no file of mappings, or damaged.
+    #[error("{0}")]
+    Malformed(String),
+    /// There are more than anybody learns.
+    #[error("it holds {0} mappings, and the limit is {max}", max = LIMITS.mappings_max)]
+    TooMany(usize),
+    /// It is larger than such files are.
+    #[error("it has {0} bytes, and the limit is {max}", max = LIMITS.mapping_bytes_max)]
+    TooLarge(usize),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    #[serde(default = "yes")]
+    clock: bool,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    knob: Vec<Row>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    device: String,
+    turned: Source,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    param: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    action: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<String>,
+    #[serde(default = "whole")]
+    range: [f32; 2],
+    #[serde(default)]
+    curve: Curve,
+    #[serde(default)]
+    smoothing: f32,
+    #[serde(default)]
+    pick_up: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+fn whole() -> [f32; 2] {
+    [0.0, 1.0]
+}
+
+const HEAD: &str = "\
+# Which knobs turn what, as they were learned in the window (J). It may be edited while Mariana does not run.
+# `range` are shares of the parameter's range, `smoothing` is in seconds, `curve` is linear, slow, fast or soft.
+
+";
+
+impl MappingFile {
+    /// Reads a file's bytes.
+    ///
+    /// # Errors
+    /// [`MappingsError`].
+    pub fn read(bytes: &[u8]) -> Result<Self, MappingsError> {
+        if bytes.len() > LIMITS.mapping_bytes_max {
+            return Err(MappingsError::TooLarge(bytes.len()));
+        }
+        let malformed = |reason: String| MappingsError::Malformed(reason.trim().replace('\n', " "));
+        let text = std::str::from_utf8(bytes).map_err(|error| malformed(error.to_string()))?;
+        let text: Text = toml::from_str(text).map_err(|error| malformed(error.message().to_owned()))?;
+        if text.knob.len() > LIMITS.mappings_max {
+            return Err(MappingsError::TooMany(text.knob.len()));
+        }
+        let rows = text.knob.into_iter().enumerate();
+        let list = rows.map(|(place, row)| {
+            row.mapping().ok_or_else(|| {
+                malformed(format!(
+                    "mapping {} names neither a parameter with its scene nor an action",
+                    place + 1
+                ))
+            })
+        });
+        Ok(Self { clock: text.clock, mappings: Mappings::of(list.collect::<Result<_, _>>()?) })
+    }
+
+    /// The file's text.
+    ///
+    /// # Errors
+    /// Something in it cannot be written.
+    pub fn text(&self) -> Result<String, MappingsError> {
+        let knob = self.mappings.list().iter().map(Row::of).collect();
+        let text = toml::to_string(&Text { clock: self.clock, knob });
+        text.map(|text| format!("{HEAD}{text}")).map_err(|error| MappingsError::Malformed(error.to_string()))
+    }
+}
+
+impl Row {
+    fn of(mapping: &Mapping) -> Self {
+        let (mut scene, mut param, mut action, mut value) = (None, None, None, None);
+        match mapping.target.clone() {
+            Target::Param { scene: of, name } => (scene, param) = (Some(of), Some(name)),
+            Target::Deed { name, value: with } => (action, value) = (Some(name), with),
+        }
+        Self {
+            device: mapping.device.clone(),
+            turned: mapping.source,
+            scene,
+            param,
+            action,
+            value,
+            range: mapping.range,
+            curve: mapping.curve,
+            smoothing: mapping.smoothing,
+            pick_up: mapping.picks_up,
+        }
+    }
+
+    fn mapping(self) -> Option<Mapping> {
+        let target = match (self.scene, self.param, self.action) {
+            (Some(scene), Some(name), None) => Target::Param { scene, name },
+            (None, None, Some(name)) => Target::Deed { name, value: self.value },
+            _ => return None,
+        };
+        let mut mapping = Mapping {
+            device: self.device,
+            source: self.turned,
+            target,
+            range: self.range,
+            curve: self.curve,
+            smoothing: self.smoothing,
+            picks_up: self.pick_up,
+        };
+        mapping.mend().then_some(mapping)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn file() -> MappingFile {
+        let param = Target::Param { scene: "my \"orb\"".to_owned(), name: "size".to_owned() };
+        let deed = Target::Deed { name: "scene".to_owned(), value: Some("city".to_owned()) };
+        let knob = Source::FineControl { channel: 3, number: 7 };
+        let mut first = Mapping::learned("nano: KONTROL", knob, param);
+        first.invert();
+        first.curve = Curve::Soft;
+        let pad = Mapping::learned("pads", Source::Note { channel: 9, key: 36 }, deed);
+        MappingFile { clock: false, mappings: Mappings::of(vec![first, pad]) }
+    }
+
+    #[test]
+    fn what_is_written_is_read_again_and_can_be_understood() {
+        let text = file().text().unwrap();
+        assert_eq!(MappingFile::read(text.as_bytes()), Ok(file()));
+        for line in
+            ["turned = \"fine cc 7 on channel 4\"", "action = \"scene\"", "clock = false", "param = \"size\""]
+        {
+            assert!(text.contains(line), "{line} is not in\n{text}");
+        }
+        assert_eq!(MappingFile::read(b""), Ok(MappingFile::default()));
+    }
+
+    #[test]
+    fn damaged_files_are_refused_with_what_is_wrong() {
+        let knob = "[[knob]]\ndevice = \"x\"\nturned = \"cc 1 on channel 1\"\n";
+        for (text, what) in [
+            ("clock = 7", "bool"),
+            ("[[knob]]\ndevice = \"x\"\n", "turned"),
+            ("[[knob]]\ndevice = \"x\"\nturned = \"cc 200 on channel 1\"\n", "nothing on a device"),
+            (knob, "neither a parameter"),
+            (&format!("{knob}action = \"next\"\nscene = \"orb\"\n"), "neither a parameter"),
+            (&format!("{knob}action = \"next\"\nrange = [nan, 1.0]\n"), "neither a parameter"),
+            (&format!("{knob}action = \"next\"\nmood = 1\n"), "mood"),
+            ("\u{0}\u{1}", ""),
+        ] {
+            let Err(MappingsError::Malformed(why)) = MappingFile::read(text.as_bytes()) else {
+                panic!("{text} is taken")
+            };
+            assert!(why.contains(what), "{why} does not tell of {what}");
+        }
+        assert!(matches!(MappingFile::read(&[0xff, 0xfe]), Err(MappingsError::Malformed(_))));
+    }
+
+    #[test]
+    fn more_than_the_limits_is_refused_as_such() {
+        let knob = "[[knob]]\ndevice = \"x\"\nturned = \"cc 1 on channel 1\"\naction = \"next\"\n";
+        let many = knob.repeat(LIMITS.mappings_max + 1);
+        assert_eq!(MappingFile::read(many.as_bytes()), Err(MappingsError::TooMany(LIMITS.mappings_max + 1)));
+        let large = vec![b'#'; LIMITS.mapping_bytes_max + 1];
+        assert_eq!(MappingFile::read(&large), Err(MappingsError::TooLarge(large.len())));
+        assert!(MappingFile::read(&large[1..]).is_ok());
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_are_too_bad(damage in proptest::collection::vec((0_usize..600, any::<u8>()), 0..8)) {
+            let mut bytes = file().text().unwrap().into_bytes();
+            for (place, value) in damage {
+                if let Some(byte) = bytes.get_mut(place) {
+                    *byte = value;
+                }
+            }
+            if let Ok(read) = MappingFile::read(&bytes) {
+                prop_assert!(read.text().is_ok());
+            }
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! The thread that looks which devices there are, and hears each of them.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::clock::{Clock, ClockReading};
+use super::device::{Device, Said};
+use super::ports::Ports;
+use super::source::KnobMove;
+use crate::Wishes;
+use crate::limits::LIMITS;
+
+/// How often it looks.
+const LOOK: Duration = Duration::from_millis(500);
+/// After this many seconds without a clock another device may give it.
+const CLOCK_GONE: f64 = 2.0;
+
+/// How it stands with MIDI.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct MidiState {
+    /// The devices that are heard.
+    pub devices: Vec<String>,
+    /// Devices that are there and cannot be heard, with the reason.
+    pub refused: Vec<(String, String)>,
+    /// Why there is no MIDI on this machine, as the end of a sentence.
+    pub trouble: Option<String>,
+    /// Whether it was looked at all.
+    pub is_known: bool,
+    /// The device whose clock is followed.
+    pub clock_of: Option<String>,
+    /// Counts the changes.
+    pub revision: u64,
+}
+
+/// What the threads of devices share.
+struct Shared {
+    wishes: Wishes,
+    /// The zero of the seconds of clocks.
+    zero: Instant,
+    state: Mutex<MidiState>,
+    clock: Mutex<(Clock, Option<Arc<str>>, f64)>,
+    is_over: AtomicBool,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+/// Hears MIDI until it is dropped.
+pub struct MidiHub(Arc<Shared>);
+
+impl MidiHub {
+    /// Hears all devices of `ports` from now on, whenever they are plugged in. What moves goes among the wishes. `wake` is
+    /// called when devices come and go.
+    ///
+    /// # Errors
+    /// There is no thread.
+    pub fn start(
+        ports: Box<dyn Ports>,
+        wishes: Wishes,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> io::Result<Self> {
+        let shared = Arc::new(Shared {
+            wishes,
+            zero: Instant::now(),
+            state: Mutex::default(),
+            clock: Mutex::default(),
+            is_over: AtomicBool::new(false),
+            wake: Box::new(wake),
+        });
+        let of_thread = shared.clone();
+        std::thread::Builder::new()
+            .name("MIDI".into())
+            .spawn(move || look_again_and_again(ports, &of_thread))?;
+        Ok(Self(shared))
+    }
+
+    /// How it stands.
+    pub fn state(&self) -> MidiState {
+        lock(&self.0.state).clone()
+    }
+
+    /// What the clock says that is followed, and the seconds in which it says so now; none without one.
+    pub fn clock(&self) -> Option<(ClockReading, f64)> {
+        let now = self.0.zero.elapsed().as_secs_f64();
+        let reading = lock(&self.0.clock).0.reading()?;
+        reading.beat_at(now).map(|_| (reading, now))
+    }
+}
+
+impl Drop for MidiHub {
+    fn drop(&mut self) {
+        // It is not waited for: closing a port may block.
+        self.0.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+fn look_again_and_again(mut ports: Box<dyn Ports>, shared: &Arc<Shared>) {
+    let mut open: BTreeMap<String, Box<dyn Any>> = BTreeMap::new();
+    while !shared.is_over.load(Ordering::Relaxed) {
+        look(&mut *ports, &mut open, shared);
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// Opens what was plugged in, and closes what was pulled.
+fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared: &Arc<Shared>) {
+    let (names, trouble) = match ports.names() {
+        Ok(names) => (names, None),
+        Err(trouble) => (Vec::new(), Some(trouble)),
+    };
+    open.retain(|name, _| names.contains(name));
+    let mut refused = Vec::new();
+    for name in names.iter().take(LIMITS.midi_devices_max) {
+        if !open.contains_key(name) {
+            match ports.open(name, hearing(name, shared.clone())) {
+                Ok(connection) => drop(open.insert(name.clone(), connection)),
+                Err(reason) => refused.push((name.clone(), reason)),
+            }
+        }
+    }
+    let beyond = names.iter().skip(LIMITS.midi_devices_max);
+    refused.extend(beyond.map(|name| {
+        (name.clone(), format!("no more than {} devices are heard at a time", LIMITS.midi_devices_max))
+    }));
+    let clock_of = {
+        let clock = lock(&shared.clock);
+        let now = shared.zero.elapsed().as_secs_f64();
+        clock.1.as_deref().filter(|_| now - clock.2 < CLOCK_GONE).map(str::to_owned)
+    };
+    let mut state = lock(&shared.state);
+    let now = MidiState {
+        devices: open.keys().cloned().collect(),
+        refused,
+        trouble,
+        is_known: true,
+        clock_of,
+        revision: state.revision,
+    };
+    if now != *state {
+        *state = MidiState { revision: state.revision + 1, ..now };
+        drop(state);
+        (shared.wake)();
+    }
+}
+
+/// What hears one device.
+fn hearing(name: &str, shared: Arc<Shared>) -> Box<dyn FnMut(&[u8]) + Send> {
+    let (name, mut device): (Arc<str>, _) = (name.into(), Device::default());
+    Box::new(move |bytes| {
+        device.hear(bytes, |said| {
+            shared.wishes.count();
+            match said {
+                Said::Moved(source, value, is_press) => {
+                    let presses = u32::from(is_press);
+                    shared.wishes.moved(KnobMove { device: name.clone(), source, value, presses });
+                }
+                Said::Time(message) => {
+                    let now = shared.zero.elapsed().as_secs_f64();
+                    let mut clock = lock(&shared.clock);
+                    let is_free = clock.1.is_none() || now - clock.2 > CLOCK_GONE;
+                    if is_free && clock.1.as_ref() != Some(&name) {
+                        *clock = (Clock::default(), Some(name.clone()), now);
+                    }
+                    if clock.1.as_ref() == Some(&name) {
+                        clock.0.take(message, now);
+                        clock.2 = now;
+                    }
+                }
+            }
+        });
+    })
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Receiver, channel};
+
+    use super::super::ports::Hear;
+    use super::*;
+
+    /// What a test has of its ports: names to plug in, and what hears them.
+    #[derive(Clone)]
+    struct Desk {
+        names: Arc<Mutex<Result<Vec<String>, String>>>,
+        hears: Arc<Mutex<BTreeMap<String, Hear>>>,
+    }
+
+    impl Default for Desk {
+        fn default() -> Self {
+            Self { names: Arc::new(Mutex::new(Ok(Vec::new()))), hears: Arc::default() }
+        }
+    }
+
+    impl Ports for Desk {
+        fn names(&mut self) -> Result<Vec<String>, String> {
+            lock(&self.names).clone()
+        }
+
+        fn open(&mut self, name: &str, hear: Hear) -> Result<Box<dyn Any>, String> {
+            if name.starts_with("locked") {
+                return Err("another program has it".to_owned());
+            }
+            lock(&self.hears).insert(name.to_owned(), hear);
+            Ok(Box::new(()))
+        }
+    }
+
+    impl Desk {
+        fn plug(&self, names: &[&str]) {
+            *lock(&self.names) = Ok(names.iter().map(|name| (*name).to_owned()).collect());
+        }
+
+        fn send(&self, name: &str, bytes: &[u8]) {
+            if let Some(hear) = lock(&self.hears).get_mut(name) {
+                hear(bytes);
+            }
+        }
+    }
+
+    fn hub(desk: &Desk) -> (MidiHub, Wishes, Receiver<()>) {
+        let (told, news) = channel();
+        let told = Mutex::new(told);
+        let wishes = Wishes::new(|| {});
+        let hub = MidiHub::start(Box::new(desk.clone()), wishes.clone(), move || {
+            let _ = lock(&told).send(());
+        });
+        (hub.unwrap(), wishes, news)
+    }
+
+    #[test]
+    fn devices_are_heard_whenever_they_are_plugged_in_and_pulled_ones_are_told() {
+        let desk = Desk::default();
+        desk.plug(&["pads", "locked"]);
+        let (hub, wishes, news) = hub(&desk);
+        news.recv().unwrap();
+        let state = hub.state();
+        assert_eq!(state.devices, ["pads"]);
+        assert_eq!(state.refused, [("locked".to_owned(), "another program has it".to_owned())]);
+        desk.send("pads", &[0xb0, 7, 127, 7, 0, 7, 127]);
+        let knobs = wishes.take().knobs;
+        assert_eq!((knobs.len(), knobs[0].value, knobs[0].presses), (1, 1.0, 2), "{knobs:?}");
+        desk.plug(&[]);
+        news.recv().unwrap();
+        assert_eq!(hub.state().devices, [""; 0]);
+        desk.plug(&["pads"]);
+        news.recv().unwrap();
+        desk.send("pads", &[0x90, 60, 1]);
+        assert_eq!(wishes.take().knobs.len(), 1);
+    }
+
+    #[test]
+    fn a_machine_without_midi_says_why_and_more_devices_than_the_limit_are_told() {
+        let desk = Desk::default();
+        *lock(&desk.names) = Err("there is no sequencer".to_owned());
+        let (hub, _, news) = hub(&desk);
+        news.recv().unwrap();
+        assert_eq!(hub.state().trouble.as_deref(), Some("there is no sequencer"));
+        let names: Vec<String> = (0..=LIMITS.midi_devices_max).map(|number| format!("{number:03}")).collect();
+        desk.plug(&names.iter().map(|name| &**name).collect::<Vec<_>>());
+        news.recv().unwrap();
+        let state = hub.state();
+        assert_eq!((state.devices.len(), state.refused.len()), (LIMITS.midi_devices_max, 1));
+    }
+
+    #[test]
+    fn the_clock_of_the_first_device_that_has_one_is_followed() {
+        let desk = Desk::default();
+        desk.plug(&["drums", "synth"]);
+        let (hub, _, news) = hub(&desk);
+        news.recv().unwrap();
+        assert!(hub.clock().is_none());
+        desk.send("drums", &[0xfa, 0xf8]);
+        desk.send("synth", &[0xf8, 0xf8, 0xf8]);
+        assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("drums"));
+        // One that has been silent for long gives way.
+        lock(&hub.0.clock).2 = -CLOCK_GONE;
+        desk.send("synth", &[0xf8]);
+        assert_eq!(lock(&hub.0.clock).1.as_deref(), Some("synth"));
+    }
+}

@@ -1,0 +1,120 @@
+//! Learning: something is chosen, a knob is moved, and from then on the one turns the other.
+
+use std::sync::Arc;
+
+use super::mapping::{Mapping, Target};
+use super::source::{KnobMove, Source};
+
+/// A coarse knob is taken only after this many seconds: its fine half may still come.
+const WAITS: f64 = 0.08;
+
+/// What is being learned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Learning {
+    target: Target,
+    /// What moved, and when it did so first, in seconds.
+    moved: Option<(Arc<str>, Source, f64)>,
+}
+
+impl Learning {
+    /// Learns what turns `target`.
+    pub fn of(target: Target) -> Self {
+        Self { target, moved: None }
+    }
+
+    /// What is to be turned.
+    pub fn target(&self) -> &Target {
+        &self.target
+    }
+
+    /// Takes notice of a knob that moved at `now`, in seconds. Keys that are let go and the pressure that comes with keys
+    /// are not meant.
+    pub fn notice(&mut self, moved: &KnobMove, now: f64) {
+        let is_meant = match moved.source {
+            Source::Note { .. } | Source::Program { .. } => moved.presses > 0,
+            Source::Pressure { .. } => false,
+            Source::Control { .. } | Source::FineControl { .. } | Source::Bend { .. } => true,
+        };
+        if !is_meant {
+            return;
+        }
+        match (&self.moved, moved.source) {
+            (None, source) => self.moved = Some((moved.device.clone(), source, now)),
+            // It is the same knob.
+            (
+                Some((device, Source::Control { channel, number }, since)),
+                fine @ Source::FineControl { .. },
+            ) if *device == moved.device
+                && [*number, number.wrapping_sub(32)]
+                    .iter()
+                    .any(|number| fine == Source::FineControl { channel: *channel, number: *number }) =>
+            {
+                self.moved = Some((device.clone(), fine, *since));
+            }
+            _ => {}
+        }
+    }
+
+    /// When it is known whether a knob is fine, if one moved.
+    pub fn known_at(&self) -> Option<f64> {
+        self.moved.as_ref().map(|(_, source, since)| match source {
+            Source::Control { .. } => since + WAITS,
+            _ => *since,
+        })
+    }
+
+    /// What was learned, once that is known.
+    pub fn learned(&self, now: f64) -> Option<Mapping> {
+        let (device, source, _) =
+            self.moved.as_ref().filter(|_| self.known_at().is_some_and(|at| now >= at))?;
+        Some(Mapping::learned(device, *source, self.target.clone()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn learning() -> Learning {
+        Learning::of(Target::Deed { name: "next".to_owned(), value: None })
+    }
+
+    fn moved(source: Source, presses: u32) -> KnobMove {
+        KnobMove { device: "desk".into(), source, value: 0.5, presses }
+    }
+
+    const COARSE: Source = Source::Control { channel: 0, number: 7 };
+    const FINE: Source = Source::FineControl { channel: 0, number: 7 };
+
+    #[test]
+    fn the_first_knob_that_moves_is_learned_when_it_is_known_how_fine_it_is() {
+        let mut learning = learning();
+        assert_eq!(learning.learned(9.0), None);
+        learning.notice(&moved(COARSE, 0), 1.0);
+        learning.notice(&moved(Source::Control { channel: 0, number: 9 }, 0), 1.01);
+        assert_eq!(learning.learned(1.05), None, "its fine half may still come");
+        assert_eq!(learning.learned(1.08).map(|mapping| mapping.source), Some(COARSE));
+        learning.notice(&moved(FINE, 0), 1.06);
+        assert_eq!(learning.learned(1.06).map(|mapping| mapping.source), Some(FINE));
+    }
+
+    #[test]
+    fn the_fine_half_may_come_first() {
+        let mut learning = learning();
+        learning.notice(&moved(Source::Control { channel: 0, number: 39 }, 0), 1.0);
+        learning.notice(&moved(FINE, 0), 1.0);
+        assert_eq!(learning.learned(1.0).map(|mapping| mapping.source), Some(FINE));
+    }
+
+    #[test]
+    fn keys_count_when_they_go_down_and_pressure_never() {
+        let mut learning = learning();
+        let key = Source::Note { channel: 0, key: 60 };
+        learning.notice(&moved(Source::Pressure { channel: 0 }, 0), 1.0);
+        learning.notice(&moved(key, 0), 1.0);
+        assert_eq!(learning.learned(9.0), None);
+        learning.notice(&moved(key, 1), 2.0);
+        let mapping = learning.learned(2.0).unwrap();
+        assert_eq!((mapping.source, mapping.picks_up, &*mapping.device), (key, false, "desk"));
+    }
+}

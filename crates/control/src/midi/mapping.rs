@@ -1,0 +1,382 @@
+//! What knobs are mapped to, and what follows when they move.
+
+use serde::{Deserialize, Serialize};
+
+use super::pick_up::PickUp;
+use super::source::{KnobMove, Source};
+use crate::deed::{Deed, DeedRow, Given, Takes, row_of};
+use crate::limits::LIMITS;
+use crate::{Amount, Hand, ParamWish};
+
+/// What a knob turns.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// A parameter of a scene.
+    Param {
+        /// The scene's title.
+        scene: String,
+        /// The parameter's name.
+        name: String,
+    },
+    /// An action.
+    Deed {
+        /// Its name.
+        name: String,
+        /// What comes with it: the name of a scene.
+        value: Option<String>,
+    },
+}
+
+/// How the way of a knob becomes the way of what it turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Curve {
+    /// As it is.
+    #[default]
+    Linear,
+    /// Finer at its beginning.
+    Slow,
+    /// Finer at its end.
+    Fast,
+    /// Finer at both ends.
+    Soft,
+}
+
+impl Curve {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Linear, Self::Slow, Self::Fast, Self::Soft];
+
+    /// Its name in files and panels.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::Slow => "slow",
+            Self::Fast => "fast",
+            Self::Soft => "soft",
+        }
+    }
+
+    /// Where it leads at a share of the way; from 0 to 0 and from 1 to 1.
+    pub fn at(self, x: f32) -> f32 {
+        match self {
+            Self::Linear => x,
+            Self::Slow => x * x,
+            Self::Fast => x * (2.0 - x),
+            Self::Soft => x * x * (3.0 - 2.0 * x),
+        }
+    }
+}
+
+/// One knob and one thing that it turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mapping {
+    /// The device's name.
+    pub device: String,
+    /// What moves there.
+    pub source: Source,
+    /// What it turns.
+    pub target: Target,
+    /// Where the ends of its way lead, as shares of the range of what it turns, 0..1; the first may be the larger. Of
+    /// actions that take a number, the numbers.
+    pub range: [f32; 2],
+    /// How one becomes the other.
+    pub curve: Curve,
+    /// Smoothing time in seconds.
+    pub smoothing: f32,
+    /// Whether it takes hold only where it passes.
+    pub picks_up: bool,
+}
+
+/// Smoothing of a knob of 128 steps, in seconds: the steps are not seen.
+const SMOOTHING: f32 = 0.05;
+/// Tempos that a knob reaches unless a mapping says otherwise.
+const TEMPOS: [f32; 2] = [60.0, 180.0];
+
+impl Mapping {
+    /// As it is learned.
+    pub fn learned(device: &str, source: Source, target: Target) -> Self {
+        let is_number = matches!(&target, Target::Deed { name, .. } if name == "tempo");
+        let turns = !source.is_pressed();
+        Self {
+            device: device.to_owned(),
+            source,
+            target,
+            range: if is_number { TEMPOS } else { [0.0, 1.0] },
+            curve: Curve::Linear,
+            smoothing: if turns { SMOOTHING } else { 0.0 },
+            picks_up: turns,
+        }
+    }
+
+    /// Turns the other way around.
+    pub fn invert(&mut self) {
+        self.range.reverse();
+    }
+
+    /// Where a place on the knob's way leads.
+    fn leads_to(&self, value: f32) -> f32 {
+        let [from, to] = self.range;
+        from + (to - from) * self.curve.at(value.clamp(0.0, 1.0))
+    }
+
+    /// Brings numbers that a hand has written into what is possible. False if there is no mending it.
+    pub(super) fn mend(&mut self) -> bool {
+        let most = if matches!(self.target, Target::Deed { .. }) { 1_000.0 } else { 1.0 };
+        if !self.range.iter().all(|end| end.is_finite()) || !self.smoothing.is_finite() {
+            return false;
+        }
+        self.range = self.range.map(|end| end.clamp(0.0, most));
+        self.smoothing = self.smoothing.clamp(0.0, LIMITS.smoothing_seconds_max);
+        !self.device.is_empty()
+    }
+}
+
+/// What follows from knobs that moved.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// A parameter of the scene on the stage is turned.
+    Turn(ParamWish),
+    /// Something is done.
+    Act(Deed),
+    /// A knob moves that has no hold of its parameter yet: where it leads, and where the parameter stands, 0..1.
+    Waits {
+        /// The parameter.
+        name: String,
+        /// Where the knob leads.
+        leads_to: f32,
+        /// Where the parameter stands.
+        stands: f32,
+    },
+}
+
+/// All mappings, in the order in which they were learned.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Mappings {
+    list: Vec<Mapping>,
+    /// What is known of each knob's hold.
+    holds: Vec<PickUp>,
+}
+
+impl Mappings {
+    /// Of a list; what is beyond the limit is left out.
+    pub fn of(mut list: Vec<Mapping>) -> Self {
+        list.truncate(LIMITS.mappings_max);
+        Self { holds: vec![PickUp::default(); list.len()], list }
+    }
+
+    /// All of them.
+    pub fn list(&self) -> &[Mapping] {
+        &self.list
+    }
+
+    /// Adds one; false if it is there already or there is no room.
+    pub fn add(&mut self, mapping: Mapping) -> bool {
+        let same = |one: &Mapping| {
+            one.device == mapping.device && one.source == mapping.source && one.target == mapping.target
+        };
+        if self.list.len() >= LIMITS.mappings_max || self.list.iter().any(same) {
+            return false;
+        }
+        self.list.push(mapping);
+        self.holds.push(PickUp::default());
+        true
+    }
+
+    /// Takes one away.
+    pub fn remove(&mut self, place: usize) {
+        if place < self.list.len() {
+            self.list.remove(place);
+            self.holds.remove(place);
+        }
+    }
+
+    /// Changes one.
+    pub fn change(&mut self, place: usize, change: impl FnOnce(&mut Mapping)) {
+        if let Some((mapping, hold)) = self.list.get_mut(place).zip(self.holds.get_mut(place)) {
+            change(mapping);
+            *hold = PickUp::default();
+        }
+    }
+
+    /// What follows from a knob that moved, while this scene is on the stage. `stands` tells where a parameter of it
+    /// stands, as a share of its range, if there is one of that name.
+    pub fn apply(
+        &mut self,
+        moved: &KnobMove,
+        scene: &str,
+        deeds: &[DeedRow],
+        stands: impl Fn(&str) -> Option<f32>,
+    ) -> Vec<Outcome> {
+        let mut outcomes = Vec::new();
+        for (mapping, hold) in self.list.iter().zip(&mut self.holds) {
+            if mapping.device != *moved.device || mapping.source != moved.source {
+                continue;
+            }
+            match &mapping.target {
+                Target::Param { scene: of, name } if of == scene => {
+                    let Some(stands) = stands(name) else { continue };
+                    let share = mapping.leads_to(moved.value);
+                    outcomes.push(match !mapping.picks_up || hold.takes(share, stands) {
+                        true => Outcome::Turn(ParamWish {
+                            name: name.clone(),
+                            to: Amount::Share(share),
+                            seconds: mapping.smoothing,
+                            hand: Hand::Midi,
+                        }),
+                        false => Outcome::Waits { name: name.clone(), leads_to: share, stands },
+                    });
+                }
+                Target::Param { .. } => {}
+                Target::Deed { name, value } => {
+                    if let Some(row) = row_of(deeds, name) {
+                        outcomes.extend(deeds_of(mapping, row, value.as_deref(), moved).map(Outcome::Act));
+                    }
+                }
+            }
+        }
+        outcomes
+    }
+}
+
+/// Actions that follow from a knob that moved.
+fn deeds_of<'a>(
+    mapping: &'a Mapping,
+    row: DeedRow,
+    value: Option<&'a str>,
+    moved: &'a KnobMove,
+) -> impl Iterator<Item = Deed> + 'a {
+    let presses = moved.presses.min(LIMITS.presses_max) as usize;
+    let (times, given) = match row.takes {
+        Takes::Press | Takes::Switch => (presses, Given::Nothing),
+        Takes::Level | Takes::Number => (1, Given::Number(mapping.leads_to(moved.value))),
+        Takes::Choice => match value {
+            Some(name) => (presses, Given::Text(name.to_owned())),
+            // Programs are counted from 0, and scenes from 1.
+            None => (presses.min(1), Given::Number((moved.value * 127.0).round() + 1.0)),
+        },
+    };
+    (0..times).filter_map(move |_| row.wanted(given.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const KNOB: Source = Source::Control { channel: 0, number: 7 };
+    const PAD: Source = Source::Note { channel: 9, key: 36 };
+    const DEEDS: &[DeedRow] = &[
+        DeedRow { name: "next", takes: Takes::Press, meaning: "" },
+        DeedRow { name: "pause", takes: Takes::Switch, meaning: "" },
+        DeedRow { name: "scene", takes: Takes::Choice, meaning: "" },
+        DeedRow { name: "tempo", takes: Takes::Number, meaning: "" },
+        DeedRow { name: "volume", takes: Takes::Level, meaning: "" },
+    ];
+
+    fn param(name: &str) -> Target {
+        Target::Param { scene: "orb".to_owned(), name: name.to_owned() }
+    }
+
+    fn deed(name: &str, value: Option<&str>) -> Target {
+        Target::Deed { name: name.to_owned(), value: value.map(str::to_owned) }
+    }
+
+    fn moved(source: Source, value: f32, presses: u32) -> KnobMove {
+        KnobMove { device: "desk".into(), source, value, presses }
+    }
+
+    fn mapped(source: Source, target: Target) -> Mapping {
+        Mapping { picks_up: false, smoothing: 0.0, ..Mapping::learned("desk", source, target) }
+    }
+
+    fn apply(mappings: &mut Mappings, moved: &KnobMove) -> Vec<Outcome> {
+        mappings.apply(moved, "orb", DEEDS, |name| (name != "gone").then_some(0.5))
+    }
+
+    fn turned(name: &str, share: f32) -> Outcome {
+        let to = Amount::Share(share);
+        Outcome::Turn(ParamWish { name: name.to_owned(), to, seconds: 0.0, hand: Hand::Midi })
+    }
+
+    #[test]
+    fn one_knob_turns_several_parameters_each_by_its_range_and_curve() {
+        let mut inverted = mapped(KNOB, param("glow"));
+        inverted.invert();
+        let narrow = Mapping { range: [0.2, 0.6], curve: Curve::Slow, ..mapped(KNOB, param("speed")) };
+        let other = Mapping { device: "other".to_owned(), ..mapped(KNOB, param("size")) };
+        let elsewhere = Target::Param { scene: "city".to_owned(), name: "size".to_owned() };
+        let mut mappings = Mappings::of(vec![
+            mapped(KNOB, param("size")),
+            inverted,
+            narrow,
+            other,
+            mapped(KNOB, elsewhere),
+            mapped(KNOB, param("gone")),
+        ]);
+        let outcomes = apply(&mut mappings, &moved(KNOB, 0.5, 0));
+        assert_eq!(outcomes, [turned("size", 0.5), turned("glow", 0.5), turned("speed", 0.3)]);
+        assert_eq!(apply(&mut mappings, &moved(PAD, 0.5, 1)), []);
+    }
+
+    #[test]
+    fn a_knob_that_stands_elsewhere_waits_until_it_passes() {
+        let mut mappings = Mappings::of(vec![Mapping::learned("desk", KNOB, param("size"))]);
+        let waits = |at| [Outcome::Waits { name: "size".to_owned(), leads_to: at, stands: 0.5 }];
+        assert_eq!(apply(&mut mappings, &moved(KNOB, 0.1, 0)), waits(0.1));
+        assert!(matches!(apply(&mut mappings, &moved(KNOB, 0.6, 0))[..], [Outcome::Turn(_)]));
+    }
+
+    #[test]
+    fn pads_and_buttons_act_once_for_each_press_and_knobs_set_levels() {
+        let mut mappings = Mappings::of(vec![
+            mapped(PAD, deed("next", None)),
+            mapped(PAD, deed("scene", Some("city"))),
+            mapped(KNOB, deed("volume", None)),
+            Mapping::learned("desk", KNOB, deed("tempo", None)),
+            mapped(KNOB, deed("pause", None)),
+            mapped(KNOB, deed("unheard of", None)),
+            mapped(Source::Program { channel: 0 }, deed("scene", None)),
+        ]);
+        let act = |name, given| Outcome::Act(Deed { name, given });
+        let city = || act("scene", Given::Text("city".to_owned()));
+        let next = || act("next", Given::Nothing);
+        assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 2)), [next(), next(), city(), city()]);
+        assert_eq!(apply(&mut mappings, &moved(PAD, 0.0, 0)), [], "it is let go");
+        let level = act("volume", Given::Number(0.5));
+        assert_eq!(
+            apply(&mut mappings, &moved(KNOB, 0.5, 0)),
+            [level.clone(), act("tempo", Given::Number(120.0))]
+        );
+        let pressed = apply(&mut mappings, &moved(KNOB, 0.5, 1));
+        assert_eq!(pressed.last(), Some(&act("pause", Given::Nothing)));
+        let third = moved(Source::Program { channel: 0 }, 2.0 / 127.0, 1);
+        assert_eq!(apply(&mut mappings, &third), [act("scene", Given::Number(3.0))]);
+        let many = apply(&mut mappings, &moved(PAD, 1.0, u32::MAX));
+        assert_eq!(many.len(), 2 * LIMITS.presses_max as usize);
+    }
+
+    #[test]
+    fn mappings_are_added_once_changed_and_taken_away() {
+        let mut mappings = Mappings::default();
+        let one = mapped(KNOB, param("size"));
+        assert!(mappings.add(one.clone()) && !mappings.add(one.clone()));
+        mappings.change(0, Mapping::invert);
+        mappings.change(7, Mapping::invert);
+        assert_eq!(mappings.list()[0].range, [1.0, 0.0]);
+        mappings.remove(7);
+        mappings.remove(0);
+        assert_eq!(mappings.list(), []);
+        for number in 0..LIMITS.mappings_max + 1 {
+            assert_eq!(mappings.add(mapped(KNOB, param(&number.to_string()))), number < LIMITS.mappings_max);
+        }
+        assert_eq!(Mappings::of(vec![one; LIMITS.mappings_max + 1]).list().len(), LIMITS.mappings_max);
+    }
+
+    #[test]
+    fn curves_begin_and_end_alike_and_rise() {
+        for curve in Curve::ALL {
+            assert_eq!((curve.at(0.0), curve.at(1.0)), (0.0, 1.0), "{curve:?}");
+            let rises = (0..100).all(|n| curve.at(n as f32 / 100.0) < curve.at((n + 1) as f32 / 100.0));
+            assert!(rises, "{curve:?}");
+        }
+    }
+}

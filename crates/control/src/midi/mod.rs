@@ -1,0 +1,27 @@
+//! MIDI: bytes become messages, messages become knobs that moved, and knobs turn what they are mapped to.
+//!
+//! Everything but the ports is a function of bytes and times; ports are heard on threads of their own.
+
+mod clock;
+mod device;
+mod fake;
+mod file;
+mod hub;
+mod learn;
+mod mapping;
+mod message;
+mod pick_up;
+mod ports;
+mod source;
+
+pub use clock::{Clock, ClockReading};
+pub use device::Device;
+#[cfg(unix)]
+pub use fake::FolderPorts;
+pub use file::{MappingFile, MappingsError};
+pub use hub::{MidiHub, MidiState};
+pub use learn::Learning;
+pub use mapping::{Curve, Mapping, Mappings, Outcome, Target};
+pub use message::{Message, Parser};
+pub use ports::{Hear, Ports, SystemPorts};
+pub use source::{KnobMove, Source};

@@ -1,0 +1,168 @@
+//! What on a device moves, and how it is written in files.
+
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+/// Something on a device that moves. Channels count from 0 here, and from 1 where people read them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub enum Source {
+    /// A key or a pad.
+    Note {
+        /// 0..=15.
+        channel: u8,
+        /// 0..=127.
+        key: u8,
+    },
+    /// A knob or a fader of 128 steps.
+    Control {
+        /// 0..=15.
+        channel: u8,
+        /// 0..=127.
+        number: u8,
+    },
+    /// One of 16384 steps, which are sent as two numbers: this one and this one plus 32.
+    FineControl {
+        /// 0..=15.
+        channel: u8,
+        /// 0..=31.
+        number: u8,
+    },
+    /// The wheel beside a keyboard.
+    Bend {
+        /// 0..=15.
+        channel: u8,
+    },
+    /// The choice of a sound, which is a number.
+    Program {
+        /// 0..=15.
+        channel: u8,
+    },
+    /// How far the keys are pressed down.
+    Pressure {
+        /// 0..=15.
+        channel: u8,
+    },
+}
+
+impl Source {
+    /// Whether it is pressed rather than turned.
+    pub fn is_pressed(self) -> bool {
+        matches!(self, Self::Note { .. } | Self::Program { .. })
+    }
+}
+
+impl Display for Source {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let (what, channel) = match *self {
+            Self::Note { channel, key } => (format!("note {key}"), channel),
+            Self::Control { channel, number } => (format!("cc {number}"), channel),
+            Self::FineControl { channel, number } => (format!("fine cc {number}"), channel),
+            Self::Bend { channel } => ("bend".to_owned(), channel),
+            Self::Program { channel } => ("program".to_owned(), channel),
+            Self::Pressure { channel } => ("pressure".to_owned(), channel),
+        };
+        write!(f, "{what} on channel {}", channel + 1)
+    }
+}
+
+/// Words that name nothing on a device.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "'{0}' is nothing on a device; write it as 'cc 7 on channel 1', 'fine cc 7 ...', 'note 36 ...', 'bend ...', 'program ...' or 'pressure ...'"
+)]
+pub struct NoSource(String);
+
+impl FromStr for Source {
+    type Err = NoSource;
+
+    fn from_str(text: &str) -> Result<Self, NoSource> {
+        let wrong = || NoSource(text.chars().take(60).collect());
+        let (what, channel) = text.split_once(" on channel ").ok_or_else(wrong)?;
+        let number = |text: &str, most: u8| {
+            text.trim().parse::<u8>().ok().filter(|number| *number <= most).ok_or_else(wrong)
+        };
+        let channel = number(channel, 16)?.checked_sub(1).ok_or_else(wrong)?;
+        let (kind, at) = match what.trim().rsplit_once(' ') {
+            Some((kind, at)) => (kind.trim(), Some(at)),
+            None => (what.trim(), None),
+        };
+        match (kind, at) {
+            ("note", Some(key)) => Ok(Self::Note { channel, key: number(key, 127)? }),
+            ("cc", Some(at)) => Ok(Self::Control { channel, number: number(at, 127)? }),
+            ("fine cc", Some(at)) => Ok(Self::FineControl { channel, number: number(at, 31)? }),
+            ("bend", None) => Ok(Self::Bend { channel }),
+            ("program", None) => Ok(Self::Program { channel }),
+            ("pressure", None) => Ok(Self::Pressure { channel }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+impl From<Source> for String {
+    fn from(source: Source) -> Self {
+        source.to_string()
+    }
+}
+
+impl TryFrom<String> for Source {
+    type Error = NoSource;
+
+    fn try_from(text: String) -> Result<Self, NoSource> {
+        text.parse()
+    }
+}
+
+/// How something on a device moved since the last time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnobMove {
+    /// The device's name.
+    pub device: Arc<str>,
+    /// What moved.
+    pub source: Source,
+    /// Where it is now, 0..1.
+    pub value: f32,
+    /// How often it was pressed: keys and pads that went down, knobs and buttons that passed the middle upwards.
+    pub presses: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_are_read_as_they_are_written() {
+        let channel = 15;
+        for source in [
+            Source::Note { channel, key: 127 },
+            Source::Control { channel: 0, number: 0 },
+            Source::FineControl { channel, number: 31 },
+            Source::Bend { channel },
+            Source::Program { channel },
+            Source::Pressure { channel },
+        ] {
+            assert_eq!(source.to_string().parse(), Ok(source));
+        }
+        assert_eq!(Source::Control { channel: 0, number: 7 }.to_string(), "cc 7 on channel 1");
+    }
+
+    #[test]
+    fn what_is_nothing_on_a_device_is_refused() {
+        for text in [
+            "",
+            "cc 7",
+            "cc 7 on channel 0",
+            "cc 7 on channel 17",
+            "cc 128 on channel 1",
+            "fine cc 32 on channel 1",
+            "bend 3 on channel 1",
+            "cc on channel 1",
+            "knob 3 on channel 1",
+        ] {
+            assert!(text.parse::<Source>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The one model of parameters.
+
+use std::collections::BTreeMap;
+
+use super::{Glide, Hand};
+use crate::limits::LIMITS;
+
+/// A parameter as a scene's text declares it; `min <= default <= max`, all finite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Param<'a> {
+    /// Its name in the scene.
+    pub name: &'a str,
+    /// Least value.
+    pub min: f32,
+    /// Largest value.
+    pub max: f32,
+    /// The value that it has where nobody turns it.
+    pub default: f32,
+}
+
+impl Param<'_> {
+    /// A value brought into the range; what is not a number becomes the default.
+    pub fn clamped(&self, value: f32) -> f32 {
+        let value = if value.is_finite() { value } else { self.default };
+        value.max(self.min).min(self.max)
+    }
+
+    /// Where a value stands in the range, 0..1.
+    pub fn share_of(&self, value: f32) -> f32 {
+        let share = (value - self.min) / (self.max - self.min);
+        if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    /// The value at a share of the range, 0..1.
+    pub fn value_at(&self, share: f32) -> f32 {
+        self.clamped(self.min + share.clamp(0.0, 1.0) * (self.max - self.min))
+    }
+}
+
+/// One turn of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Where to, in the parameter's own units.
+    pub to: f32,
+    /// In which smoothing time, in seconds; 0 is at once.
+    pub seconds: f32,
+    /// Whose hand it is.
+    pub hand: Hand,
+}
+
+/// What a show does with a parameter at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Directed {
+    /// The value.
+    pub value: f32,
+    /// The same number for as long as it is the same movement; another for the show's next one.
+    pub part: u64,
+}
+
+/// A parameter's value at a moment, and who holds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// The value, in the range.
+    pub value: f32,
+    /// Whose hand turned it last.
+    pub hand: Hand,
+}
+
+/// What is held of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Held {
+    hand: Hand,
+    glide: Glide,
+    during: Option<u64>,
+}
+
+/// Who holds which parameter of which scene, and where it is going.
+///
+/// Scenes are told apart by their titles, so that what was turned in one is found again when the show returns to it.
+/// A show holds the parameters that it moves until a hand turns one; it takes that back with its next movement.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Model {
+    scenes: BTreeMap<String, BTreeMap<String, Held>>,
+}
+
+impl Model {
+    /// Turns a parameter at `now`, in seconds, while a show does `directed` with it. It leaves from where it is seen. A
+    /// value that is not a number changes nothing.
+    pub fn turn(&mut self, scene: &str, param: &Param<'_>, turn: Turn, directed: Option<Directed>, now: f64) {
+        if !turn.to.is_finite() {
+            return;
+        }
+        let seconds = if turn.seconds.is_finite() {
+            turn.seconds.clamp(0.0, LIMITS.smoothing_seconds_max)
+        } else {
+            0.0
+        };
+        let to = param.clamped(turn.to);
+        let seen = self.read(scene, param, directed, now);
+        let glide = match self.held(scene, param.name).filter(|held| held.hand == seen.hand) {
+            // Again to where it goes already: its way is not begun anew.
+            Some(held) if held.hand == turn.hand && held.glide.target() == to && held.glide.moves(now) => {
+                held.glide
+            }
+            _ => Glide::at(seen.value).towards(to, seconds, now),
+        };
+        let held = Held { hand: turn.hand, glide, during: directed.map(|directed| directed.part) };
+        match self.scenes.get_mut(scene) {
+            Some(params) => drop(params.insert(param.name.to_owned(), held)),
+            None => {
+                let params = BTreeMap::from([(param.name.to_owned(), held)]);
+                self.scenes.insert(scene.to_owned(), params);
+            }
+        }
+    }
+
+    /// Gives a parameter back to the scene's text.
+    pub fn release(&mut self, scene: &str, name: &str) {
+        if let Some(params) = self.scenes.get_mut(scene) {
+            params.remove(name);
+        }
+    }
+
+    /// A parameter at `now`, while a show does that with it.
+    pub fn read(&self, scene: &str, param: &Param<'_>, directed: Option<Directed>, now: f64) -> Reading {
+        match (self.held(scene, param.name), directed) {
+            (Some(held), Some(directed)) if held.during != Some(directed.part) => {
+                Reading { value: directed.value, hand: Hand::Show }
+            }
+            (Some(held), _) => Reading { value: param.clamped(held.glide.value(now)), hand: held.hand },
+            (None, Some(directed)) => Reading { value: directed.value, hand: Hand::Show },
+            (None, None) => Reading { value: param.clamped(param.default), hand: Hand::Text },
+        }
+    }
+
+    /// Where a parameter goes, which is where a knob has to pick it up.
+    pub fn target(&self, scene: &str, param: &Param<'_>, directed: Option<Directed>) -> f32 {
+        self.read(scene, param, directed, f64::INFINITY).value
+    }
+
+    /// Whether anything of a scene is still on its way at `now`.
+    pub fn moves(&self, scene: &str, now: f64) -> bool {
+        self.scenes.get(scene).is_some_and(|params| params.values().any(|held| held.glide.moves(now)))
+    }
+
+    /// What hands have turned in a scene, by name: where it goes, and whose hand it was.
+    pub fn turned(&self, scene: &str) -> impl Iterator<Item = (&str, f32, Hand)> {
+        let params = self.scenes.get(scene).into_iter().flatten();
+        params.map(|(name, held)| (&**name, held.glide.target(), held.hand))
+    }
+
+    /// Puts a parameter where it was in an earlier run, of which the text may have changed meanwhile.
+    pub fn remember(&mut self, scene: &str, name: &str, value: f32) {
+        if value.is_finite() {
+            let held = Held { hand: Hand::Slider, glide: Glide::at(value), during: None };
+            self.scenes.entry(scene.to_owned()).or_default().insert(name.to_owned(), held);
+        }
+    }
+
+    fn held(&self, scene: &str, name: &str) -> Option<Held> {
+        self.scenes.get(scene)?.get(name).copied()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Param<'static> = Param { name: "size", min: 0.0, max: 4.0, default: 1.0 };
+
+    fn turn(hand: Hand, to: f32) -> Turn {
+        Turn { to, seconds: 0.0, hand }
+    }
+
+    fn read(model: &Model, directed: Option<Directed>, now: f64) -> (f32, Hand) {
+        let Reading { value, hand } = model.read("orb", &SIZE, directed, now);
+        (value, hand)
+    }
+
+    #[test]
+    fn the_last_hand_wins_whichever_it_is() {
+        let mut model = Model::default();
+        assert_eq!(read(&model, None, 0.0), (1.0, Hand::Text));
+        for hand in Hand::ALL {
+            model.turn("orb", &SIZE, turn(hand, 2.5), None, 1.0);
+            assert_eq!(read(&model, None, 1.0), (2.5, hand));
+        }
+        model.release("orb", "size");
+        assert_eq!(read(&model, None, 1.0), (1.0, Hand::Text));
+    }
+
+    #[test]
+    fn each_scene_has_its_own_and_finds_it_again() {
+        let mut model = Model::default();
+        model.turn("orb", &SIZE, turn(Hand::Midi, 3.0), None, 0.0);
+        assert_eq!(model.read("city", &SIZE, None, 0.0).value, 1.0);
+        assert_eq!(read(&model, None, 0.0), (3.0, Hand::Midi));
+        assert_eq!(model.turned("orb").collect::<Vec<_>>(), [("size", 3.0, Hand::Midi)]);
+    }
+
+    #[test]
+    fn values_stay_in_the_range_and_what_is_no_number_changes_nothing() {
+        let mut model = Model::default();
+        model.turn("orb", &SIZE, turn(Hand::Osc, 99.0), None, 0.0);
+        assert_eq!(read(&model, None, 0.0).0, 4.0);
+        for rubbish in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            model.turn("orb", &SIZE, turn(Hand::Osc, rubbish), None, 0.0);
+            let rubbish = Turn { seconds: rubbish, ..turn(Hand::Osc, 4.0) };
+            model.turn("orb", &SIZE, rubbish, None, 0.0);
+            assert_eq!(read(&model, None, 0.0).0, 4.0);
+        }
+        // The text has another range meanwhile.
+        let narrow = Param { max: 2.0, ..SIZE };
+        assert_eq!(model.read("orb", &narrow, None, 0.0).value, 2.0);
+    }
+
+    #[test]
+    fn a_show_takes_a_parameter_back_with_its_next_movement() {
+        let mut model = Model::default();
+        let directed = |part| Some(Directed { value: 2.0, part });
+        assert_eq!(read(&model, directed(1), 0.0), (2.0, Hand::Show));
+        model.turn("orb", &SIZE, turn(Hand::Slider, 3.0), directed(1), 0.0);
+        assert_eq!(read(&model, directed(1), 1.0), (3.0, Hand::Slider));
+        assert_eq!(read(&model, directed(2), 2.0), (2.0, Hand::Show));
+        assert_eq!(read(&model, None, 3.0), (3.0, Hand::Slider), "the show is over");
+    }
+
+    #[test]
+    fn a_turn_begins_where_the_parameter_is_and_takes_its_time() {
+        let mut model = Model::default();
+        let slow = |to| Turn { seconds: 1.0, ..turn(Hand::Midi, to) };
+        model.turn("orb", &SIZE, slow(3.0), None, 0.0);
+        assert_eq!(read(&model, None, 0.0).0, 1.0);
+        let half = read(&model, None, 0.5).0;
+        assert!(model.moves("orb", 0.5) && half > 1.0 && half < 3.0);
+        // The same value again is no new beginning, and another one is no jump.
+        model.turn("orb", &SIZE, slow(3.0), None, 0.5);
+        let one = 3.0 - 2.0 / std::f32::consts::E;
+        assert!((read(&model, None, 1.0).0 - one).abs() < 1e-5);
+        model.turn("orb", &SIZE, slow(0.0), None, 1.0);
+        assert!((read(&model, None, 1.0).0 - one).abs() < 1e-5);
+        assert_eq!(model.target("orb", &SIZE, None), 0.0);
+        assert!(!model.moves("orb", 99.0));
+    }
+
+    #[test]
+    fn a_hand_takes_over_from_a_show_without_a_jump() {
+        let mut model = Model::default();
+        let slow = Turn { seconds: 1.0, ..turn(Hand::Midi, 4.0) };
+        let directed = |part| Some(Directed { value: 2.0, part });
+        model.turn("orb", &SIZE, slow, directed(1), 0.0);
+        assert_eq!(read(&model, directed(1), 0.0), (2.0, Hand::Midi));
+        // Also where it held the parameter before the show did.
+        assert!(read(&model, directed(1), 9.0).0 > 3.9);
+        model.turn("orb", &SIZE, slow, directed(2), 9.0);
+        assert_eq!(read(&model, directed(2), 9.0), (2.0, Hand::Midi));
+    }
+
+    #[test]
+    fn a_smoothing_beyond_the_limit_is_the_longest_one() {
+        let mut model = Model::default();
+        model.turn("orb", &SIZE, Turn { seconds: 1e9, ..turn(Hand::Osc, 4.0) }, None, 0.0);
+        let gone = f64::from(LIMITS.smoothing_seconds_max) * 7.0;
+        assert!(model.moves("orb", gone - 1.0) && !model.moves("orb", gone));
+    }
+
+    #[test]
+    fn what_was_remembered_stands_where_it_was_left() {
+        let mut model = Model::default();
+        model.remember("orb", "size", 0.5);
+        model.remember("orb", "gone", f32::NAN);
+        assert_eq!(read(&model, None, 0.0), (0.5, Hand::Slider));
+        assert_eq!(model.turned("orb").count(), 1);
+    }
+
+    #[test]
+    fn shares_and_values_are_two_ways_to_say_the_same() {
+        assert_eq!([0.0, 0.25, 1.0, 7.0].map(|share| SIZE.value_at(share)), [0.0, 1.0, 4.0, 4.0]);
+        assert_eq!([0.0, 1.0, 4.0, -3.0].map(|value| SIZE.share_of(value)), [0.0, 0.25, 1.0, 0.0]);
+        let none = Param { min: 1.0, max: 1.0, ..SIZE };
+        assert_eq!((none.share_of(1.0), none.value_at(0.7)), (0.0, 1.0));
+    }
+}

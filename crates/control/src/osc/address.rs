@@ -1,0 +1,228 @@
+//! What messages mean, by their addresses.
+
+use rosc::{OscMessage, OscType};
+
+use crate::deed::{Deed, DeedRow, Given, row_of};
+use crate::limits::LIMITS;
+use crate::{Amount, Hand, ParamWish};
+
+/// What a message asks for.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Asked {
+    /// To turn a parameter.
+    Turn(ParamWish),
+    /// To do something.
+    Act(Deed),
+    /// To be told something.
+    Tell(Query),
+    /// Nothing: a button was let go.
+    Nothing,
+}
+
+/// What somebody wants to be told.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Query {
+    /// Everything below but the actions.
+    All,
+    /// All parameters of the scene on the stage.
+    Params,
+    /// One of them.
+    Param(String),
+    /// The scene on the stage.
+    Scene,
+    /// The titles of all scenes.
+    Scenes,
+    /// The tempo.
+    Tempo,
+    /// Every action with its meaning.
+    Actions,
+    /// Whether a switch is on.
+    Switch(&'static str),
+}
+
+/// Why a message is refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refused {
+    /// Nothing here is meant by it.
+    Unknown,
+    /// A value of it is not a number.
+    NotANumber,
+}
+
+/// An address that is not the name of an action, what follows it, and what it does; for pages.
+pub type FixedAddress = (&'static str, &'static str, &'static str);
+
+/// The addresses besides those of the actions: with their arguments, and what they do.
+pub fn fixed_addresses() -> &'static [FixedAddress] {
+    &[
+        ("/param/NAME", "value [seconds]", "turns a parameter of the scene on the stage, in its own units"),
+        ("/param/NAME", "", "asks how it stands"),
+        ("/share/NAME", "0..1 [seconds]", "turns it by the share of its range, as a fader does"),
+        ("/scene/NAME", "", "goes to the scene of that name"),
+        ("/scene", "", "asks which scene is on the stage"),
+        ("/tempo", "", "asks for the tempo"),
+        ("/query", "", "asks for the scene, the tempo, the switches and all parameters"),
+        ("/query/params", "", "asks for all parameters"),
+        ("/query/scene", "", "asks which scene is on the stage"),
+        ("/query/scenes", "", "asks for the names of all scenes"),
+        ("/query/tempo", "", "asks for the tempo"),
+        ("/query/actions", "", "asks for all actions with what they do"),
+        ("/query/SWITCH", "", "asks whether an action that takes on or off is on"),
+    ]
+}
+
+/// What a message asks for, where those are the actions.
+///
+/// # Errors
+/// [`Refused`].
+pub fn understand(message: &OscMessage, deeds: &[DeedRow]) -> Result<Asked, Refused> {
+    let address = message.addr.strip_prefix('/').ok_or(Refused::Unknown)?;
+    if address.len() > LIMITS.name_bytes_max {
+        return Err(Refused::Unknown);
+    }
+    let mut parts = address.splitn(2, '/');
+    let (room, name) = (parts.next().unwrap_or_default(), parts.next().filter(|name| !name.is_empty()));
+    let given = |place| message.args.get(place).map(given).transpose();
+    match (room, name) {
+        ("param" | "share", Some(name)) => match given(0)? {
+            None => Ok(Asked::Tell(Query::Param(name.to_owned()))),
+            Some(Given::Number(to)) => {
+                let seconds = match given(1)? {
+                    Some(Given::Number(seconds)) => seconds,
+                    _ => 0.0,
+                };
+                let to = if room == "param" { Amount::Value(to) } else { Amount::Share(to) };
+                Ok(Asked::Turn(ParamWish { name: name.to_owned(), to, seconds, hand: Hand::Osc }))
+            }
+            Some(_) => Err(Refused::Unknown),
+        },
+        ("query", None) => Ok(Asked::Tell(Query::All)),
+        ("query", Some("params")) => Ok(Asked::Tell(Query::Params)),
+        ("query", Some("scene")) | ("scene", None) if message.args.is_empty() => {
+            Ok(Asked::Tell(Query::Scene))
+        }
+        ("query", Some("scenes")) => Ok(Asked::Tell(Query::Scenes)),
+        ("query", Some("tempo")) | ("tempo", None) if message.args.is_empty() => {
+            Ok(Asked::Tell(Query::Tempo))
+        }
+        ("query", Some("actions")) => Ok(Asked::Tell(Query::Actions)),
+        ("query", Some(name)) => {
+            let row = row_of(deeds, name).filter(|row| row.takes == crate::deed::Takes::Switch);
+            row.map(|row| Asked::Tell(Query::Switch(row.name))).ok_or(Refused::Unknown)
+        }
+        ("scene", Some(name)) => {
+            let row = row_of(deeds, "scene").ok_or(Refused::Unknown)?;
+            // Pads send what they are pressed with, and again when they are let go.
+            if matches!(given(0)?, Some(Given::Number(number)) if number <= 0.0) {
+                return Ok(Asked::Nothing);
+            }
+            row.wanted(Given::Text(name.to_owned())).map(Asked::Act).ok_or(Refused::Unknown)
+        }
+        (name, None) => {
+            let row = row_of(deeds, name).ok_or(Refused::Unknown)?;
+            let given = given(0)?.unwrap_or_default();
+            let is_let_go = matches!(given, Given::Number(_));
+            match row.wanted(given) {
+                Some(deed) => Ok(Asked::Act(deed)),
+                None if is_let_go => Ok(Asked::Nothing),
+                None => Err(Refused::Unknown),
+            }
+        }
+        _ => Err(Refused::Unknown),
+    }
+}
+
+/// What an argument says.
+fn given(argument: &OscType) -> Result<Given, Refused> {
+    let number =
+        |number: f32| if number.is_finite() { Ok(Given::Number(number)) } else { Err(Refused::NotANumber) };
+    match argument {
+        OscType::Int(value) => number(*value as f32),
+        OscType::Float(value) => number(*value),
+        OscType::Long(value) => number(*value as f32),
+        OscType::Double(value) => number(*value as f32),
+        OscType::Bool(value) => number(f32::from(u8::from(*value))),
+        OscType::Nil => Ok(Given::Nothing),
+        OscType::String(text) if text.len() <= LIMITS.name_bytes_max => Ok(Given::Text(text.clone())),
+        _ => Err(Refused::Unknown),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::deed::Takes;
+
+    const DEEDS: &[DeedRow] = &[
+        DeedRow { name: "next", takes: Takes::Press, meaning: "the next scene" },
+        DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" },
+        DeedRow { name: "scene", takes: Takes::Choice, meaning: "a scene" },
+        DeedRow { name: "tempo", takes: Takes::Number, meaning: "a tempo" },
+    ];
+
+    fn ask(addr: &str, args: &[OscType]) -> Result<Asked, Refused> {
+        understand(&OscMessage { addr: addr.to_owned(), args: args.to_vec() }, DEEDS)
+    }
+
+    fn turn(to: Amount, seconds: f32) -> Result<Asked, Refused> {
+        Ok(Asked::Turn(ParamWish { name: "size".to_owned(), to, seconds, hand: Hand::Osc }))
+    }
+
+    fn act(name: &'static str, given: Given) -> Result<Asked, Refused> {
+        Ok(Asked::Act(Deed { name, given }))
+    }
+
+    #[test]
+    fn parameters_are_turned_by_values_and_shares_of_any_kind_of_number() {
+        use OscType::{Bool, Double, Float, Int, Long};
+        for one in [Float(1.0), Double(1.0), Int(1), Long(1), Bool(true)] {
+            assert_eq!(ask("/param/size", std::slice::from_ref(&one)), turn(Amount::Value(1.0), 0.0));
+            assert_eq!(ask("/share/size", &[one, Float(0.5)]), turn(Amount::Share(1.0), 0.5));
+        }
+        assert_eq!(ask("/param/size", &[]), Ok(Asked::Tell(Query::Param("size".to_owned()))));
+        for rubbish in [Float(f32::NAN), Float(f32::INFINITY), Double(1e300)] {
+            assert_eq!(ask("/param/size", std::slice::from_ref(&rubbish)), Err(Refused::NotANumber));
+            assert_eq!(ask("/param/size", &[Float(1.0), rubbish]), Err(Refused::NotANumber));
+        }
+        assert_eq!(ask("/param/size", &[OscType::String("1".to_owned())]), Err(Refused::Unknown));
+    }
+
+    #[test]
+    fn actions_are_addresses_and_a_button_that_is_let_go_does_nothing() {
+        assert_eq!(ask("/next", &[]), act("next", Given::Nothing));
+        assert_eq!(ask("/next", &[OscType::Float(1.0)]), act("next", Given::Nothing));
+        assert_eq!(ask("/next", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
+        assert_eq!(ask("/pause", &[OscType::Int(0)]), act("pause", Given::Number(0.0)));
+        assert_eq!(ask("/tempo", &[OscType::Float(128.0)]), act("tempo", Given::Number(128.0)));
+        assert_eq!(ask("/scene/orb", &[]), act("scene", Given::Text("orb".to_owned())));
+        assert_eq!(ask("/scene/orb", &[OscType::Float(0.0)]), Ok(Asked::Nothing));
+        assert_eq!(ask("/scene", &[OscType::Int(3)]), act("scene", Given::Number(3.0)));
+        let name = OscType::String("orb".to_owned());
+        assert_eq!(ask("/scene", &[name]), act("scene", Given::Text("orb".to_owned())));
+    }
+
+    #[test]
+    fn questions_are_addresses_without_arguments() {
+        assert_eq!(ask("/scene", &[]), Ok(Asked::Tell(Query::Scene)));
+        assert_eq!(ask("/tempo", &[]), Ok(Asked::Tell(Query::Tempo)));
+        assert_eq!(ask("/query", &[]), Ok(Asked::Tell(Query::All)));
+        assert_eq!(ask("/query/pause", &[]), Ok(Asked::Tell(Query::Switch("pause"))));
+        for (address, ..) in fixed_addresses() {
+            let address = address.replace("SWITCH", "pause");
+            assert!(ask(&address, &[]).is_ok(), "{address}");
+        }
+    }
+
+    #[test]
+    fn what_means_nothing_here_is_refused() {
+        let long = format!("/param/{}", "x".repeat(LIMITS.name_bytes_max));
+        for address in
+            ["", "next", "/", "//", "/nothing", "/next/next", "/query/next", "/param", "/param/", &long]
+        {
+            assert_eq!(ask(address, &[]), Err(Refused::Unknown), "{address}");
+        }
+        let long = OscType::String("x".repeat(LIMITS.name_bytes_max + 1));
+        assert_eq!(ask("/scene", &[long]), Err(Refused::Unknown));
+        assert_eq!(ask("/pause", &[OscType::String("on".to_owned())]), Err(Refused::Unknown));
+    }
+}

@@ -1,0 +1,14 @@
+//! OSC over UDP: what comes in is bounded, understood by one table and put among the wishes; what goes out is what the
+//! show hears.
+
+mod address;
+mod packet;
+mod place;
+mod receiver;
+mod sender;
+
+pub use address::{Asked, FixedAddress, Query, Refused, fixed_addresses, understand};
+pub use packet::messages;
+pub use place::{Place, PlaceError};
+pub use receiver::{OscReceiver, ReceiverState};
+pub use sender::{OscSender, Sample};

@@ -1,0 +1,162 @@
+//! A packet taken apart: bundles within bundles are walked without recursion, and bounded before anything is read.
+
+use rosc::{OscMessage, OscPacket};
+
+use crate::limits::LIMITS;
+
+/// What a bundle begins with.
+const BUNDLE: &[u8] = b"#bundle\0";
+/// Length of what stands before a bundle's first element: its name and a time.
+const BUNDLE_HEAD: usize = 16;
+
+/// The messages of a packet in their order, whatever bundles they are in, and how many pieces of it are rubbish: broken,
+/// nested too deeply, or too many. Times of bundles are not waited for.
+pub fn messages(packet: &[u8]) -> (Vec<OscMessage>, u64) {
+    let (mut found, mut rubbish) = (Vec::new(), 0);
+    // Pieces that are still to be read, the next one last.
+    let mut pieces: Vec<(&[u8], usize)> = vec![(packet, 0)];
+    let mut elements = 0;
+    while let Some((piece, depth)) = pieces.pop() {
+        elements += 1;
+        if elements > LIMITS.osc_elements_max {
+            return (found, rubbish + 1 + pieces.len() as u64);
+        }
+        if !piece.starts_with(BUNDLE) {
+            match message(piece) {
+                Some(message) => found.push(message),
+                None => rubbish += 1,
+            }
+            continue;
+        }
+        let Some(mut rest) = piece.get(BUNDLE_HEAD..).filter(|_| depth < LIMITS.osc_depth_max) else {
+            rubbish += 1;
+            continue;
+        };
+        let first = pieces.len();
+        while !rest.is_empty() {
+            let Some((element, behind)) = element(rest) else {
+                rubbish += 1;
+                break;
+            };
+            if pieces.len() < LIMITS.osc_elements_max {
+                pieces.push((element, depth + 1));
+            } else {
+                rubbish += 1;
+            }
+            rest = behind;
+        }
+        if let Some(new) = pieces.get_mut(first..) {
+            new.reverse();
+        }
+    }
+    (found, rubbish)
+}
+
+/// The first element of a bundle, and what is behind it.
+fn element(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (size, rest) = bytes.split_first_chunk::<4>()?;
+    rest.split_at_checked(u32::from_be_bytes(*size) as usize)
+}
+
+fn message(bytes: &[u8]) -> Option<OscMessage> {
+    // What stands for arguments is bounded before it is read, because lists of them may be nested.
+    let address = bytes.iter().position(|byte| *byte == 0)?;
+    let tags = bytes.get((address / 4 + 1) * 4..)?;
+    let count = tags.iter().take_while(|byte| **byte != 0).count();
+    if count > LIMITS.osc_arguments_max + 1 {
+        return None;
+    }
+    match rosc::decoder::decode_udp(bytes) {
+        Ok((_, OscPacket::Message(message))) => Some(message),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use rosc::{OscBundle, OscTime, OscType, encoder};
+
+    use super::*;
+
+    fn sent(addr: &str) -> OscPacket {
+        OscPacket::Message(OscMessage { addr: addr.to_owned(), args: vec![OscType::Float(0.5)] })
+    }
+
+    fn bundle(content: Vec<OscPacket>) -> OscPacket {
+        OscPacket::Bundle(OscBundle { timetag: OscTime { seconds: 0, fractional: 1 }, content })
+    }
+
+    fn addresses(packet: &OscPacket) -> (Vec<String>, u64) {
+        let (found, rubbish) = messages(&encoder::encode(packet).unwrap());
+        (found.into_iter().map(|message| message.addr).collect(), rubbish)
+    }
+
+    #[test]
+    fn messages_come_in_their_order_through_all_bundles() {
+        let packet = bundle(vec![sent("/a"), bundle(vec![sent("/b"), bundle(vec![sent("/c")])]), sent("/d")]);
+        let wanted = ["/a", "/b", "/c", "/d"].map(str::to_owned).to_vec();
+        assert_eq!(addresses(&packet), (wanted, 0));
+        assert_eq!(addresses(&bundle(Vec::new())), (Vec::new(), 0));
+    }
+
+    #[test]
+    fn bundles_nested_too_deeply_are_left_out_and_those_at_the_limit_are_not() {
+        let nested = |depth| (0..depth).fold(sent("/a"), |inner, _| bundle(vec![inner]));
+        assert_eq!(addresses(&nested(LIMITS.osc_depth_max)).0.len(), 1);
+        assert_eq!(addresses(&nested(LIMITS.osc_depth_max + 1)), (Vec::new(), 1));
+        // As deep as a packet can hold: heads and sizes alone.
+        let deep: Vec<u8> = (0..3_000_u32)
+            .rev()
+            .flat_map(|left| [BUNDLE, &[0; 8], &(left * 20).to_be_bytes()].concat())
+            .collect();
+        assert_eq!(messages(&deep).0, []);
+    }
+
+    #[test]
+    fn more_messages_than_the_limit_are_counted_as_rubbish() {
+        let count = LIMITS.osc_elements_max;
+        let (found, rubbish) = addresses(&bundle(vec![sent("/a"); count + 5]));
+        assert!(found.len() < count && found.len() + rubbish as usize >= count, "{} {rubbish}", found.len());
+    }
+
+    #[test]
+    fn more_arguments_than_the_limit_are_rubbish() {
+        let of = |count| {
+            let args = vec![OscType::Int(1); count];
+            addresses(&OscPacket::Message(OscMessage { addr: "/a".to_owned(), args }))
+        };
+        assert_eq!(of(LIMITS.osc_arguments_max).0.len(), 1);
+        assert_eq!(of(LIMITS.osc_arguments_max + 1), (Vec::new(), 1));
+        // Lists within lists, which take a recursion to be freed.
+        for address in [&b"/a\0\0"[..], b"/,\0\0", b",\0\0\0"] {
+            let tags = [address, b",", &b"[".repeat(30_000), &b"]".repeat(30_000), b"\0\0\0"].concat();
+            assert_eq!(messages(&tags), (Vec::new(), 1));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_bytes_are_too_bad(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
+            let _ = messages(&bytes);
+        }
+
+        /// Sound packets with a few bytes changed come nearer to what is read.
+        #[test]
+        fn damaged_packets_are_read_as_far_as_they_are_whole(
+            places in proptest::collection::vec((0_usize..200, any::<u8>()), 0..6),
+            length in 0_usize..220,
+        ) {
+            let packet = bundle(vec![sent("/param/size"), bundle(vec![sent("/scene/orb")]), sent("/next")]);
+            let mut bytes = encoder::encode(&packet).unwrap();
+            for (place, value) in places {
+                if let Some(byte) = bytes.get_mut(place) {
+                    *byte = value;
+                }
+            }
+            bytes.truncate(length);
+            let (found, _) = messages(&bytes);
+            prop_assert!(found.len() <= LIMITS.osc_elements_max);
+        }
+    }
+}

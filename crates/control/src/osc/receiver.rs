@@ -1,0 +1,327 @@
+//! The thread that hears OSC.
+
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use rosc::{OscMessage, OscPacket, OscType, encoder};
+
+use super::address::{Asked, Query, Refused, understand};
+use super::packet::messages;
+use super::place::Place;
+use crate::deed::DeedRow;
+use crate::limits::LIMITS;
+use crate::{Board, Present, PresentParam, Wishes};
+
+/// How often the thread looks whether it is still wanted.
+const LOOK: Duration = Duration::from_millis(200);
+/// Most bytes of a UDP packet.
+const PACKET_MAX: usize = 65_535;
+
+/// How it stands with hearing.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum ReceiverState {
+    /// The port is being opened.
+    #[default]
+    Opening,
+    /// Messages are heard.
+    Open(SocketAddr),
+    /// Nothing is heard, and why: a sentence.
+    Refused(String),
+}
+
+/// Hears OSC until it is dropped.
+pub struct OscReceiver {
+    state: Arc<Mutex<ReceiverState>>,
+    is_over: Arc<AtomicBool>,
+}
+
+impl OscReceiver {
+    /// Hears at `place` from now on. What is understood, by the table of actions, goes among the wishes; questions are
+    /// answered from the board. `wake` is called when the state has changed.
+    ///
+    /// # Errors
+    /// There is no thread.
+    pub fn start(
+        place: Place,
+        deeds: &'static [DeedRow],
+        wishes: Wishes,
+        board: Board,
+        wake: impl Fn() + Send + 'static,
+    ) -> io::Result<Self> {
+        let (state, is_over) = (Arc::default(), Arc::<AtomicBool>::default());
+        let receiver = Self { state: Arc::clone(&state), is_over: is_over.clone() };
+        std::thread::Builder::new().name("OSC in".into()).spawn(move || {
+            let opened = open(&place);
+            let now = match &opened {
+                Ok((_, address)) => ReceiverState::Open(*address),
+                Err(error) => ReceiverState::Refused(refusal(&place, error)),
+            };
+            *state.lock().unwrap_or_else(PoisonError::into_inner) = now;
+            wake();
+            if let Ok((socket, _)) = opened {
+                let hearing = Hearing { deeds, wishes, board };
+                hearing.go_on(&socket, &is_over);
+            }
+        })?;
+        Ok(receiver)
+    }
+
+    /// How it stands.
+    pub fn state(&self) -> ReceiverState {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Drop for OscReceiver {
+    fn drop(&mut self) {
+        // It is not waited for: it ends by itself.
+        self.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+fn open(place: &Place) -> io::Result<(UdpSocket, SocketAddr)> {
+    let socket = UdpSocket::bind(place.resolve()?)?;
+    socket.set_read_timeout(Some(LOOK))?;
+    let address = socket.local_addr()?;
+    Ok((socket, address))
+}
+
+fn refusal(place: &Place, error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::AddrInUse => {
+            format!(
+                "OSC is not heard: another program has {place}; end it, or choose another port with --osc"
+            )
+        }
+        io::ErrorKind::PermissionDenied => {
+            format!("OSC is not heard: the system gives nobody {place}; choose a port above 1023 with --osc")
+        }
+        io::ErrorKind::AddrNotAvailable | io::ErrorKind::NotFound => {
+            format!("OSC is not heard: {place} is no address of this computer; give --osc one of its own")
+        }
+        _ => format!("OSC is not heard on {place} ({error}); choose another address with --osc"),
+    }
+}
+
+struct Hearing {
+    deeds: &'static [DeedRow],
+    wishes: Wishes,
+    board: Board,
+}
+
+impl Hearing {
+    fn go_on(&self, socket: &UdpSocket, is_over: &AtomicBool) {
+        let mut buffer = vec![0; PACKET_MAX];
+        while !is_over.load(Ordering::Relaxed) {
+            match socket.recv_from(&mut buffer) {
+                Ok((length, from)) => {
+                    for answer in self.hear(buffer.get(..length).unwrap_or_default()) {
+                        send(socket, answer, from);
+                    }
+                }
+                Err(error) if is_patience(&error) => {}
+                // Somebody who asked has gone; or the network has, and comes back.
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
+                Err(error) => {
+                    tracing::debug!("OSC: {error}");
+                    std::thread::sleep(LOOK);
+                }
+            }
+        }
+    }
+
+    /// Takes a packet, and returns what is answered.
+    fn hear(&self, packet: &[u8]) -> Vec<OscMessage> {
+        let (messages, rubbish) = messages(packet);
+        if rubbish > 0 {
+            self.wishes.refuse(|refusals| refusals.rubbish += rubbish);
+        }
+        let mut answers = Vec::new();
+        for message in messages {
+            self.wishes.count();
+            match understand(&message, self.deeds) {
+                Ok(Asked::Turn(wish)) => self.wishes.turn(wish),
+                Ok(Asked::Act(deed)) => self.wishes.act(deed),
+                Ok(Asked::Tell(query)) => {
+                    answers.extend(self.board.read(|present| answers_to(&query, present, self.deeds)));
+                    answers.truncate(LIMITS.osc_answers_max);
+                }
+                Ok(Asked::Nothing) => {}
+                Err(Refused::Unknown) => self.wishes.refuse(|refusals| refusals.unknown += 1),
+                Err(Refused::NotANumber) => self.wishes.refuse(|refusals| refusals.not_numbers += 1),
+            }
+        }
+        answers
+    }
+}
+
+/// Whether nothing came for a while.
+fn is_patience(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
+}
+
+fn send(socket: &UdpSocket, message: OscMessage, to: SocketAddr) {
+    // Nobody waits for an answer that cannot be sent.
+    if let Ok(bytes) = encoder::encode(&OscPacket::Message(message)) {
+        let _ = socket.send_to(&bytes, to);
+    }
+}
+
+fn message(addr: String, args: Vec<OscType>) -> OscMessage {
+    OscMessage { addr, args }
+}
+
+fn answers_to(query: &Query, present: &Present, deeds: &[DeedRow]) -> Vec<OscMessage> {
+    let param = |param: &PresentParam| {
+        let numbers = [param.value, param.min, param.max, param.default].map(OscType::Float);
+        let hand = OscType::String(param.hand.name().to_owned());
+        message(format!("/param/{}", param.name), numbers.into_iter().chain([hand]).collect())
+    };
+    let of_switch =
+        |(name, is_on): &(&str, bool)| message(format!("/{name}"), vec![OscType::Int(i32::from(*is_on))]);
+    match query {
+        Query::Param(name) => present.params.iter().filter(|one| one.name == *name).map(param).collect(),
+        Query::Params => present.params.iter().map(param).collect(),
+        Query::Scene => vec![message("/scene".to_owned(), vec![OscType::String(present.scene.clone())])],
+        Query::Scenes => {
+            let number = |place: usize| OscType::Int(i32::try_from(place + 1).unwrap_or(i32::MAX));
+            let scenes = present.scenes.iter().enumerate();
+            scenes
+                .map(|(place, name)| {
+                    message("/scenes".to_owned(), vec![number(place), OscType::String(name.clone())])
+                })
+                .collect()
+        }
+        Query::Tempo => vec![message("/tempo".to_owned(), vec![OscType::Float(present.tempo)])],
+        Query::Actions => {
+            let texts = |row: &DeedRow| [row.name, row.meaning].map(|text| OscType::String(text.to_owned()));
+            deeds.iter().map(|row| message("/actions".to_owned(), texts(row).to_vec())).collect()
+        }
+        Query::Switch(name) => {
+            present.switches.iter().filter(|(one, _)| one == name).map(of_switch).collect()
+        }
+        Query::All => {
+            let parts = [Query::Scene, Query::Tempo, Query::Params];
+            let parts = parts.iter().flat_map(|part| answers_to(part, present, deeds));
+            parts.chain(present.switches.iter().map(of_switch)).collect()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use super::*;
+    use crate::deed::Takes;
+    use crate::{Amount, Hand};
+
+    const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meaning: "pause" }];
+
+    fn hearing() -> Hearing {
+        let board = Board::default();
+        let param = PresentParam {
+            name: "size".into(),
+            value: 2.0,
+            min: 0.0,
+            max: 4.0,
+            default: 1.0,
+            hand: Hand::Midi,
+        };
+        board.put(Present {
+            scene: "orb".into(),
+            scenes: vec!["city".into(), "orb".into()],
+            params: vec![param],
+            switches: vec![("pause", true)],
+            tempo: 120.0,
+        });
+        Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
+    }
+
+    fn packet(addr: &str, args: Vec<OscType>) -> Vec<u8> {
+        encoder::encode(&OscPacket::Message(message(addr.to_owned(), args))).unwrap()
+    }
+
+    #[test]
+    fn questions_are_answered_from_the_board() {
+        let hearing = hearing();
+        let ask = |addr: &str| hearing.hear(&packet(addr, Vec::new()));
+        let numbers = [2.0, 0.0, 4.0, 1.0].map(OscType::Float);
+        let of_midi = numbers.into_iter().chain([OscType::String("MIDI".into())]).collect();
+        assert_eq!(ask("/param/size"), [message("/param/size".into(), of_midi)]);
+        assert_eq!(ask("/param/none"), []);
+        assert_eq!(ask("/query/pause"), [message("/pause".into(), vec![OscType::Int(1)])]);
+        let names: Vec<String> = ask("/query").into_iter().map(|answer| answer.addr).collect();
+        assert_eq!(names, ["/scene", "/tempo", "/param/size", "/pause"]);
+        assert_eq!(ask("/query/scenes").len(), 2);
+        assert_eq!(ask("/query/actions").len(), 1);
+    }
+
+    #[test]
+    fn questions_cost_no_more_answers_than_the_limit() {
+        let hearing = hearing();
+        hearing
+            .board
+            .put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
+        assert_eq!(hearing.hear(&packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
+    }
+
+    #[test]
+    fn rubbish_is_counted_by_what_is_wrong_with_it_and_the_rest_of_a_packet_counts() {
+        let hearing = hearing();
+        assert_eq!(hearing.hear(b"no OSC at all"), []);
+        hearing.hear(&packet("/nothing", Vec::new()));
+        hearing.hear(&packet("/param/size", vec![OscType::Float(f32::NAN)]));
+        hearing.hear(&packet("/param/size", vec![OscType::Float(3.0)]));
+        let (messages, refusals) = hearing.wishes.counts();
+        assert_eq!((messages, refusals.rubbish, refusals.unknown, refusals.not_numbers), (3, 1, 1, 1));
+        assert_eq!(hearing.wishes.take().params[0].to, Amount::Value(3.0));
+    }
+
+    #[test]
+    fn a_port_that_another_program_has_costs_a_sentence() {
+        let other = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let place: Place = other.local_addr().unwrap().to_string().parse().unwrap();
+        let (told, news) = channel();
+        let started = OscReceiver::start(place, DEEDS, Wishes::new(|| {}), Board::default(), move || {
+            let _ = told.send(());
+        });
+        let receiver = started.unwrap();
+        news.recv().unwrap();
+        let ReceiverState::Refused(why) = receiver.state() else { panic!("{:?}", receiver.state()) };
+        assert!(why.contains("another program has 127.0.0.1:") && why.contains("--osc"), "{why}");
+    }
+
+    #[test]
+    fn packets_come_through_a_real_socket_and_answers_go_back() {
+        let (told, news) = channel();
+        let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let (woken, wakes) = channel();
+        let woken = Mutex::new(woken);
+        let wishes = Wishes::new(move || {
+            let _ = woken.lock().unwrap().send(());
+        });
+        let board = hearing().board;
+        let place = free.to_string().parse().unwrap();
+        let started = OscReceiver::start(place, DEEDS, wishes.clone(), board, move || {
+            let _ = told.send(());
+        });
+        let receiver = started.unwrap();
+        news.recv().unwrap();
+        assert_eq!(receiver.state(), ReceiverState::Open(free));
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        socket.send_to(&packet("/param/size", vec![OscType::Float(3.0)]), free).unwrap();
+        wakes.recv().unwrap();
+        assert_eq!(wishes.take().params[0].name, "size");
+        socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
+        let mut answer = [0; 64];
+        let (length, from) = socket.recv_from(&mut answer).unwrap();
+        assert_eq!(
+            (from, &answer[..length]),
+            (free, &packet("/scene", vec![OscType::String("orb".into())])[..])
+        );
+    }
+}

@@ -1,0 +1,142 @@
+//! The thread that sends what the show hears, at a rate of its own: lights and other programs want it steady.
+
+use std::io;
+use std::net::UdpSocket;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
+
+use super::place::Place;
+
+/// How long it waits before it tries again after a failure.
+const AGAIN: Duration = Duration::from_secs(2);
+/// The time tag that means now.
+const NOW: OscTime = OscTime { seconds: 0, fractional: 1 };
+
+/// What is sent: numbers by their addresses.
+pub type Sample = Vec<(String, Vec<f32>)>;
+
+/// Sends until it is dropped.
+pub struct OscSender {
+    sample: Arc<Mutex<Sample>>,
+    problem: Arc<Mutex<Option<String>>>,
+    is_over: Arc<AtomicBool>,
+}
+
+impl OscSender {
+    /// Sends to `place` from now on, `rate` times a second. `wake` is called when there is a problem to tell.
+    ///
+    /// # Errors
+    /// There is no thread.
+    pub fn start(place: Place, rate: f64, wake: impl Fn() + Send + 'static) -> io::Result<Self> {
+        let sender = Self { sample: Arc::default(), problem: Arc::default(), is_over: Arc::default() };
+        let (sample, problem, is_over) =
+            (sender.sample.clone(), sender.problem.clone(), sender.is_over.clone());
+        let interval = Duration::try_from_secs_f64(1.0 / rate).unwrap_or(Duration::from_millis(33));
+        std::thread::Builder::new().name("OSC out".into()).spawn(move || {
+            while !is_over.load(Ordering::Relaxed) {
+                let Err(error) = send(&place, interval, &sample, &is_over) else { continue };
+                let sentence =
+                    format!("what is heard cannot be sent to {place} ({error}); it is tried again");
+                let mut told = problem.lock().unwrap_or_else(PoisonError::into_inner);
+                if told.is_none() {
+                    *told = Some(sentence);
+                    drop(told);
+                    wake();
+                }
+                std::thread::sleep(AGAIN);
+            }
+        })?;
+        Ok(sender)
+    }
+
+    /// What is sent from now on.
+    pub fn put(&self, sample: Sample) {
+        *self.sample.lock().unwrap_or_else(PoisonError::into_inner) = sample;
+    }
+
+    /// What went wrong, if anything did.
+    pub fn problem(&self) -> Option<String> {
+        self.problem.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
+impl Drop for OscSender {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Sends again and again until it is over.
+fn send(place: &Place, interval: Duration, sample: &Mutex<Sample>, is_over: &AtomicBool) -> io::Result<()> {
+    let to = place.resolve()?;
+    let socket = UdpSocket::bind(if to.is_ipv4() { "0.0.0.0:0" } else { "[::]:0" })?;
+    let mut due = Instant::now();
+    while !is_over.load(Ordering::Relaxed) {
+        let now = Instant::now();
+        // A machine that slept makes up for nothing.
+        due = (due + interval).max(now);
+        std::thread::sleep(due.saturating_duration_since(now));
+        let sample = sample.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        if let Some(bytes) = (!sample.is_empty()).then(|| packet(sample)).flatten() {
+            match socket.send_to(&bytes, to) {
+                // Nobody listens there yet.
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
+                sent => drop(sent?),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// One bundle of all numbers; values that are not numbers are 0.
+fn packet(sample: Sample) -> Option<Vec<u8>> {
+    let argument = |number: f32| OscType::Float(if number.is_finite() { number } else { 0.0 });
+    let message = |(addr, numbers): (String, Vec<f32>)| {
+        OscPacket::Message(OscMessage { addr, args: numbers.into_iter().map(argument).collect() })
+    };
+    let content = sample.into_iter().map(message).collect();
+    encoder::encode(&OscPacket::Bundle(OscBundle { timetag: NOW, content })).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::messages;
+    use super::*;
+
+    #[test]
+    fn what_is_put_arrives_again_and_again() {
+        let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let place = socket.local_addr().unwrap().to_string().parse().unwrap();
+        let sender = OscSender::start(place, 200.0, || {}).unwrap();
+        sender
+            .put(vec![("/sound/bass".to_owned(), vec![0.5]), ("/sound/bands".to_owned(), vec![f32::NAN; 3])]);
+        for _ in 0..3 {
+            let mut buffer = [0; 1_500];
+            let (length, _) = socket.recv_from(&mut buffer).unwrap();
+            let (found, rubbish) = messages(&buffer[..length]);
+            assert_eq!(rubbish, 0);
+            assert_eq!(
+                (found[0].addr.as_str(), &found[0].args[..]),
+                ("/sound/bass", &[OscType::Float(0.5)][..])
+            );
+            assert_eq!(found[1].args, vec![OscType::Float(0.0); 3], "nothing that is no number is sent");
+        }
+        assert_eq!(sender.problem(), None);
+    }
+
+    #[test]
+    fn a_place_that_is_nowhere_is_told_once() {
+        let (told, news) = std::sync::mpsc::channel();
+        let place = "no.such.computer.invalid:9000".parse().unwrap();
+        let sender = OscSender::start(place, 30.0, move || {
+            let _ = told.send(());
+        });
+        let sender = sender.unwrap();
+        news.recv().unwrap();
+        let problem = sender.problem().unwrap_or_default();
+        assert!(problem.contains("no.such.computer.invalid:9000"), "{problem}");
+    }
+}

@@ -1,0 +1,68 @@
+//! What there is to turn and how it stands, for those who ask from other threads.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use serde::Serialize;
+
+use super::Hand;
+
+/// A parameter of the scene on the stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PresentParam {
+    /// Its name.
+    pub name: String,
+    /// Its value now.
+    pub value: f32,
+    /// Least value.
+    pub min: f32,
+    /// Largest value.
+    pub max: f32,
+    /// Its value where nobody turns it.
+    pub default: f32,
+    /// Whose hand turned it last.
+    pub hand: Hand,
+}
+
+/// The show at a moment.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Present {
+    /// The title of the scene on the stage.
+    pub scene: String,
+    /// The titles of all scenes, in the order of their numbers.
+    pub scenes: Vec<String>,
+    /// The parameters of the scene on the stage.
+    pub params: Vec<PresentParam>,
+    /// Switches by the names of their actions, and whether they are on.
+    pub switches: Vec<(&'static str, bool)>,
+    /// Beats per minute; 0 while unknown.
+    pub tempo: f32,
+}
+
+/// Where the show puts up how it stands; copies are the same board.
+#[derive(Debug, Clone, Default)]
+pub struct Board(Arc<Mutex<Present>>);
+
+impl Board {
+    /// Puts up how it stands now.
+    pub fn put(&self, present: Present) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = present;
+    }
+
+    /// Reads the board.
+    pub fn read<T>(&self, read: impl FnOnce(&Present) -> T) -> T {
+        read(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_put_up_is_read_by_everyone() {
+        let board = Board::default();
+        let other = board.clone();
+        board.put(Present { tempo: 120.0, ..Present::default() });
+        assert_eq!(other.read(|present| present.tempo), 120.0);
+    }
+}

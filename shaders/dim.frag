@@ -1,0 +1,13 @@
+// A share of a finished picture's light: brightness and blackout (src/gpu/renderer/dimming.rs).
+
+#include "post_block.glsl"
+#include "encode.glsl"
+
+uniform sampler2D picture;      // finished
+
+layout(location = 0) out vec4 screen;
+
+void main() {
+    vec3 color = texelFetch(picture, ivec2(gl_FragCoord.xy), 0).rgb;
+    screen = vec4(srgb_from_linear(linear_from_srgb(color) * post_target.z), 1.0);
+}

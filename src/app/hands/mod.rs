@@ -1,0 +1,206 @@
+//! Hands from outside: what devices and networks wish for, and what the show tells them.
+//!
+//! Everything that a hand can do stands in one table ([`deeds`]). What hands wish for comes in by [`Wishes`], the newest
+//! value of each parameter; the show takes it once for each picture.
+
+pub(super) mod deeds;
+mod midi;
+mod network;
+pub mod page;
+pub mod panel;
+
+use std::time::{Duration, Instant};
+
+use midi::Midi;
+use network::Network;
+use panel::HandFacts;
+
+use super::overlay::Slider;
+use super::scene_stage::SceneStage;
+use super::window_thread::Waker;
+use crate::config::{HandSettings, KnobEdit};
+use crate::scenes::SceneSource;
+use mariana_control::midi::{ClockReading, KnobMove, Outcome, Target};
+use mariana_control::{Board, Heard, Present, PresentParam, Wishes};
+use mariana_music::{Features, SongMoment};
+
+/// How often wishes are taken at most: a flood must not keep the show from drawing.
+const INTERVAL: Duration = Duration::from_millis(4);
+/// How old what is put up for others gets at most while the show is awake.
+const BOARD_AGE: Duration = Duration::from_millis(40);
+/// The same of the panel.
+const PANEL_AGE: Duration = Duration::from_millis(100);
+
+/// See the module.
+pub(super) struct Hands {
+    wishes: Wishes,
+    board: Board,
+    network: Network,
+    midi: Midi,
+    /// When wishes may be taken again.
+    free: Instant,
+    /// When the board is put up again.
+    board_due: Instant,
+    /// When the panel is brought up to date again, and what it knew of mappings.
+    panel_due: Instant,
+    panel_revision: u64,
+    /// The titles of all scenes, as they were when this scene came on.
+    scenes: (String, Vec<String>),
+}
+
+impl Hands {
+    /// Hands that wake the show when they wish for something.
+    pub(super) fn start(settings: &HandSettings, waker: &Waker) -> Self {
+        let of_wishes = waker.clone();
+        let wishes = Wishes::new(move || of_wishes.wake());
+        let board = Board::default();
+        let network = Network::start(settings, &wishes, &board, waker);
+        let midi = Midi::start(settings, &wishes, waker);
+        let now = Instant::now();
+        Self {
+            wishes,
+            board,
+            network,
+            midi,
+            free: now,
+            board_due: now,
+            panel_due: now,
+            panel_revision: u64::MAX,
+            scenes: Default::default(),
+        }
+    }
+
+    /// What is new of devices and networks: a sentence, and whether it is bad news.
+    pub(super) fn news(&mut self) -> Option<(String, bool)> {
+        self.network.news().or_else(|| self.midi.news())
+    }
+
+    /// What is heard now, for those outside.
+    pub(super) fn note_sound(&mut self, features: &Features, song: &SongMoment, now: Instant) {
+        self.network.note_sound(features, song, now);
+    }
+
+    /// Whether the board is to be put up now; `turned` if something was turned or done.
+    pub(super) fn board_is_due(&mut self, turned: bool, now: Instant) -> bool {
+        let is_due = self.network.is_asked() && (turned || now >= self.board_due);
+        if is_due {
+            self.board_due = now + BOARD_AGE;
+        }
+        is_due
+    }
+
+    /// Puts up how the show stands. `titles` are those of all scenes, which are asked for when another scene is on.
+    pub(super) fn put_up(
+        &mut self,
+        scene: String,
+        sliders: &[Slider],
+        (switches, tempo): (Vec<(&'static str, bool)>, f32),
+        titles: impl FnOnce() -> Vec<String>,
+    ) {
+        if self.scenes.0 != scene || self.scenes.1.is_empty() {
+            self.scenes = (scene.clone(), titles());
+        }
+        let param = |slider: &Slider| PresentParam {
+            name: slider.name.clone(),
+            value: slider.value,
+            min: slider.min,
+            max: slider.max,
+            default: slider.default,
+            hand: slider.hand,
+        };
+        let params = sliders.iter().map(param).collect();
+        self.board.put(Present { scene, scenes: self.scenes.1.clone(), params, switches, tempo });
+    }
+
+    /// What was wished for, if it is time to look.
+    pub(super) fn take(&mut self, now: Instant) -> Option<Heard> {
+        if now < self.free || !self.wishes.has_any() {
+            return None;
+        }
+        self.free = now + INTERVAL;
+        Some(self.wishes.take())
+    }
+
+    /// What follows from knobs that moved, and what was learned by them, in words.
+    pub(super) fn take_knobs(
+        &mut self,
+        knobs: &[KnobMove],
+        scene: &SceneStage,
+    ) -> (Vec<Outcome>, Option<String>) {
+        (self.midi.take(knobs, scene), self.midi.finish_learning())
+    }
+
+    /// The parameter of a scene that a knob is being learned for.
+    pub(super) fn learning_param(&self, scene: Option<&SceneSource>) -> Option<&str> {
+        match self.midi.learning()? {
+            Target::Param { scene: of, name } if scene.is_some_and(|scene| scene.title() == *of) => {
+                Some(name)
+            }
+            Target::Param { .. } | Target::Deed { .. } => None,
+        }
+    }
+
+    /// Learns what turns something, or stops learning it.
+    pub(super) fn learn(&mut self, target: Target) {
+        self.midi.learn(target);
+    }
+
+    /// Stops learning. Returns whether something was being learned.
+    pub(super) fn stop_learning(&mut self) -> bool {
+        self.midi.stop_learning()
+    }
+
+    /// Changes what is mapped.
+    pub(super) fn edit(&mut self, edit: &KnobEdit) {
+        self.midi.edit(edit);
+    }
+
+    /// Whether MIDI is heard at all, or why not, as the end of a sentence.
+    pub(super) fn midi_trouble(&self) -> Option<String> {
+        match self.midi.state() {
+            None => Some("it is off (--midi off)".to_owned()),
+            Some(state) => state.trouble,
+        }
+    }
+
+    /// What the panel shows, of a scene with these sliders.
+    pub(super) fn facts<'a>(&'a self, scene: String, sliders: &'a [Slider]) -> HandFacts<'a> {
+        let (messages, refusals) = self.wishes.counts();
+        HandFacts {
+            scene,
+            sliders,
+            osc: self.network.state(),
+            midi: self.midi.state(),
+            clock: self.midi.follows_clock(),
+            clock_tempo: self.midi.clock().map(|(reading, _)| reading.tempo),
+            counts: (messages, refusals.count()),
+            mappings: self.midi.mappings(),
+            learning: self.midi.learning(),
+        }
+    }
+
+    /// Whether the panel is to be brought up to date: something was changed, or it is a while since.
+    pub(super) fn panel_is_due(&mut self, now: Instant) -> bool {
+        let is_due = now >= self.panel_due || self.midi.revision() != self.panel_revision;
+        if is_due {
+            (self.panel_due, self.panel_revision) = (now + PANEL_AGE, self.midi.revision());
+        }
+        is_due
+    }
+
+    /// What a device's clock says, and the clock's seconds now; none without one.
+    pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
+        self.midi.clock()
+    }
+
+    /// When there is something to do for hands.
+    pub(super) fn due(&self) -> Option<Instant> {
+        let wishes = self.wishes.has_any().then_some(self.free);
+        wishes.into_iter().chain(self.network.sample_due()).chain(self.midi.due()).min()
+    }
+
+    /// Counts what nothing here is meant by.
+    pub(super) fn note_unknown(&self) {
+        self.wishes.refuse(|refusals| refusals.unknown += 1);
+    }
+}

@@ -1,0 +1,124 @@
+//! What is done to every picture alike, whatever shows: brightness, blackout, and holding the last picture.
+
+use std::time::{Duration, Instant};
+
+/// See the module.
+#[derive(Debug, Clone)]
+pub(super) struct Masters {
+    /// 0..1 of the light.
+    brightness: f32,
+    /// How long a blackout takes to come and to go, and a picture that was held to give way.
+    fade: Duration,
+    is_black: bool,
+    /// How much light the blackout leaves, 0..1, and when that was so.
+    light: (f32, Option<Instant>),
+    is_frozen: bool,
+}
+
+impl Masters {
+    /// Everything shows, by a brightness of 0..1; what is changed takes `fade` seconds.
+    pub(super) fn new(brightness: f32, fade: f64) -> Self {
+        let mut masters = Self {
+            brightness: 1.0,
+            fade: Duration::ZERO,
+            is_black: false,
+            light: (1.0, None),
+            is_frozen: false,
+        };
+        masters.set_brightness(brightness);
+        masters.set_fade(fade);
+        masters
+    }
+
+    /// From now on pictures have this share of their light, 0..1.
+    pub(super) fn set_brightness(&mut self, brightness: f32) {
+        if brightness.is_finite() {
+            self.brightness = brightness.clamp(0.0, 1.0);
+        }
+    }
+
+    /// From now on a change takes this many seconds.
+    pub(super) fn set_fade(&mut self, seconds: f64) {
+        self.fade = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+    }
+
+    /// How long a change takes, in seconds.
+    pub(super) fn fade_seconds(&self) -> f64 {
+        self.fade.as_secs_f64()
+    }
+
+    /// Begins a blackout, or ends it. Returns whether it will be black.
+    pub(super) fn toggle_blackout(&mut self, now: Instant) -> bool {
+        // What has changed until now changed in the other direction.
+        self.light = (self.light_at(now), Some(now));
+        self.is_black = !self.is_black;
+        self.is_black
+    }
+
+    /// Holds the picture that shows, or lets it go. Returns whether it is held.
+    pub(super) fn toggle_freeze(&mut self) -> bool {
+        self.is_frozen = !self.is_frozen;
+        self.is_frozen
+    }
+
+    /// Whether the picture is held.
+    pub(super) fn is_frozen(&self) -> bool {
+        self.is_frozen
+    }
+
+    /// How much of its light a picture has that is shown at `now`, 0..1. A fade is even in light, not in the numbers of
+    /// the screen.
+    pub(super) fn gain(&self, now: Instant) -> f32 {
+        self.brightness * self.light_at(now)
+    }
+
+    fn light_at(&self, now: Instant) -> f32 {
+        let (light, since) = self.light;
+        let aim = if self.is_black { 0.0 } else { 1.0 };
+        let Some(since) = since else { return aim };
+        let passed = now.saturating_duration_since(since).as_secs_f32();
+        match self.fade.as_secs_f32() {
+            fade if passed >= fade => aim,
+            fade if self.is_black => (light - passed / fade).max(aim),
+            fade => (light + passed / fade).min(aim),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blackout_fades_in_and_out_and_turns_round_where_it_is() {
+        let start = Instant::now();
+        let at = |ms| start + Duration::from_millis(ms);
+        let mut masters = Masters::new(0.5, 1.0);
+        assert_eq!(masters.gain(at(0)), 0.5);
+        assert!(masters.toggle_blackout(at(0)));
+        assert_eq!([0, 500, 1_000, 9_000].map(|ms| masters.gain(at(ms))), [0.5, 0.25, 0.0, 0.0]);
+        assert!(!masters.toggle_blackout(at(9_000)));
+        assert_eq!([9_000, 9_750, 10_000].map(|ms| masters.gain(at(ms))), [0.0, 0.375, 0.5]);
+        // Not before it was complete.
+        masters.toggle_blackout(at(20_000));
+        masters.toggle_blackout(at(20_400));
+        assert!((masters.gain(at(20_600)) - 0.4).abs() < 1e-6);
+        assert_eq!(masters.gain(at(21_500)), 0.5);
+    }
+
+    #[test]
+    fn without_a_fade_it_cuts_and_nonsense_changes_no_brightness() {
+        let now = Instant::now();
+        let mut masters = Masters::new(1.0, 0.0);
+        masters.toggle_blackout(now);
+        assert_eq!(masters.gain(now), 0.0);
+        masters.toggle_blackout(now);
+        assert_eq!(masters.gain(now), 1.0);
+        for (brightness, kept) in [(f32::NAN, 1.0), (-3.0, 0.0), (7.0, 1.0)] {
+            masters.set_brightness(brightness);
+            assert_eq!(masters.gain(now), kept);
+        }
+        masters.set_fade(f64::NAN);
+        assert_eq!(masters.fade_seconds(), 0.0);
+    }
+}

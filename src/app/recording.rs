@@ -1,0 +1,205 @@
+//! Records what hands do to the pictures of a song, as a show that does it again.
+//!
+//! What is written down is what showed, whoever wanted it so. Each track has a file of its own; it is written again every
+//! few seconds, so that a crash costs no more than those.
+
+use std::time::{Duration, Instant};
+
+use super::direction::OfTrack;
+use crate::config::PerformanceFiles;
+use crate::frame::orbit_controls::OrbitControls;
+use crate::scenes::SceneSource;
+use crate::show::{Entrance, OnStage, Performance, print};
+use mariana_field::lang::Way;
+
+/// How often a performance is written while it goes on.
+const KEPT_EVERY: Duration = Duration::from_secs(10);
+
+/// What the stage shows at a moment.
+pub(super) struct Performed {
+    /// What it comes from.
+    pub source: SceneSource,
+    /// What shows call it.
+    pub scene: String,
+    /// One of its cameras.
+    pub camera: Option<String>,
+    /// How it came and when that began, in seconds of the song, where a show says so.
+    pub directed: Option<(Entrance, f64)>,
+    /// How many seconds a change takes that no show makes.
+    pub fade: f64,
+    /// Its parameters with their values and those of its text.
+    pub params: Vec<(String, f32, f32)>,
+    /// How the camera is moved by hand.
+    pub hand: OrbitControls,
+}
+
+/// A performance that goes on.
+struct Take {
+    number: u64,
+    track: OfTrack,
+    title: String,
+    performance: Performance,
+    kept: Instant,
+    /// What was on in the last picture, and since when.
+    shown: Option<(SceneSource, f64)>,
+    /// Whether it was told that there is no more room.
+    told_full: bool,
+}
+
+/// See the module.
+pub(super) struct Recording {
+    files: PerformanceFiles,
+    take: Option<Take>,
+    is_on: bool,
+    /// How many performances there were.
+    count: u64,
+    /// Whether the next file that is kept is to be told.
+    tells: bool,
+}
+
+impl Recording {
+    /// Nothing is recorded yet.
+    pub(super) fn new(files: PerformanceFiles) -> Self {
+        Self { files, take: None, is_on: false, count: 0, tells: false }
+    }
+
+    /// Whether what shows is recorded.
+    pub(super) fn is_on(&self) -> bool {
+        self.is_on
+    }
+
+    /// Begins, or ends and keeps what was recorded. Returns whether it begins.
+    pub(super) fn toggle(&mut self, now: Instant) -> bool {
+        self.is_on = !self.is_on;
+        if !self.is_on {
+            self.finish(now);
+        }
+        self.is_on
+    }
+
+    /// Keeps what was recorded.
+    pub(super) fn finish(&mut self, now: Instant) {
+        let Some(mut take) = self.take.take() else { return };
+        self.tells = true;
+        keep(&self.files, &mut take, now);
+    }
+
+    /// Notes a picture of a track at `time` seconds. Returns what is to be said about it.
+    pub(super) fn note(
+        &mut self,
+        (track, title): (OfTrack, &str),
+        time: f64,
+        seen: &Performed,
+        now: Instant,
+    ) -> Option<&'static str> {
+        if !self.is_on || track.is_none() {
+            return None;
+        }
+        if self.take.as_ref().is_some_and(|take| take.track != track) {
+            self.finish(now);
+        }
+        let count = &mut self.count;
+        let take = self.take.get_or_insert_with(|| {
+            *count += 1;
+            let (title, performance) = (title.to_owned(), Performance::default());
+            Take { number: *count, track, title, performance, kept: now, shown: None, told_full: false }
+        });
+        take.note(time, seen);
+        if now.saturating_duration_since(take.kept) >= KEPT_EVERY {
+            keep(&self.files, take, now);
+        }
+        let is_news = take.performance.is_full() && !std::mem::replace(&mut take.told_full, true);
+        is_news.then_some("the performance is longer than a show may be: what comes now is not recorded")
+    }
+
+    /// What became of a file, to be said.
+    pub(super) fn news(&mut self) -> Option<String> {
+        let kept = self.files.poll()?;
+        match kept {
+            Ok(path) if self.tells => {
+                self.tells = false;
+                Some(format!(
+                    "recorded: {}; `mariana video SONG --show` and that file renders it",
+                    path.display()
+                ))
+            }
+            Ok(_) => None,
+            Err(error) => Some(format!("{error}: the performance is not kept; make room for it")),
+        }
+    }
+}
+
+impl Take {
+    fn note(&mut self, time: f64, seen: &Performed) {
+        let since = match &self.shown {
+            Some((source, since)) if *source == seen.source && *since <= time => *since,
+            _ => time,
+        };
+        let is_first = self.shown.is_none();
+        self.shown = Some((seen.source.clone(), since));
+        let own = match seen.fade > 0.0 && !is_first {
+            true => Entrance::new(Way::Fade, seen.fade),
+            false => Entrance::CUT,
+        };
+        let (entrance, start) = seen.directed.unwrap_or((own, since));
+        let params = seen.params.iter().map(|(name, value, own)| (name.as_str(), *value, *own));
+        let (scene, camera, params) = (seen.scene.as_str(), seen.camera.as_deref(), params.collect());
+        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, hand: seen.hand });
+    }
+}
+
+fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
+    take.kept = now;
+    if take.performance.is_empty() {
+        return;
+    }
+    let comments = [
+        format!("What was played to {}.", take.title),
+        "`mariana video SONG --show` and this file renders it.".to_owned(),
+    ];
+    if !files.keep(take.number, &take.title, print(&take.performance.script(), &comments)) {
+        tracing::warn!("there is no folder for performances");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(scene: &str, directed: Option<(Entrance, f64)>) -> Performed {
+        Performed {
+            source: SceneSource::Shipped(scene.to_owned()),
+            scene: scene.to_owned(),
+            camera: None,
+            directed,
+            fade: 0.5,
+            params: Vec::new(),
+            hand: OrbitControls::OFF,
+        }
+    }
+
+    #[test]
+    fn each_track_has_its_file_with_what_was_on_and_how_it_came() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
+        let now = Instant::now();
+        recording.note((Some(0), "one"), 1.0, &seen("orb", None), now);
+        assert!(recording.take.is_none(), "nobody asked for it");
+        assert!(recording.toggle(now));
+        for (time, scene) in [(2.0, "orb"), (3.0, "orb"), (4.0, "city"), (5.0, "city")] {
+            recording.note((Some(0), "one"), time, &seen(scene, None), now);
+        }
+        let melt = (Entrance::new(Way::Melt, 2.0), 0.5);
+        recording.note((Some(1), "two"), 1.5, &seen("heart", Some(melt)), now);
+        recording.note((None, "an input"), 9.0, &seen("city", None), now);
+        assert!(!recording.toggle(now));
+        drop(recording);
+        let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+        assert!(
+            text("one.show").ends_with("at 0:02  orb  cut\nat 0:04  city  fade over 0.5 s\n"),
+            "{}",
+            text("one.show")
+        );
+        assert!(text("two.show").ends_with("\nat 0:00.5  heart  melt over 2 s\n"), "{}", text("two.show"));
+    }
+}

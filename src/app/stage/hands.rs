@@ -1,0 +1,201 @@
+//! What hands from outside do on the stage.
+
+use std::time::Instant;
+
+use super::Stage;
+use crate::app::hands::deeds;
+use crate::app::hands::panel::HandsRequest;
+use crate::app::keys::Action;
+use crate::app::overlay::Panel;
+use crate::config::KnobEdit;
+use crate::export::print::tell;
+use crate::scenes::SceneSource;
+use mariana_control::Heard;
+use mariana_control::deed::{Deed, Given};
+use mariana_control::midi::{Outcome, Target};
+
+impl Stage {
+    /// Turns what hands wish to turn, and returns what they wish to be done.
+    pub(in crate::app) fn take_wishes(&mut self) -> Vec<Deed> {
+        if let Some((sentence, is_bad)) = self.hands.news() {
+            tell(&sentence);
+            if is_bad {
+                self.reports.say(sentence);
+            }
+        }
+        let now = Instant::now();
+        let heard = self.hands.take(now);
+        let is_turned = heard.is_some();
+        let Heard { params, mut deeds, knobs } = heard.unwrap_or_default();
+        for wish in &params {
+            if !self.scene.turn(wish) {
+                self.hands.note_unknown();
+            }
+        }
+        let (outcomes, learned) = self.hands.take_knobs(&knobs, &self.scene);
+        for outcome in outcomes {
+            match outcome {
+                Outcome::Turn(wish) => drop(self.scene.turn(&wish)),
+                Outcome::Act(deed) => deeds.push(deed),
+                Outcome::Waits { name, leads_to, stands } => {
+                    let way = if leads_to < stands { "up" } else { "down" };
+                    let words = format!("{name}: turn {way} to {:.0} %", 100.0 * stands);
+                    self.reports.answer_share(words, Some(leads_to));
+                }
+            }
+        }
+        self.answer(learned);
+        self.listening.set_clock(self.hands.clock());
+        self.put_up_board(is_turned, now);
+        deeds
+    }
+
+    /// Puts up how the show stands for those who ask, if it is time.
+    fn put_up_board(&mut self, turned: bool, now: Instant) {
+        if !self.hands.board_is_due(turned, now) {
+            return;
+        }
+        let switches = deeds::switches(self);
+        let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
+        let scene = self.scene.name().unwrap_or_default();
+        let titles = || self.scene.all_sources().iter().map(SceneSource::title).collect();
+        self.hands.put_up(scene, self.scene.sliders(), (switches, tempo), titles);
+    }
+
+    /// Does what a hand wishes for, as far as it is no key's; else returns what that key does, if there is something to
+    /// do.
+    pub(in crate::app) fn obey_deed(&mut self, deed: &Deed) -> Option<Action> {
+        match deeds::does(deed.name)? {
+            deeds::Does::Key(action) => Some(action),
+            deeds::Does::Switch { action, is_on } => {
+                let wanted = match deed.given {
+                    Given::Number(number) => Some(number >= 0.5),
+                    _ => None,
+                };
+                let is_so = wanted.is_some() && wanted == Some(is_on(self));
+                (!is_so).then_some(action)
+            }
+            deeds::Does::Set(set) => {
+                set(self, &deed.given);
+                None
+            }
+        }
+    }
+
+    /// When there is something to do for hands.
+    pub(in crate::app) fn hands_due(&self) -> Option<Instant> {
+        self.hands.due()
+    }
+
+    /// Whether the user wants a pause.
+    pub(in crate::app) fn is_paused(&self) -> bool {
+        self.listening.is_paused()
+    }
+
+    /// Whether the song is muted.
+    pub(in crate::app) fn is_muted(&mut self) -> bool {
+        self.listening.with_song(|player| player.status().muted).unwrap_or_default()
+    }
+
+    /// Whether scenes follow the song.
+    pub(in crate::app) fn follows(&self) -> bool {
+        self.direction.follows(self.listening.listed())
+    }
+
+    /// Goes to a scene by its title, or by its number in the list from 1.
+    pub(in crate::app) fn show_scene_named(&mut self, given: &Given) {
+        let scenes = self.scene.all_sources();
+        let found = match given {
+            Given::Text(name) => scenes.into_iter().find(|scene| scene.title() == *name),
+            Given::Number(number) => {
+                // A number beyond the list is in no list.
+                let place = (number.round() as usize).checked_sub(1);
+                place.and_then(|place| scenes.into_iter().nth(place))
+            }
+            Given::Nothing => None,
+        };
+        match (found, given) {
+            (Some(scene), _) => self.scene.show_source(scene),
+            (None, Given::Text(name)) => self.reports.answer(format!("there is no scene '{name}'")),
+            (None, Given::Number(number)) => self.reports.answer(format!("there is no scene {number}")),
+            (None, Given::Nothing) => {}
+        }
+    }
+
+    /// Sets the tempo, or gives it back to what is heard.
+    pub(in crate::app) fn set_tempo(&mut self, given: &Given) {
+        let tempo = match given {
+            Given::Number(tempo) => Some(f64::from(*tempo)),
+            _ => None,
+        };
+        let words = self.listening.set_tempo(tempo);
+        self.answer(words);
+    }
+
+    /// Goes to a share of the track, 0..1.
+    pub(in crate::app) fn seek_to_share(&mut self, given: &Given) {
+        let Given::Number(share) = *given else { return };
+        self.with_song(|player| {
+            if let Some(duration) = player.status().track.duration {
+                player.seek_to(f64::from(share) * duration);
+            }
+        });
+        self.answer_position();
+    }
+
+    /// Sets the volume, 0..1.
+    pub(in crate::app) fn set_volume(&mut self, given: &Given) {
+        let Given::Number(volume) = *given else { return };
+        self.change_volume(|player| player.set_volume(volume));
+    }
+
+    /// Opens the panel of knobs from outside, or closes it; then nothing is learned any more.
+    pub(super) fn show_hands(&mut self, open: bool) {
+        if open {
+            self.desk.hands.get_or_insert_default();
+            self.put_up_hands();
+        } else if self.desk.hands.take().is_some() {
+            self.hands.stop_learning();
+        }
+    }
+
+    /// Brings the panel up to date, if it is open.
+    pub(super) fn update_hands(&mut self) {
+        if self.desk.hands.is_some() && self.hands.panel_is_due(Instant::now()) {
+            self.put_up_hands();
+        }
+    }
+
+    fn put_up_hands(&mut self) {
+        if let Some(panel) = &mut self.desk.hands {
+            let scene = self.scene.name().unwrap_or_default();
+            panel.update(&self.hands.facts(scene, self.scene.sliders()));
+        }
+    }
+
+    /// Does what was asked of the panel.
+    pub(super) fn obey_in_hands(&mut self, request: HandsRequest) {
+        match request {
+            HandsRequest::Learn(target) => self.learn(target),
+            HandsRequest::Change(before, after) => self.hands.edit(&KnobEdit::Change(before, after)),
+            HandsRequest::Remove(mapping) => self.hands.edit(&KnobEdit::Remove(mapping)),
+            HandsRequest::Clock(on) => self.hands.edit(&KnobEdit::Clock(on)),
+            HandsRequest::Close => return self.toggle_panel(Panel::Hands),
+        }
+        self.update_hands();
+    }
+
+    /// Learns what turns a parameter of the scene on the stage, or stops.
+    pub(super) fn learn_param(&mut self, name: String) {
+        let scene = self.scene.name().unwrap_or_default();
+        self.learn(Target::Param { scene, name });
+        self.update_hands();
+    }
+
+    fn learn(&mut self, target: Target) {
+        if let Some(why) = self.hands.midi_trouble() {
+            return self.reports.answer(format!("no knob can be learned, because there is no MIDI: {why}"));
+        }
+        self.hands.learn(target);
+    }
+}

@@ -1,0 +1,24 @@
+//! Hands the picture that shows to other programs.
+
+use std::time::Instant;
+
+use super::Stage;
+use crate::app::error::AppError;
+use crate::export::print::tell;
+
+impl Stage {
+    /// Sends what is to be sent. Returns when to look again, if that is before anything else happens.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn send(&mut self, now: Instant) -> Result<Option<Instant>, AppError> {
+        for sentence in self.feeds.news() {
+            tell(&sentence);
+            self.reports.say(sentence);
+        }
+        if self.pace.shown().is_none() {
+            return Ok(None);
+        }
+        Ok(self.feeds.go_on(self.window.gl(), &mut self.renderer, now)?)
+    }
+}

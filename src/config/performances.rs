@@ -1,0 +1,136 @@
+//! Performances are kept as show files of the user's, by a thread of their own: a disk may be slow.
+
+use std::collections::HashMap;
+use std::fs::create_dir_all;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+
+use directories::ProjectDirs;
+
+use crate::atomic_file::{AtomicFile, Unwritable};
+
+/// Longest name of a file, in characters, without what is added to it.
+const NAME_MAX: usize = 80;
+
+/// What became of a performance.
+pub type Kept = Result<PathBuf, Unwritable>;
+
+/// See the module.
+pub struct PerformanceFiles {
+    jobs: Option<Sender<Job>>,
+    kept: Receiver<Kept>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// A performance to be written: again, if there is one of that number.
+struct Job {
+    number: u64,
+    title: String,
+    text: String,
+}
+
+impl PerformanceFiles {
+    /// The user's folder of performances.
+    pub fn of_user() -> Self {
+        Self::in_folder(
+            ProjectDirs::from("", "", "mariana").map(|places| places.data_dir().join("performances")),
+        )
+    }
+
+    /// The same for another folder; without one nothing is kept.
+    pub fn in_folder(folder: Option<PathBuf>) -> Self {
+        let (jobs, inbox) = channel::<Job>();
+        let (told, kept) = channel();
+        let work = move |folder: PathBuf| {
+            let mut paths = HashMap::new();
+            for Job { number, title, text } in inbox {
+                let path = paths.entry(number).or_insert_with(|| free_path(&folder, &title));
+                let _ = told.send(write(path, &text));
+            }
+        };
+        let start = |folder| {
+            std::thread::Builder::new().name("performances".to_owned()).spawn(move || work(folder)).ok()
+        };
+        let thread = folder.and_then(start);
+        Self { jobs: thread.is_some().then_some(jobs), kept, thread }
+    }
+
+    /// Writes a performance to music of this title. One that was written before under the same number is replaced.
+    /// Returns whether there is anywhere to write it.
+    pub fn keep(&self, number: u64, title: &str, text: String) -> bool {
+        let job = Job { number, title: title.to_owned(), text };
+        self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok())
+    }
+
+    /// What became of one that was to be written.
+    pub fn poll(&self) -> Option<Kept> {
+        self.kept.try_recv().ok()
+    }
+}
+
+impl Drop for PerformanceFiles {
+    /// Nothing is lost that was to be written.
+    fn drop(&mut self) {
+        self.jobs = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// A file of that title that is not there yet.
+fn free_path(folder: &Path, title: &str) -> PathBuf {
+    let plain = |c: char| if c.is_alphanumeric() || " -_.()&'".contains(c) { c } else { '_' };
+    let name: String = title.trim().trim_start_matches('.').chars().map(plain).take(NAME_MAX).collect();
+    let name = if name.is_empty() { "performance".to_owned() } else { name };
+    let named = |number: u32| match number {
+        1 => folder.join(format!("{name}.show")),
+        _ => folder.join(format!("{name} {number}.show")),
+    };
+    (1..100_000).map(named).find(|path| !path.exists()).unwrap_or_else(|| named(1))
+}
+
+fn write(path: &Path, text: &str) -> Kept {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    create_dir_all(folder)
+        .map_err(|error| Unwritable { path: folder.to_owned(), reason: error.to_string() })?;
+    AtomicFile::create(path)?.write(text.as_bytes())?;
+    Ok(path.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn performances_have_names_of_their_own_and_grow_in_their_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("data/performances");
+        for (first, name) in [("one", "AC_DC_ Live.show"), ("other", "AC_DC_ Live 2.show")] {
+            let files = PerformanceFiles::in_folder(Some(place.clone()));
+            assert!(files.keep(7, "AC/DC: Live", first.to_owned()));
+            assert!(files.keep(7, "AC/DC: Live", format!("{first}, longer")));
+            drop(files);
+            assert_eq!(std::fs::read_to_string(place.join(name)).unwrap(), format!("{first}, longer"));
+        }
+        let files = PerformanceFiles::in_folder(Some(place.clone()));
+        files.keep(1, "../..", "nowhere else".to_owned());
+        files.keep(2, "", "nameless".to_owned());
+        drop(files);
+        assert_eq!(std::fs::read_dir(&place).unwrap().count(), 4, "each in that folder");
+        assert_eq!(std::fs::read_to_string(place.join("performance.show")).unwrap(), "nameless");
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("a file");
+        std::fs::write(&place, "where the folder should be").unwrap();
+        let files = PerformanceFiles::in_folder(Some(place.clone()));
+        assert!(files.keep(1, "song", "at start orb".to_owned()));
+        let told = files.kept.recv().unwrap().unwrap_err().to_string();
+        assert!(told.contains("a file"), "{told}");
+        assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new()));
+    }
+}

@@ -1,0 +1,299 @@
+//! MJPEG over HTTP on the loopback interface: each picture is a part of an answer that never ends
+//! (`multipart/x-mixed-replace`), as OBS, browsers and players read it.
+//!
+//! A picture becomes a JPEG once, and only while somebody reads. Each reader has a thread that always writes the newest
+//! one. Nothing but this is answered, and nobody beyond the machine is.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use super::newest::{Newest, Picture};
+use super::{SendError, SendWish};
+use crate::limits::LIMITS;
+
+/// What separates parts.
+const BOUNDARY: &str = "mariana-picture";
+/// Quality of the JPEGs, of 100.
+const QUALITY: u8 = 90;
+/// How long a reader may take for its question.
+const QUESTION_TIME: Duration = Duration::from_secs(5);
+/// A reader that takes nothing of a picture for this long is left.
+const ANSWER_TIME: Duration = Duration::from_secs(30);
+
+/// Starts to answer on a port.
+///
+/// # Errors
+/// Another program has it, or the system gives no thread.
+pub(super) fn start(port: u16, newest: Arc<Newest>) -> Result<(), SendError> {
+    let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| SendError::Refused {
+        to: SendWish::Mjpeg(port).to_string(),
+        reason: format!("{error}: choose another port"),
+    })?;
+    let accept = move || accept(&listener, &newest);
+    std::thread::Builder::new().name("sending".into()).spawn(accept).map(drop).map_err(SendError::Thread)
+}
+
+/// What the readers share.
+#[derive(Default)]
+struct Readers {
+    count: AtomicUsize,
+    /// The newest JPEG, with the number of its picture.
+    jpeg: Mutex<(u64, Arc<Vec<u8>>)>,
+}
+
+fn accept(listener: &TcpListener, newest: &Arc<Newest>) {
+    let readers = Arc::new(Readers::default());
+    for stream in listener.incoming() {
+        if newest.is_over() {
+            return;
+        }
+        let Ok(stream) = stream else { continue };
+        // Counted here, so that no more threads are started than there may be readers.
+        if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
+            readers.count.fetch_sub(1, Ordering::AcqRel);
+            refuse(stream, "503 Service Unavailable", "too many programs read this already: close one");
+            continue;
+        }
+        let place = Place(readers.clone());
+        let newest = newest.clone();
+        let serve = move || serve(stream, &newest, &place.0);
+        if let Err(error) = std::thread::Builder::new().name("sending".into()).spawn(serve) {
+            tracing::warn!("a reader of pictures gets none: {error}");
+        }
+    }
+}
+
+/// A reader's place, free again when dropped.
+struct Place(Arc<Readers>);
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.count.fetch_sub(1, Ordering::AcqRel);
+    }
+}
+
+fn refuse(mut stream: TcpStream, status: &str, reason: &str) {
+    let answer = format!(
+        "HTTP/1.1 {status}\r\nContent-Type: text/plain; charset=utf-8\r\nContent-Length: {}\r\nConnection: \
+         close\r\n\r\n{reason}\n",
+        reason.len() + 1
+    );
+    // Whoever asked may have gone.
+    let _ = stream.set_write_timeout(Some(QUESTION_TIME));
+    let _ = stream.write_all(answer.as_bytes());
+}
+
+/// Answers one reader until it goes.
+fn serve(stream: TcpStream, newest: &Newest, readers: &Readers) {
+    let _ = stream.set_read_timeout(Some(QUESTION_TIME));
+    match question(&stream) {
+        Ok(()) => {}
+        Err(None) => return,
+        Err(Some((status, reason))) => return refuse(stream, status, reason),
+    }
+    newest.has_receiver();
+    tracing::info!("{} has a reader", newest.to());
+    let _ = stream.set_write_timeout(Some(ANSWER_TIME));
+    let gone = answer(stream, newest, readers).err();
+    tracing::info!("a reader of {} has gone ({gone:?})", newest.to());
+}
+
+/// What is wrong with a question: an HTTP status and a sentence; none if nobody asks any more.
+type Wrong = Option<(&'static str, &'static str)>;
+
+/// Reads a question to its end, and judges it.
+fn question(stream: &TcpStream) -> Result<(), Wrong> {
+    // One byte more, to tell what is too long from what ends there.
+    let mut lines = BufReader::new(stream.take(LIMITS.send_request_bytes_max as u64 + 1));
+    let (mut bytes, mut first, mut host) = (0, None, None);
+    loop {
+        let mut line = Vec::new();
+        bytes += lines.read_until(b'\n', &mut line).map_err(|_| None)?;
+        if bytes > LIMITS.send_request_bytes_max {
+            return Err(Some(("431 Request Header Fields Too Large", "ask in fewer bytes")));
+        }
+        let malformed = Some(("400 Bad Request", "this is no HTTP: ask with GET / HTTP/1.1"));
+        let line = line.strip_suffix(b"\n").ok_or(if bytes == 0 { None } else { malformed })?;
+        let line = String::from_utf8_lossy(line.strip_suffix(b"\r").unwrap_or(line)).into_owned();
+        if first.is_none() {
+            let words: Vec<&str> = line.split(' ').collect();
+            let [method, path, version] = words[..] else { return Err(malformed) };
+            if !version.starts_with("HTTP/1.") {
+                return Err(malformed);
+            }
+            first = Some((method.to_owned(), path.to_owned()));
+        } else if line.is_empty() {
+            break;
+        } else if let Some((name, value)) = line.split_once(':')
+            && name.eq_ignore_ascii_case("host")
+        {
+            host = Some(value.trim().to_owned());
+        }
+    }
+    // A page of another place that a browser shows must not read it under a name of its own.
+    let name = host.as_deref().map(|host| host.rsplit_once(':').map_or(host, |(name, _)| name));
+    match (first, name) {
+        (_, Some(name)) if !["127.0.0.1", "localhost"].contains(&name) => {
+            Err(Some(("403 Forbidden", "only this machine is answered: ask 127.0.0.1")))
+        }
+        (Some((method, _)), _) if method != "GET" => {
+            Err(Some(("405 Method Not Allowed", "pictures can only be read: ask with GET")))
+        }
+        (Some((_, path)), _) if path != "/" => Err(Some(("404 Not Found", "the pictures are at /"))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes one picture after the other, always the newest.
+fn answer(mut stream: TcpStream, newest: &Newest, readers: &Readers) -> std::io::Result<()> {
+    stream.write_all(
+        format!(
+            "HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary={BOUNDARY}\r\nCache-Control: \
+             no-store\r\nX-Content-Type-Options: nosniff\r\nConnection: close\r\n\r\n--{BOUNDARY}\r\n"
+        )
+        .as_bytes(),
+    )?;
+    let mut number = 0;
+    while let Some((next, picture)) = newest.after(number) {
+        number = next;
+        let jpeg = readers.jpeg_of(next, &picture)?;
+        let head = format!("Content-Type: image/jpeg\r\nContent-Length: {}\r\n\r\n", jpeg.len());
+        stream.write_all(head.as_bytes())?;
+        stream.write_all(&jpeg)?;
+        // Browsers show a picture when its end has come.
+        stream.write_all(format!("\r\n--{BOUNDARY}\r\n").as_bytes())?;
+        stream.flush()?;
+    }
+    Ok(())
+}
+
+impl Readers {
+    /// A picture as a JPEG. The reader that needs it first makes it, and the others wait for that.
+    fn jpeg_of(&self, number: u64, picture: &Picture) -> std::io::Result<Arc<Vec<u8>>> {
+        let mut known = self.jpeg.lock().unwrap_or_else(PoisonError::into_inner);
+        if known.0 != number {
+            let mut jpeg = Vec::new();
+            let rgb: Vec<u8> =
+                picture.rgba.as_chunks::<4>().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+            JpegEncoder::new_with_quality(&mut jpeg, QUALITY)
+                .write_image(&rgb, picture.size.0, picture.size.1, ExtendedColorType::Rgb8)
+                .map_err(std::io::Error::other)?;
+            *known = (number, Arc::new(jpeg));
+        }
+        Ok(known.1.clone())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A send on a port that is free, and its port.
+    fn sending() -> (Arc<Newest>, u16) {
+        for port in 20_000..60_000 {
+            let newest = Arc::new(Newest::new("a place".into()));
+            if start(port, newest.clone()).is_ok() {
+                return (newest, port);
+            }
+        }
+        panic!("no port is free");
+    }
+
+    fn ask(port: u16, question: &str) -> TcpStream {
+        let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
+        stream.write_all(question.as_bytes()).unwrap();
+        stream
+    }
+
+    /// The next line without its end.
+    fn line(lines: &mut impl BufRead) -> String {
+        let mut line = String::new();
+        lines.read_line(&mut line).unwrap();
+        line.trim_end().to_owned()
+    }
+
+    /// The next picture of an answer.
+    fn next_picture(lines: &mut impl BufRead) -> image::RgbImage {
+        while line(lines) != format!("--{BOUNDARY}") {}
+        assert_eq!(line(lines), "Content-Type: image/jpeg");
+        let length = line(lines).strip_prefix("Content-Length: ").unwrap().parse().unwrap();
+        assert_eq!(line(lines), "");
+        let mut jpeg = vec![0; length];
+        lines.read_exact(&mut jpeg).unwrap();
+        image::load_from_memory(&jpeg).unwrap().to_rgb8()
+    }
+
+    fn picture(value: u8) -> Picture {
+        Picture { size: (16, 8), rgba: Arc::new(vec![value; 16 * 8 * 4]) }
+    }
+
+    #[test]
+    fn readers_get_pictures_and_one_that_does_not_read_holds_nobody() {
+        let (newest, port) = sending();
+        let question = "GET / HTTP/1.1\r\nHost: localhost:1\r\n\r\n";
+        // It asks and never reads.
+        let _blocks = ask(port, question);
+        let mut lines = BufReader::new(ask(port, question));
+        assert_eq!(line(&mut lines), "HTTP/1.1 200 OK");
+        for value in [10, 200, 90] {
+            newest.put(picture(value));
+            let seen = next_picture(&mut lines);
+            assert_eq!(seen.dimensions(), (16, 8));
+            assert!(seen.pixels().all(|pixel| pixel.0.iter().all(|byte| byte.abs_diff(value) <= 2)));
+        }
+        newest.end();
+        let mut rest = String::new();
+        lines.read_to_string(&mut rest).unwrap();
+        assert_eq!(rest.trim(), format!("--{BOUNDARY}"));
+    }
+
+    #[test]
+    fn other_questions_are_answered_with_what_is_wrong() {
+        let (newest, port) = sending();
+        newest.put(picture(1));
+        let long = format!("GET / HTTP/1.1\r\nX: {}\r\n\r\n", "x".repeat(LIMITS.send_request_bytes_max));
+        for (question, status) in [
+            ("GET /etc/passwd HTTP/1.1\r\n\r\n", "404"),
+            ("POST / HTTP/1.1\r\n\r\n", "405"),
+            ("GET / HTTP/1.1\r\nHost: example.org\r\n\r\n", "403"),
+            ("hello\r\n\r\n", "400"),
+            ("\0\u{1}\u{2}\n", "400"),
+            (&long, "431"),
+        ] {
+            let mut stream = ask(port, question);
+            let mut status_line = [0; 12];
+            stream.read_exact(&mut status_line).unwrap();
+            let told = String::from_utf8_lossy(&status_line).into_owned();
+            assert_eq!(told, format!("HTTP/1.1 {status}"), "{question:.40}");
+        }
+    }
+
+    #[test]
+    fn there_are_no_more_readers_than_there_may_be() {
+        let (newest, port) = sending();
+        newest.put(picture(1));
+        let question = "GET / HTTP/1.1\r\n\r\n";
+        let readers = (0..LIMITS.send_readers_max).map(|_| BufReader::new(ask(port, question)));
+        let mut readers: Vec<_> = readers.collect();
+        for reader in &mut readers {
+            assert_eq!(line(reader), "HTTP/1.1 200 OK");
+        }
+        let mut one_more = String::new();
+        ask(port, question).read_to_string(&mut one_more).unwrap();
+        assert!(one_more.starts_with("HTTP/1.1 503"), "{one_more}");
+        drop(readers);
+    }
+
+    #[test]
+    fn a_port_that_is_taken_is_told() {
+        let (_newest, port) = sending();
+        let refused = start(port, Arc::new(Newest::new("a place".into()))).unwrap_err().to_string();
+        assert!(refused.contains("choose another port") && refused.contains(&port.to_string()), "{refused}");
+    }
+}

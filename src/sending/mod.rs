@@ -1,0 +1,105 @@
+//! The picture of the window for other programs: each send has a thread of its own, which always has the newest picture
+//! and leaves out what its receiver is too slow for.
+//!
+//! **A receiver never holds the show.** The show leaves a picture in a mailbox ([`Newest`]) and goes on. A receiver that
+//! blocks, goes away or comes back costs one sentence each time ([`Sending::news`]).
+
+mod mjpeg;
+mod newest;
+mod stream;
+#[cfg(target_os = "linux")]
+mod v4l2;
+mod wish;
+
+use std::sync::Arc;
+
+use newest::Newest;
+pub use newest::Picture;
+pub use wish::SendWish;
+
+/// Why pictures cannot be sent.
+#[derive(Debug, thiserror::Error)]
+pub enum SendError {
+    /// Nothing can be opened under this name, or it is of the wrong kind.
+    #[error("pictures cannot be sent to {to}: {reason}")]
+    Refused {
+        /// Where to.
+        to: String,
+        /// Why, and what to do.
+        reason: String,
+    },
+    /// The system gives no thread.
+    #[error(
+        "pictures cannot be sent, because the system cannot start another thread ({0}): close other programs"
+    )]
+    Thread(std::io::Error),
+}
+
+/// A send that goes on until this is dropped.
+pub struct Sending {
+    newest: Arc<Newest>,
+    wish: SendWish,
+}
+
+impl Sending {
+    /// Begins to send pictures of `size` pixels, both even, `fps` times a second. Returns at once: a receiver may come
+    /// later.
+    ///
+    /// # Errors
+    /// [`SendError`], each with what to do.
+    pub fn start(wish: &SendWish, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
+        let newest = Arc::new(Newest::new(wish.to_string()));
+        match wish {
+            SendWish::Y4m(None) => stream::start(stream::Standard::new(size, fps), fps, newest.clone())?,
+            SendWish::Y4m(Some(path)) => {
+                stream::start(stream::Fifo::new(path, size, fps)?, fps, newest.clone())?;
+            }
+            SendWish::V4l2(path) => start_v4l2(path, size, fps, newest.clone())?,
+            SendWish::Mjpeg(port) => mjpeg::start(*port, newest.clone())?,
+        }
+        Ok(Self { newest, wish: wish.clone() })
+    }
+
+    /// Where it sends to.
+    pub fn wish(&self) -> &SendWish {
+        &self.wish
+    }
+
+    /// Sends this picture from now on.
+    pub fn offer(&self, picture: Picture) {
+        self.newest.put(picture);
+    }
+
+    /// What there is to say of the receiver since the last call.
+    pub fn news(&self) -> Vec<String> {
+        self.newest.news()
+    }
+}
+
+impl Drop for Sending {
+    fn drop(&mut self) {
+        // A thread that a receiver blocks is left behind: the program's end does not wait for it.
+        self.newest.end();
+    }
+}
+
+#[cfg(target_os = "linux")]
+fn start_v4l2(
+    path: &std::path::Path,
+    size: (u32, u32),
+    fps: f64,
+    newest: Arc<Newest>,
+) -> Result<(), SendError> {
+    stream::start(v4l2::Camera::open(path, size)?, fps, newest)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn start_v4l2(
+    path: &std::path::Path,
+    _size: (u32, u32),
+    _fps: f64,
+    _newest: Arc<Newest>,
+) -> Result<(), SendError> {
+    let reason = "only Linux has such devices; send MJPEG instead".to_owned();
+    Err(SendError::Refused { to: path.display().to_string(), reason })
+}

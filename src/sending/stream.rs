@@ -1,0 +1,250 @@
+//! Sends at an even rate: y4m into a FIFO or to standard output, and whatever else takes one picture after the other.
+//!
+//! Receivers count pictures to know the time, so a show that stands still sends the same picture again and again.
+
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::newest::{Newest, Picture};
+use super::{SendError, SendWish};
+use crate::y4m::{self, Chroma};
+
+/// What takes pictures at an even rate, on the thread of a send. Each call may block for as long as the receiver likes.
+pub(super) trait Receiver: Send + 'static {
+    /// Waits for a receiver.
+    ///
+    /// # Errors
+    /// There can be none any more.
+    fn open(&mut self) -> std::io::Result<()>;
+
+    /// Writes a picture.
+    ///
+    /// # Errors
+    /// The receiver has gone, or nothing can be written.
+    fn write(&mut self, picture: &Picture) -> std::io::Result<()>;
+
+    /// Whether another receiver may come when one has gone.
+    fn can_come_again(&self) -> bool;
+}
+
+/// How long nothing is tried again after a receiver that could not be opened.
+const PAUSE: Duration = Duration::from_millis(500);
+
+/// Starts the thread of a send.
+///
+/// # Errors
+/// The system gives no thread.
+pub(super) fn start(receiver: impl Receiver, fps: f64, newest: Arc<Newest>) -> Result<(), SendError> {
+    let send = move || send(receiver, fps, &newest);
+    std::thread::Builder::new().name("sending".into()).spawn(send).map(drop).map_err(SendError::Thread)
+}
+
+fn send(mut receiver: impl Receiver, fps: f64, newest: &Newest) {
+    let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
+    // Without a picture there is nothing to send, and no size.
+    while newest.first().is_some() {
+        match receiver.open() {
+            Ok(()) => newest.has_receiver(),
+            Err(error) => {
+                newest.tell(format!("{} can no longer be sent to: {error}", newest.to()));
+                return;
+            }
+        }
+        tracing::info!("{} has a receiver", newest.to());
+        let Some(error) = feed(&mut receiver, period, newest) else { return };
+        if !receiver.can_come_again() {
+            newest.tell(format!("whoever read {} has gone: no more pictures are sent there", newest.to()));
+            return;
+        }
+        newest.tell(format!("whoever read {} has gone: the next one gets pictures", newest.to()));
+        tracing::debug!("{error}");
+        if newest.rest(PAUSE) {
+            return;
+        }
+    }
+}
+
+/// Writes pictures until the receiver goes, with what it says, or until the end.
+fn feed(receiver: &mut impl Receiver, period: Duration, newest: &Newest) -> Option<std::io::Error> {
+    let mut due = Instant::now();
+    loop {
+        let picture = newest.first()?;
+        newest.note_writing(true);
+        let written = receiver.write(&picture);
+        newest.note_writing(false);
+        if let Err(error) = written {
+            return Some(error);
+        }
+        due += period;
+        let now = Instant::now();
+        if now > due + period {
+            newest.note_slow();
+            due = now;
+        }
+        if newest.rest(due.saturating_duration_since(now)) {
+            return None;
+        }
+    }
+}
+
+/// A FIFO that somebody reads, or will.
+pub(super) struct Fifo {
+    path: PathBuf,
+    header: Vec<u8>,
+    file: Option<File>,
+}
+
+impl Fifo {
+    /// The FIFO at `path`, for pictures of `size` pixels.
+    ///
+    /// # Errors
+    /// There is none.
+    pub(super) fn new(path: &Path, size: (u32, u32), fps: f64) -> Result<Self, SendError> {
+        let refused = |reason: &str| SendError::Refused {
+            to: SendWish::Y4m(Some(path.to_owned())).to_string(),
+            reason: reason.to_owned(),
+        };
+        match std::fs::metadata(path) {
+            Ok(found) if is_fifo(&found) => {}
+            Ok(_) => {
+                return Err(refused(
+                    "it is no FIFO: make one with mkfifo, or write a file with 'mariana video'",
+                ));
+            }
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                return Err(refused("there is no such FIFO: make one with mkfifo"));
+            }
+            Err(error) => return Err(refused(&format!("{error}: check the path"))),
+        }
+        Ok(Self { path: path.to_owned(), header: y4m::header(size, fps, Chroma::Quarter), file: None })
+    }
+}
+
+#[cfg(unix)]
+fn is_fifo(found: &std::fs::Metadata) -> bool {
+    std::os::unix::fs::FileTypeExt::is_fifo(&found.file_type())
+}
+
+#[cfg(not(unix))]
+fn is_fifo(_: &std::fs::Metadata) -> bool {
+    false
+}
+
+impl Receiver for Fifo {
+    fn open(&mut self) -> std::io::Result<()> {
+        self.file = None;
+        // Waits until somebody reads it.
+        let mut file = OpenOptions::new().write(true).open(&self.path)?;
+        // One that has gone at once is one that has gone.
+        match file.write_all(&self.header) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => return Err(error),
+            _ => {}
+        }
+        self.file = Some(file);
+        Ok(())
+    }
+
+    fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+        let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
+        let written = file.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size));
+        if written.is_err() {
+            // At once: the next reader must not open what this one has left.
+            self.file = None;
+        }
+        written
+    }
+
+    fn can_come_again(&self) -> bool {
+        true
+    }
+}
+
+/// Whoever reads standard output.
+pub(super) struct Standard(Vec<u8>);
+
+impl Standard {
+    /// For pictures of `size` pixels.
+    pub(super) fn new(size: (u32, u32), fps: f64) -> Self {
+        Self(y4m::header(size, fps, Chroma::Quarter))
+    }
+}
+
+impl Receiver for Standard {
+    fn open(&mut self) -> std::io::Result<()> {
+        // Whether somebody reads it shows when a picture is written.
+        let _ = std::io::stdout().write_all(&self.0);
+        Ok(())
+    }
+
+    fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+        let mut out = std::io::stdout().lock();
+        out.write_all(&y4m::frame_of_quarter(&picture.rgba, picture.size))?;
+        out.flush()
+    }
+
+    fn can_come_again(&self) -> bool {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Sender, channel};
+
+    use super::*;
+
+    /// Takes so many pictures, then goes; comes so many times.
+    struct Short {
+        taken: Sender<u8>,
+        pictures: usize,
+        left: usize,
+        times: usize,
+    }
+
+    impl Receiver for Short {
+        fn open(&mut self) -> std::io::Result<()> {
+            self.times = self.times.checked_sub(1).ok_or(ErrorKind::NotFound)?;
+            self.left = self.pictures;
+            Ok(())
+        }
+
+        fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+            self.left = self.left.checked_sub(1).ok_or(ErrorKind::BrokenPipe)?;
+            self.taken.send(picture.rgba[0]).map_err(|_| ErrorKind::BrokenPipe.into())
+        }
+
+        fn can_come_again(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn a_picture_that_stands_is_sent_again_and_receivers_come_and_go() {
+        let (taken, pictures) = channel();
+        let newest = Arc::new(Newest::new("a place".into()));
+        start(Short { taken, pictures: 3, left: 0, times: 2 }, 500.0, newest.clone()).unwrap();
+        newest.put(Picture { size: (2, 2), rgba: Arc::new(vec![7; 16]) });
+        assert_eq!(pictures.iter().collect::<Vec<_>>(), [7; 6]);
+        let told = newest.news();
+        let gone = |sentence: &String| sentence.contains("has gone: the next one");
+        assert_eq!(told.iter().filter(|sentence| gone(sentence)).count(), 2, "{told:?}");
+        assert!(told.last().is_some_and(|last| last.contains("can no longer be sent to")), "{told:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_fifo_is_refused_with_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.y4m");
+        for (path, part) in [(file.as_path(), "there is no such FIFO"), (folder.path(), "it is no FIFO")] {
+            let refused = Fifo::new(path, (2, 2), 30.0).err().map(|error| error.to_string()).unwrap();
+            assert!(refused.contains(part) && refused.contains("mkfifo"), "{refused}");
+        }
+        std::fs::write(&file, "kept").unwrap();
+        assert!(Fifo::new(&file, (2, 2), 30.0).is_err());
+        assert_eq!(std::fs::read(&file).unwrap(), b"kept");
+    }
+}

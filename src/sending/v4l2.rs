@@ -1,0 +1,172 @@
+//! A camera that other programs see, by v4l2loopback: a device that is told a format and then written to.
+
+#![expect(
+    unsafe_code,
+    reason = "a device is told its format by an ioctl of the kernel's interface for video"
+)]
+
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::os::unix::fs::FileTypeExt;
+use std::path::{Path, PathBuf};
+
+use rustix::ioctl::{Updater, ioctl, opcode};
+
+use super::SendError;
+use super::newest::Picture;
+use super::stream::Receiver;
+use crate::y4m::quarter_planes;
+
+/// `struct v4l2_format` with a `struct v4l2_pix_format`, as linux/videodev2.h has it.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct Format {
+    kind: u32,
+    /// The union that follows holds pointers.
+    _align: [u64; 0],
+    pixels: PixelFormat,
+    rest: [u8; REST],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct PixelFormat {
+    width: u32,
+    height: u32,
+    pixel_format: u32,
+    field: u32,
+    bytes_per_line: u32,
+    size_image: u32,
+    colorspace: u32,
+    magic: u32,
+    flags: u32,
+    encoding: u32,
+    quantization: u32,
+    transfer: u32,
+}
+
+/// The union has 200 bytes.
+const REST: usize = 200 - size_of::<PixelFormat>();
+/// `V4L2_BUF_TYPE_VIDEO_OUTPUT`.
+const OUTPUT: u32 = 2;
+/// `V4L2_PIX_FMT_YUV420`.
+const YU12: u32 = u32::from_le_bytes(*b"YU12");
+/// `V4L2_FIELD_NONE`.
+const PROGRESSIVE: u32 = 1;
+/// `V4L2_COLORSPACE_REC709`.
+const REC_709: u32 = 3;
+/// `V4L2_PIX_FMT_PRIV_MAGIC`: the fields after it are meant.
+const MAGIC: u32 = 0xfeed_cafe;
+/// `V4L2_QUANTIZATION_LIM_RANGE`.
+const LIMITED: u32 = 2;
+
+/// `VIDIOC_S_FMT`.
+const SET_FORMAT: rustix::ioctl::Opcode = opcode::read_write::<Format>(b'V', 5);
+
+fn format_of((width, height): (u32, u32)) -> Format {
+    let pixels = PixelFormat {
+        width,
+        height,
+        pixel_format: YU12,
+        field: PROGRESSIVE,
+        bytes_per_line: width,
+        size_image: width * height * 3 / 2,
+        colorspace: REC_709,
+        magic: MAGIC,
+        flags: 0,
+        encoding: 0,
+        quantization: LIMITED,
+        transfer: 0,
+    };
+    Format { kind: OUTPUT, _align: [], pixels, rest: [0; REST] }
+}
+
+/// See the module.
+pub(super) struct Camera {
+    path: PathBuf,
+    size: (u32, u32),
+    file: Option<File>,
+}
+
+impl Camera {
+    /// The device at `path`, for pictures of `size` pixels.
+    ///
+    /// # Errors
+    /// It is not there, or takes no such pictures.
+    pub(super) fn open(path: &Path, size: (u32, u32)) -> Result<Self, SendError> {
+        let mut camera = Self { path: path.to_owned(), size, file: None };
+        let refused = |reason: String| SendError::Refused { to: path.display().to_string(), reason };
+        match std::fs::metadata(path) {
+            Ok(found) if found.file_type().is_char_device() => {}
+            Ok(_) => return Err(refused("it is no device: give one of v4l2loopback".to_owned())),
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                let advice =
+                    "there is no such device: load v4l2loopback (modprobe v4l2loopback) and check its number";
+                return Err(refused(advice.to_owned()));
+            }
+            Err(error) => return Err(refused(format!("{error}: check the path"))),
+        }
+        let opened = Receiver::open(&mut camera);
+        opened.map_err(|error| {
+            refused(format!("{error}: give a device of v4l2loopback that may be written"))
+        })?;
+        Ok(camera)
+    }
+}
+
+impl Receiver for Camera {
+    fn open(&mut self) -> std::io::Result<()> {
+        if self.file.is_some() {
+            return Ok(());
+        }
+        let file = OpenOptions::new().read(true).write(true).open(&self.path)?;
+        let mut format = format_of(self.size);
+        // SAFETY: the opcode is that of a structure of this layout, which the kernel reads and writes.
+        unsafe { ioctl(&file, Updater::<SET_FORMAT, Format>::new(&mut format))? };
+        let taken = format.pixels;
+        if (taken.width, taken.height, taken.pixel_format) != (self.size.0, self.size.1, YU12) {
+            let reason = format!("the device takes other pictures ({}x{})", taken.width, taken.height);
+            return Err(std::io::Error::other(reason));
+        }
+        self.file = Some(file);
+        Ok(())
+    }
+
+    fn write(&mut self, picture: &Picture) -> std::io::Result<()> {
+        let Some(file) = &mut self.file else { return Err(ErrorKind::NotConnected.into()) };
+        let written = file.write_all(&quarter_planes(&picture.rgba, picture.size));
+        if written.is_err() {
+            self.file = None;
+        }
+        written
+    }
+
+    fn can_come_again(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_format_has_the_kernel_s_layout() {
+        // What a C compiler makes of linux/videodev2.h on 64-bit systems.
+        assert_eq!((size_of::<Format>(), std::mem::offset_of!(Format, pixels)), (208, 8));
+        assert_eq!(SET_FORMAT, 0xc0d0_5605);
+        assert_eq!(std::mem::offset_of!(PixelFormat, colorspace), 24);
+    }
+
+    #[test]
+    fn what_is_no_camera_is_refused_with_what_to_do() {
+        for (path, part) in [
+            ("/dev/video-that-is-not-there", "modprobe v4l2loopback"),
+            ("/dev", "it is no device"),
+            ("/dev/null", "give a device of v4l2loopback"),
+        ] {
+            let refused = Camera::open(Path::new(path), (2, 2)).err().map(|error| error.to_string());
+            assert!(refused.as_ref().is_some_and(|told| told.contains(part)), "{path}: {refused:?}");
+        }
+    }
+}

@@ -1,0 +1,161 @@
+//! What happens to a finished picture on its way to screens and to other programs: light taken away, edges, mirrors and
+//! corners; and that nothing happens to it where nothing was asked for.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use crate::support::studio::{Studio, silence};
+use image::RgbaImage;
+use mariana::gpu::picture_reader::PictureReader;
+use mariana::gpu::renderer::Counting;
+use mariana::gpu::scene_program::Mode;
+use mariana::gpu::shader_source::ShaderLibrary;
+use mariana::placement::{Corners, Crop, Flip, Placement, WHOLE, fitted, within};
+use mariana::scenes::SceneSource;
+use mariana::srgb::linear;
+
+const SIZE: (u32, u32) = (64, 36);
+
+/// A studio as a window has it, with a picture in it.
+struct Hall(Studio);
+
+impl Hall {
+    fn new() -> Self {
+        Self::of(SceneSource::Shipped("first_steps".into()))
+    }
+
+    fn of(scene: SceneSource) -> Self {
+        let mut studio = Studio::of(&scene, Mode::Compiled, Counting::Off);
+        studio.renderer.prepare_for_window(&ShaderLibrary::embedded()).unwrap();
+        studio.renderer.add_flash_limiter(&ShaderLibrary::embedded()).unwrap();
+        studio.picture(0.0, silence(), SIZE);
+        Self(studio)
+    }
+
+    /// The picture as it is shown and sent, in a window of `size` pixels.
+    fn sent(&mut self, placement: &Placement, size: (u32, u32)) -> RgbaImage {
+        let mut reader = PictureReader::new(self.0.context.gl(), size).unwrap();
+        let map = within(fitted(placement.rest_of(SIZE), size), &placement.map());
+        assert!(self.0.renderer.send_placed(&mut reader, &map, placement.part()).unwrap());
+        assert!(reader.is_waiting());
+        self.0.context.gl().finish();
+        let bytes = reader.take().expect("it has arrived");
+        assert!(!reader.is_waiting() && reader.take().is_none());
+        RgbaImage::from_raw(size.0, size.1, bytes).unwrap()
+    }
+
+    fn finished(&self) -> RgbaImage {
+        RgbaImage::from_raw(SIZE.0, SIZE.1, self.0.renderer.read()).unwrap()
+    }
+
+    /// Leaves the picture a share of its light, and shows it a sixtieth of a second after the last.
+    fn dim(&mut self, gain: f32) {
+        self.0.renderer.dim(gain).unwrap();
+        self.0.renderer.limit_flashes(1.0 / 60.0).unwrap();
+    }
+}
+
+fn light(picture: &RgbaImage) -> f32 {
+    let values = picture.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]);
+    let light: f32 = values.map(|value| linear(f32::from(value) / 255.0)).sum();
+    light / (3 * picture.width() * picture.height()) as f32
+}
+
+#[test]
+fn a_picture_of_which_nothing_was_asked_keeps_its_bytes() {
+    let mut hall = Hall::new();
+    let before = hall.finished();
+    assert!(hall.sent(&Placement::default(), SIZE) == before, "what is sent is another picture");
+    hall.dim(0.5);
+    assert!(hall.finished() != before);
+    hall.dim(1.0);
+    assert!(hall.finished() == before, "the light came back as another picture");
+    assert!(hall.sent(&Placement::default(), SIZE) == before);
+}
+
+#[test]
+fn light_is_taken_away_evenly_and_at_last_wholly() {
+    let mut hall = Hall::new();
+    let full = light(&hall.finished());
+    assert!(full > 0.05, "{full} is too dark to prove anything");
+    for gain in [0.75, 0.5, 0.25, 0.1] {
+        hall.dim(gain);
+        let share = light(&hall.sent(&Placement::default(), SIZE)) / full;
+        assert!((share - gain).abs() < 0.02, "{share} of the light is left, not {gain}");
+    }
+    hall.dim(0.0);
+    assert!(hall.finished().pixels().all(|pixel| pixel.0[..3] == [0; 3]));
+}
+
+#[test]
+fn blackouts_that_flash_are_limited_like_any_flash() {
+    let wall = "material paint { color = 0  roughness = 1  emission = 0.8 }\n\
+                object wall { shape = 5 - p.z  material = paint }\n\
+                light none { direction = vec3(0, -1, 0)  color = 0 }\n\
+                camera { position = vec3(0)  target = vec3(0, 0, 5) }\n\
+                sky { color = 0  ambient = 0 }\npicture { tone_map = none  bloom = 0 }\n";
+    let mut hall = Hall::of(SceneSource::Formula(wall.into()));
+    let (mut brightest, mut darkest): (f32, f32) = (0.0, 1.0);
+    for frame in 0..180 {
+        hall.dim(if frame / 4 % 2 == 0 { 1.0 } else { 0.0 });
+        if frame >= 120 {
+            let shown = light(&hall.sent(&Placement::default(), SIZE));
+            (brightest, darkest) = (brightest.max(shown), darkest.min(shown));
+        }
+    }
+    hall.0.renderer.remove_flash_limiter();
+    hall.dim(1.0);
+    let full = light(&hall.finished());
+    assert!(brightest - darkest < 0.5 * full, "from {darkest} to {brightest}, of {full}");
+}
+
+#[test]
+fn mirrors_edges_and_corners_lie_where_they_should() {
+    let mut hall = Hall::new();
+    let plain = hall.finished();
+    let flipped = |flip| Placement { flip, ..Placement::default() };
+    assert!(hall.sent(&flipped(Flip::Horizontal), SIZE) == image::imageops::flip_horizontal(&plain));
+    assert!(hall.sent(&flipped(Flip::Vertical), SIZE) == image::imageops::flip_vertical(&plain));
+    assert!(hall.sent(&flipped(Flip::Both), SIZE) == image::imageops::rotate180(&plain));
+    // A quarter of the picture, pixel for pixel.
+    let crop = Crop::try_from([50.0, 0.0, 0.0, 50.0]).unwrap();
+    let part = hall.sent(&Placement { crop, ..Placement::default() }, (SIZE.0 / 2, SIZE.1 / 2));
+    assert!(part == image::imageops::crop_imm(&plain, SIZE.0 / 2, 0, SIZE.0 / 2, SIZE.1 / 2).to_image());
+    // In the left half of the window, the right one is black.
+    let corners = Corners::try_from([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]]).unwrap();
+    let wide = (2 * SIZE.0, SIZE.1);
+    let map = Placement { corners, ..Placement::default() };
+    let mut reader = PictureReader::new(hall.0.context.gl(), wide).unwrap();
+    assert!(hall.0.renderer.send_placed(&mut reader, &within(WHOLE, &map.map()), map.part()).unwrap());
+    hall.0.context.gl().finish();
+    let sent = RgbaImage::from_raw(wide.0, wide.1, reader.take().unwrap()).unwrap();
+    assert!(image::imageops::crop_imm(&sent, 0, 0, SIZE.0, SIZE.1).to_image() == plain);
+    assert!(sent.enumerate_pixels().all(|(x, _, pixel)| x < SIZE.0 || pixel.0 == [0, 0, 0, 255]));
+}
+
+#[test]
+fn a_smaller_window_shows_the_mean_of_the_pixels() {
+    let mut hall = Hall::new();
+    let plain = hall.finished();
+    let small = hall.sent(&Placement::default(), (SIZE.0 / 4, SIZE.1 / 4));
+    for (x, y, pixel) in small.enumerate_pixels() {
+        for channel in 0..3 {
+            let of = |i: u32| u32::from(plain.get_pixel(4 * x + i % 4, 4 * y + i / 4).0[channel]);
+            let mean = (0..16).map(of).sum::<u32>() as f32 / 16.0;
+            let found = f32::from(pixel.0[channel]);
+            assert!((found - mean).abs() <= 1.0, "{found} is not {mean} at {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn readers_never_hold_more_than_a_few_pictures() {
+    let mut hall = Hall::new();
+    let mut reader = PictureReader::new(hall.0.context.gl(), SIZE).unwrap();
+    let plain = Placement::default();
+    let begun =
+        (0..9).filter(|_| hall.0.renderer.send_placed(&mut reader, &plain.map(), plain.part()).unwrap());
+    assert_eq!(begun.count(), 3);
+    hall.0.context.gl().finish();
+    assert!(reader.take().is_some() && !reader.is_waiting());
+    assert!(hall.0.renderer.send_placed(&mut reader, &plain.map(), plain.part()).unwrap());
+}
