@@ -98,6 +98,8 @@ impl Clerk {
 struct Known {
     stamp: Stamp,
     holds: OnDisk,
+    /// Whether it was this program that wrote it.
+    is_own: bool,
 }
 
 /// Length and time of the last change; none if there is no such file.
@@ -169,7 +171,9 @@ impl<Tell: Fn(News)> Desk<Tell> {
 
     fn save(&mut self, file: PathBuf, text: Bytes, believed: Option<OnDisk>) {
         let now = known(&file);
-        let is_own = matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
+        // Two saves may follow each other before the first is told.
+        let was_own = self.known.get(&file).is_some_and(|last| last.is_own && last.holds == now.holds);
+        let is_own = was_own || matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
         if !is_own && believed.is_some_and(|believed| believed != now.holds) {
             let holds = now.holds.clone();
             self.known.insert(file.clone(), now);
@@ -178,7 +182,9 @@ impl<Tell: Fn(News)> Desk<Tell> {
         let written = AtomicFile::create(&file).and_then(|place| place.write(&text));
         match written {
             Ok(()) => {
-                self.known.insert(file.clone(), known(&file));
+                let now = known(&file);
+                let is_own = matches!(&now.holds, OnDisk::Bytes(bytes) if **bytes == *text);
+                self.known.insert(file.clone(), Known { is_own, ..now });
                 self.to_keep.remove(&file);
                 self.kept.forget(&file);
                 (self.tell)(News::Saved { file, text });
@@ -260,7 +266,7 @@ fn stamp(file: &Path) -> Stamp {
 fn known(file: &Path) -> Known {
     // The stamp comes first: if the file changes meanwhile, the next look finds another one.
     let stamp = stamp(file);
-    Known { stamp, holds: read(file) }
+    Known { stamp, holds: read(file), is_own: false }
 }
 
 fn read(file: &Path) -> OnDisk {

@@ -93,6 +93,25 @@ fn what_another_program_wrote_meanwhile_is_not_overwritten_unasked() {
 }
 
 #[test]
+fn a_save_right_after_a_save_was_taken_for_another_programs() {
+    let place = Place::new();
+    let file = place.file();
+    fs::write(&file, "old").unwrap();
+    place.open();
+    // Both believe what was read, because nobody has heard of the first yet.
+    for text in [b"one".as_slice(), b"other"] {
+        place.clerk.save(&file, bytes(text), Some(holds(b"old")));
+    }
+    for text in [b"one".as_slice(), b"other"] {
+        assert_eq!(place.news(), News::Saved { file: file.clone(), text: bytes(text) });
+    }
+    fs::write(&file, "theirs").unwrap();
+    place.clerk.save(&file, bytes(b"mine"), Some(holds(b"old")));
+    let told = [place.news()];
+    assert!(!matches!(told, [News::Saved { .. }]), "{told:?}");
+}
+
+#[test]
 fn changes_and_the_end_of_a_file_are_told() {
     let place = Place::new();
     let file = place.file();

@@ -214,6 +214,7 @@ fn what_was_typed_comes_back_after_the_program_was_killed() {
     write(&app);
     wait_for_group(&app, "the question", ERROR);
     app.press(&["ctrl+1"]);
+    wait_until_gone(&app, "the text without a question", ERROR);
     wait_for_color(&app, "what was typed", GREEN);
     quit(app);
 }

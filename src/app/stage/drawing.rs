@@ -91,11 +91,13 @@ impl Stage {
             return Ok(false);
         }
         show_picture(&mut self.renderer, size, &placement, held)?;
+        let laying_out = Instant::now();
         let painted = self.overlay.paint(self.window.window(), size, content)?;
+        let laid_out = laying_out.elapsed();
         let painting = handing_over.elapsed();
         self.window.swap()?;
         let first = self.pace.show(shown);
-        self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), Instant::now());
+        self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), laid_out, Instant::now());
         if let Some(Drawn { spent, .. }) = new {
             let showing = spent + handing_over.elapsed();
             let cost = self.cost(spent + painting, showing);

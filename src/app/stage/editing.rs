@@ -52,7 +52,7 @@ impl Stage {
         if !self.is_edited() {
             return false;
         }
-        let held = self.input.held();
+        let (held, begun) = (self.input.held(), Instant::now());
         let Some(editor) = &mut self.desk.editor else { return false };
         let taken = match event {
             // The overlay takes those on the editor.
@@ -78,6 +78,7 @@ impl Stage {
             _ => return false,
         };
         self.follow_editor();
+        self.typing_times.note_taken(begun.elapsed());
         taken
     }
 
