@@ -221,7 +221,8 @@ fn inverse(m: &Map) -> Map {
     adjugate.map(|row| row.map(|value| value / determinant))
 }
 
-fn product(a: &Map, b: &Map) -> Map {
+/// Leads where `a` leads from where `b` leads.
+pub fn product(a: &Map, b: &Map) -> Map {
     a.map(|row| std::array::from_fn(|j| (0..3).map(|k| row[k] * b[k][j]).sum()))
 }
 

@@ -13,6 +13,27 @@ use crate::sending::{Picture, SendError, SendWish, Sending};
 /// How often it is looked whether a picture has arrived that is on its way.
 const LOOK: Duration = Duration::from_millis(3);
 
+/// Sends that have begun, before there is a picture.
+pub(super) struct Sends {
+    sends: Vec<Sending>,
+    size: (u32, u32),
+    period: Duration,
+}
+
+impl Sends {
+    /// Begins to send pictures of at most `size` pixels, `fps` times a second.
+    ///
+    /// # Errors
+    /// A place that nothing can be sent to.
+    pub(super) fn start(wishes: &[SendWish], size: (u32, u32), fps: f64) -> Result<Self, SendError> {
+        // Four pixels share their colour.
+        let size = (even(size.0), even(size.1));
+        let sends = wishes.iter().map(|wish| Sending::start(wish, size, fps)).collect::<Result<_, _>>()?;
+        let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
+        Ok(Self { sends, size, period })
+    }
+}
+
 /// See the module.
 pub(super) struct Feeds {
     sends: Vec<Sending>,
@@ -24,19 +45,15 @@ pub(super) struct Feeds {
     due: Instant,
     /// Whether the picture that shows was not read yet.
     is_new: bool,
+    /// Whether somebody took pictures when it was last looked.
+    was_wanted: bool,
 }
 
 impl Feeds {
-    /// Begins to send pictures of at most `size` pixels, `fps` times a second.
-    ///
-    /// # Errors
-    /// A place that nothing can be sent to.
-    pub(super) fn start(wishes: &[SendWish], size: (u32, u32), fps: f64) -> Result<Self, SendError> {
-        // Four pixels share their colour.
-        let size = (even(size.0), even(size.1));
-        let sends = wishes.iter().map(|wish| Sending::start(wish, size, fps)).collect::<Result<_, _>>()?;
-        let period = Duration::try_from_secs_f64(1.0 / fps).unwrap_or(Duration::from_millis(33));
-        Ok(Self { sends, reader: None, size, period, due: Instant::now(), is_new: false })
+    /// Feeds these sends.
+    pub(super) fn of(sends: Sends) -> Self {
+        let Sends { sends, size, period } = sends;
+        Self { sends, reader: None, size, period, due: Instant::now(), is_new: false, was_wanted: true }
     }
 
     /// Whether somebody may see the picture who does not see the window.
@@ -67,7 +84,11 @@ impl Feeds {
         if self.sends.is_empty() {
             return Ok(None);
         }
-        if self.is_new && now >= self.due {
+        let is_wanted = self.sends.iter().any(Sending::is_wanted);
+        // Whoever comes gets the picture that shows, also where it has stood for long.
+        self.is_new |= is_wanted && !self.was_wanted;
+        self.was_wanted = is_wanted;
+        if self.is_new && is_wanted && now >= self.due {
             let reader = match &mut self.reader {
                 Some(reader) => reader,
                 none => none.insert(PictureReader::new(gl, self.size)?),
@@ -80,12 +101,15 @@ impl Feeds {
                 self.due = (self.due + self.period).max(now);
             }
         }
-        let Some(reader) = &mut self.reader else { return Ok(self.is_new.then_some(self.due)) };
+        let Some(reader) = &mut self.reader else {
+            return Ok((self.is_new && is_wanted).then_some(self.due));
+        };
         if let Some(rgba) = reader.take() {
             let picture = Picture { size: self.size, rgba: Arc::new(rgba) };
             self.sends.iter().for_each(|send| send.offer(picture.clone()));
         }
-        Ok(if reader.is_waiting() { Some(now + LOOK) } else { self.is_new.then_some(self.due) })
+        let next = (self.is_new && is_wanted).then_some(self.due);
+        Ok(if reader.is_waiting() { Some(now + LOOK) } else { next })
     }
 
     /// What there is to say of the receivers since the last call.

@@ -27,15 +27,17 @@ impl FrameTimes {
 }
 
 impl std::fmt::Display for FrameTimes {
-    /// The number of frames, and the median and the longest of the last ones.
+    /// The number of frames, and of the last ones the median, what 99 of 100 stay within, and the longest.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut sorted = self.last.clone();
         sorted.sort_by(f32::total_cmp);
         let (Some(median), Some(longest)) = (sorted.get(sorted.len() / 2), sorted.last()) else {
             return f.write_str("no frames");
         };
+        let within = sorted.get((sorted.len() * 99).div_ceil(100) - 1).unwrap_or(longest);
         let (count, last) = (self.count, self.last.len());
-        write!(f, "{count} frames; the last {last}: median {median:.1} ms, longest {longest:.1} ms")
+        write!(f, "{count} frames; the last {last}: median {median:.1} ms, 99 % within {within:.1} ms, ")?;
+        write!(f, "longest {longest:.1} ms")
     }
 }
 
@@ -51,6 +53,9 @@ mod tests {
         for n in 0..KEPT as u64 {
             times.note(Duration::from_millis(n % 3));
         }
-        assert_eq!(times.to_string(), "4097 frames; the last 4096: median 1.0 ms, longest 2.0 ms");
+        assert_eq!(
+            times.to_string(),
+            "4097 frames; the last 4096: median 1.0 ms, 99 % within 2.0 ms, longest 2.0 ms"
+        );
     }
 }

@@ -188,6 +188,7 @@ impl Listening {
             choices,
             remembered: &self.sound.settings().choices,
             outputs,
+            monitors: Vec::new(),
             output_for_this_run: names_output,
             shift: self.sound.shift_ms(),
             device: self.sound.device_name(),

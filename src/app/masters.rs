@@ -55,6 +55,11 @@ impl Masters {
         self.is_black
     }
 
+    /// Whether it is black, or on its way there.
+    pub(super) fn is_black(&self) -> bool {
+        self.is_black
+    }
+
     /// Holds the picture that shows, or lets it go. Returns whether it is held.
     pub(super) fn toggle_freeze(&mut self) -> bool {
         self.is_frozen = !self.is_frozen;

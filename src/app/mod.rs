@@ -22,6 +22,8 @@ mod listening;
 mod lost_display;
 mod masters;
 mod media_controls;
+pub mod monitors;
+mod output;
 pub mod overlay;
 pub mod pacing;
 mod pointer;
@@ -40,6 +42,7 @@ mod text_query;
 mod title;
 mod typing_times;
 mod user_input;
+mod wallpaper;
 mod window;
 mod window_thread;
 

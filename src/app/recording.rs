@@ -9,7 +9,7 @@ use super::direction::OfTrack;
 use crate::config::PerformanceFiles;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
-use crate::show::{Entrance, OnStage, Performance, print};
+use crate::show::{Entrance, Move, OnStage, Performance, Turned, print};
 use mariana_field::lang::Way;
 
 /// How often a performance is written while it goes on.
@@ -27,8 +27,10 @@ pub(super) struct Performed {
     pub directed: Option<(Entrance, f64)>,
     /// How many seconds a change takes that no show makes.
     pub fade: f64,
-    /// Its parameters with their values and those of its text.
-    pub params: Vec<(String, f32, f32)>,
+    /// Its parameters with their values, those of its text, and whether a show moves them.
+    pub params: Vec<(String, f32, f32, bool)>,
+    /// What a show does with them.
+    pub moves: Vec<Move>,
     /// How the camera is moved by hand.
     pub hand: OrbitControls,
 }
@@ -40,10 +42,18 @@ struct Take {
     title: String,
     performance: Performance,
     kept: Instant,
-    /// What was on in the last picture, and since when.
-    shown: Option<(SceneSource, f64)>,
+    /// What was on in the last picture.
+    shown: Option<Showing>,
     /// Whether it was told that there is no more room.
     told_full: bool,
+}
+
+/// What is on.
+struct Showing {
+    source: SceneSource,
+    entrance: Entrance,
+    /// Since when, in seconds of the song.
+    start: f64,
 }
 
 /// See the module.
@@ -131,20 +141,34 @@ impl Recording {
 
 impl Take {
     fn note(&mut self, time: f64, seen: &Performed) {
-        let since = match &self.shown {
-            Some((source, since)) if *source == seen.source && *since <= time => *since,
-            _ => time,
-        };
-        let is_first = self.shown.is_none();
-        self.shown = Some((seen.source.clone(), since));
-        let own = match seen.fade > 0.0 && !is_first {
-            true => Entrance::new(Way::Fade, seen.fade),
+        let changes = |fade: f64| match fade > 0.0 {
+            true => Entrance::new(Way::Fade, fade),
             false => Entrance::CUT,
         };
-        let (entrance, start) = seen.directed.unwrap_or((own, since));
-        let params = seen.params.iter().map(|(name, value, own)| (name.as_str(), *value, *own));
-        let (scene, camera, params) = (seen.scene.as_str(), seen.camera.as_deref(), params.collect());
-        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, hand: seen.hand });
+        let (entrance, start) = match (&self.shown, seen.directed) {
+            // What nobody directs any more stays as it is.
+            (Some(shown), None) if shown.source == seen.source && shown.start <= time => {
+                (shown.entrance, shown.start)
+            }
+            (None, None) => (Entrance::CUT, time),
+            (Some(_), None) => (changes(seen.fade), time),
+            // The show takes over in the middle of a scene.
+            (Some(shown), Some((_, start))) if start < shown.start => {
+                if shown.source == seen.source {
+                    (shown.entrance, shown.start)
+                } else {
+                    (changes(seen.fade), time)
+                }
+            }
+            (_, Some(directed)) => directed,
+        };
+        self.shown = Some(Showing { source: seen.source.clone(), entrance, start });
+        let params =
+            seen.params.iter().map(|&(ref name, value, own, is_shown)| Turned { name, value, own, is_shown });
+        let params = params.collect();
+        let (scene, camera) = (seen.scene.as_str(), seen.camera.as_deref());
+        let (moves, turns) = (&seen.moves[..], seen.hand.turns());
+        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, moves, turns });
     }
 }
 
@@ -174,6 +198,7 @@ mod tests {
             directed,
             fade: 0.5,
             params: Vec::new(),
+            moves: Vec::new(),
             hand: OrbitControls::OFF,
         }
     }

@@ -3,10 +3,15 @@
 //! It is a plain value: the overlay draws it, keys and pointer change it, and what they ask for is done by the stage.
 //! Names of choices come from the tables of [`crate::config::Choice`].
 
+mod staging;
+
 use winit::keyboard::{Key, NamedKey};
 
+use super::monitors::Monitor;
 use super::sound::SHIFT_STEP_MS;
-use crate::config::{Choice, Choices, FollowChoice, QualityChoice, StageChoices};
+#[cfg(doc)]
+use crate::config::StageChoices;
+use crate::config::{Choice, Choices, FollowChoice, QualityChoice};
 use crate::placement::Flip;
 use mariana_field::world::ToneMap;
 use mariana_music::Gain;
@@ -33,6 +38,8 @@ pub enum Fact {
     LastTracks,
     /// See [`Choices::hints`].
     Hints,
+    /// The picture also fills the monitor with this name; none is the window alone.
+    Screen(Option<String>),
     /// See [`StageChoices::brightness`].
     Brightness,
     /// See [`StageChoices::blackout_fade`].
@@ -103,6 +110,8 @@ pub enum SettingChange {
     LastTracks(bool),
     /// See [`Choices::hints`].
     Hints(bool),
+    /// To fill the monitor with this name with the picture, too, or none.
+    Screen(Option<String>),
     /// See [`StageChoices::brightness`].
     Brightness {
         /// 0..100.
@@ -135,6 +144,8 @@ pub(super) struct Facts<'a> {
     pub remembered: &'a Choices,
     /// The outputs; none where no song can play.
     pub outputs: Vec<Output>,
+    /// The monitors that are there.
+    pub monitors: Vec<Monitor>,
     /// Whether the command line names the output.
     pub output_for_this_run: bool,
     /// The shift of the picture, in milliseconds.
@@ -278,7 +289,8 @@ fn change_to(fact: &Fact, value: usize) -> Option<SettingChange> {
         Fact::Follow => SettingChange::Follow(at(value)?),
         Fact::LastTracks => SettingChange::LastTracks(at(value)?),
         Fact::Hints => SettingChange::Hints(at(value)?),
-        Fact::BlackoutFade => SettingChange::BlackoutFade(FADES.get(value)?.0),
+        Fact::BlackoutFade => SettingChange::BlackoutFade(staging::fade(value)?),
+        Fact::Screen(name) => SettingChange::Screen(name.clone()),
         Fact::Flip => SettingChange::Flip(at(value)?),
     })
 }
@@ -304,46 +316,6 @@ fn row_of<T: Choice>(fact: Fact, name: &str, meaning: &str, now: T, remembered: 
 
 /// What an arrow adds to percent.
 const PERCENT_STEP: f64 = 5.0;
-
-/// Times of a fade that can be chosen, in seconds. The command line takes any.
-const FADES: [(f64, &str); 5] = [(0.0, "0 s"), (0.5, "0.5 s"), (1.0, "1 s"), (2.0, "2 s"), (5.0, "5 s")];
-
-/// The rows of how pictures come onto screens.
-fn staging(now: &StageChoices, remembered: &StageChoices) -> [SettingRow; 3] {
-    [
-        SettingRow {
-            fact: Fact::Brightness,
-            name: "Brightness".to_owned(),
-            meaning:
-                "How much of its light the picture has, in the window and wherever it is sent; X is blackout"
-                    .to_owned(),
-            values: Values::Percent(f64::from(now.brightness)),
-            for_this_run: now.brightness != remembered.brightness,
-        },
-        SettingRow {
-            fact: Fact::BlackoutFade,
-            name: "Blackout fade".to_owned(),
-            meaning:
-                "How long a blackout (X) takes to come and to go, and a picture that was held (Z) to give way"
-                    .to_owned(),
-            values: Values::Names {
-                names: FADES.iter().map(|(_, name)| *name).collect(),
-                present: FADES
-                    .iter()
-                    .position(|(seconds, _)| *seconds == now.blackout_fade)
-                    .unwrap_or(FADES.len()),
-            },
-            for_this_run: now.blackout_fade != remembered.blackout_fade,
-        },
-        row_of(
-            Fact::Flip,
-            "Mirror",
-            "Mirrors the picture, for projectors; Y moves its corners",
-            now.flip,
-            remembered.flip,
-        ),
-    ]
-}
 
 fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
     let Facts { choices: now, remembered, .. } = facts;
@@ -408,7 +380,14 @@ fn rows(facts: &Facts<'_>) -> Vec<SettingRow> {
             remembered.hints,
         ),
     ];
-    outputs.chain([latency]).chain(choices).chain(staging(&now.stage, &remembered.stage)).collect()
+    let screens =
+        staging::screens(&facts.monitors, now.stage.output.as_deref(), remembered.stage.output.as_deref());
+    outputs
+        .chain([latency])
+        .chain(choices)
+        .chain(screens)
+        .chain(staging::rows(&now.stage, &remembered.stage))
+        .collect()
 }
 
 /// A shift by pointer, in milliseconds: in steps, and within the limits.
@@ -438,6 +417,7 @@ pub(crate) mod tests {
             choices,
             remembered: &Choices::default(),
             outputs: [None].into_iter().chain(ids.iter().copied().map(Some)).map(output).collect(),
+            monitors: Vec::new(),
             output_for_this_run: false,
             shift: 35.0,
             device: Some("USB"),

@@ -12,12 +12,15 @@ use winit::event_loop::EventLoop;
 use super::accessibility::ControlsTeller;
 use super::announcer::{TrackOrder, next_repeat};
 use super::error::AppError;
+use super::feeds::Sends;
 use super::keys::Action;
 use super::media_controls::Asked;
+use super::monitors;
 use super::overlay::Request;
 use super::scene_stage::{LoadedScene, SceneLoader, SceneLoaders};
 use super::stage::{Opening, Stage, renewed};
-use super::window::{OpenWindow, WindowWishes};
+use super::wallpaper::{FPS, around, of_screen_saver};
+use super::window::{Ground, OpenWindow, WindowWishes};
 use super::window_thread::{self, Message, Typing, Waker, inbox};
 use crate::config::{Memory, PlaySettings};
 use crate::export::painter::SceneChoice;
@@ -42,10 +45,14 @@ pub fn run(
     memory: Memory,
 ) -> anyhow::Result<()> {
     let started = Instant::now();
+    let (settings, ground) = on_ground(settings)?;
     let unplayable = tracks.as_ref().filter(|tracks| !tracks.playable);
     if let (true, Some(trouble)) = (settings.once, unplayable.and_then(|tracks| tracks.troubles.last())) {
         return Err(AppError::SongLost(trouble.clone()).into());
     }
+    // A place that nothing can be sent to ends it before anything shows.
+    let sends = Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)
+        .map_err(AppError::from)?;
     let (waker, inbox) = inbox();
     let drafts = Drafts::default();
     let (shown, first) = load_first(&scene, &waker, &drafts)?;
@@ -70,17 +77,28 @@ pub fn run(
         place: settings.place,
         visible: !settings.gl_info,
         log_debug: scene.verbose,
+        ground,
     };
     let of_show = waker.clone();
-    let controls = ControlsTeller::new(&event_loop);
+    let (controls, proxy) = (ControlsTeller::new(&event_loop), event_loop.create_proxy());
     let typing = Typing::default();
     let of_window = typing.clone();
     let play = move |window: OpenWindow| {
         if settings.gl_info {
             return Ok(print_line(&window.bind()?.gl().info().to_string())?);
         }
-        let opening =
-            Opening { tracks, settings: &settings, scene: &scene, memory, loaders, first, controls, drafts };
+        let opening = Opening {
+            tracks,
+            settings: &settings,
+            scene: &scene,
+            memory,
+            loaders,
+            first,
+            controls,
+            drafts,
+            proxy,
+            sends,
+        };
         let stage = opening.stage(window, &of_show)?;
         let mut show = Show { settings, started, stage, typing: of_window.clone(), over: false };
         let mut renewed_at: Option<Instant> = None;
@@ -100,12 +118,45 @@ pub fn run(
                     }
                     tracing::info!("{}", show.stage.frame_times());
                     tracing::info!("{}", show.stage.typing_times());
+                    tracing::info!("from message to frame: {}", show.stage.message_times());
                     return ended;
                 }
             }
         }
     };
     Ok(window_thread::run(event_loop, wishes, &waker, typing, Box::new(play))?)
+}
+
+/// The settings of a run whose window is the desktop's ground, or in a screen saver's window; others as they are.
+///
+/// # Errors
+/// There is nothing to draw on.
+fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option<Ground>)> {
+    let ground = if settings.wallpaper {
+        // A window of XWayland is no ground of a Wayland desktop.
+        let is_wayland = std::env::var_os("WAYLAND_DISPLAY").is_some_and(|display| !display.is_empty());
+        anyhow::ensure!(
+            !is_wayland,
+            "a wallpaper needs X11, and this session is one of Wayland: start Mariana in an X11 session"
+        );
+        let monitors =
+            monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
+        let place = around(&monitors).ok_or_else(|| anyhow::anyhow!("there is no monitor: connect one"))?;
+        Some(Ground::Desktop(place))
+    } else {
+        of_screen_saver().map_err(anyhow::Error::msg)?.map(|(window, size)| Ground::Within(window, size))
+    };
+    if let Some(ground) = &ground {
+        settings.size = match ground {
+            Ground::Desktop((_, size)) | Ground::Within(_, size) => *size,
+        };
+        settings.fps_cap = settings.fps_cap.or(Some(FPS));
+        settings.choices.hints = false;
+        settings.choices.stage.output = None;
+        // It takes no window's place.
+        (settings.remembered, settings.fullscreen, settings.place) = (false, false, None);
+    }
+    Ok((settings, ground))
 }
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
@@ -184,6 +235,9 @@ impl Show {
                         }
                         self.typing.set(self.stage.takes_text());
                     }
+                    Message::Monitors(monitors) => self.stage.note_monitors(monitors),
+                    Message::Output(window) => self.stage.take_output(window),
+                    Message::OutputEvent(event) => self.stage.take_output_event(&event),
                     Message::Assistance(assistance) => self.stage.assist(assistance),
                     Message::Wake => {}
                     Message::End => return Ok(()),

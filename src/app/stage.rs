@@ -9,6 +9,7 @@ mod hands;
 mod leaving;
 mod mastering;
 mod opening;
+mod outputs;
 mod panels;
 mod recording;
 mod sending;
@@ -35,6 +36,7 @@ use super::keys::Action;
 use super::listening::Listening;
 use super::masters::Masters;
 use super::media_controls::Asked;
+use super::output::Output;
 use super::overlay::{Overlay, Panel, Request};
 use super::pointer_rest::PointerRest;
 use super::recording::Recording;
@@ -43,6 +45,7 @@ use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
 use super::typing_times::TypingTimes;
 use super::user_input::{UserInput, Wish};
+use super::wallpaper::{Rect, Wallpaper};
 use super::window::GlWindowContext;
 use super::window_thread::Waker;
 use crate::config::{Choices, PlaySettings};
@@ -104,6 +107,12 @@ pub(super) struct Stage {
     overlay: Overlay,
     /// When the words of a window without a picture were last shown, and in which size.
     waited: Option<(Instant, (u32, u32))>,
+    /// The picture on another monitor.
+    output: Output,
+    /// If the window is the desktop's ground.
+    wallpaper: Option<Wallpaper>,
+    /// Where it was moved last.
+    grounded_at: Option<Rect>,
     // Last: everything above that holds OpenGL objects is dropped first.
     pub(super) window: GlWindowContext,
 }
@@ -350,6 +359,7 @@ impl Stage {
         self.tell_recording();
         let now = Instant::now();
         self.reports.update(now);
+        self.update_output();
         let to_send = self.send(now)?;
         let edited = self.scene.saves_samples(now);
         // A picture that was begun is not begun again because the text rests.
@@ -366,9 +376,16 @@ impl Stage {
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
         // A picture that is held changes no more.
         let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
-        let moving = changes || self.is_dimming(now) || overlay_due.is_some_and(|due| due <= now);
+        let moving = changes
+            || self.is_dimming(now)
+            || self.output.is_stale()
+            || overlay_due.is_some_and(|due| due <= now);
         // The first picture starts the song, seen or not.
-        let seen = !self.occluded || self.pace.shown().is_none() || self.feeds.are_any();
+        let rests = self.wallpaper.as_ref().is_some_and(Wallpaper::rests);
+        let seen = !(self.occluded || rests)
+            || self.pace.shown().is_none()
+            || self.feeds.are_any()
+            || self.output.size().is_some();
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.

@@ -2,6 +2,8 @@
 
 #![expect(unsafe_code, reason = "creating contexts from window handles is unsafe in glutin")]
 
+mod second;
+
 use std::cell::Cell;
 use std::num::NonZeroU32;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -23,9 +25,12 @@ use winit::window::{Fullscreen, Window, WindowAttributes};
 
 use super::error::AppError;
 use super::identity;
+use super::wallpaper::Rect;
 use crate::gpu::background::WorkerContext;
 use crate::gpu::error::GpuError;
 use crate::gpu::gl::Gl;
+use second::grounded;
+pub(super) use second::{Ground, SecondSurface, open_output};
 
 /// Which window to open.
 pub(super) struct WindowWishes {
@@ -39,6 +44,8 @@ pub(super) struct WindowWishes {
     pub visible: bool,
     /// Whether the driver's messages are logged.
     pub log_debug: bool,
+    /// What it is to be instead of a window among others.
+    pub ground: Option<Ground>,
 }
 
 /// A window without a context yet. It is opened on the thread of the window's events and bound on the thread that
@@ -103,7 +110,7 @@ impl OpenWindow {
             Some((x, y)) => attributes.with_position(PhysicalPosition::new(x, y)),
             None => attributes,
         };
-        let attributes = identity::told_by(attributes);
+        let attributes = grounded(identity::told_by(attributes), wishes.ground);
         let template =
             ConfigTemplateBuilder::new().with_alpha_size(0).with_depth_size(0).with_stencil_size(0);
         let builder = DisplayBuilder::new()
@@ -119,6 +126,11 @@ impl OpenWindow {
             .ok_or_else(|| no_context(&"none of the driver's pixel formats fits a window"))?
             .map_err(|error| no_context(&error))?;
         let window = window.ok_or_else(|| AppError::NoContext("the system opened no window".into()))?;
+        if wishes.ground.is_some()
+            && let Err(error) = window.set_cursor_hittest(false)
+        {
+            tracing::warn!("clicks do not go through the wallpaper: {error}");
+        }
         let size = window.inner_size().into();
         let place = window.outer_position().ok().map(Into::into);
         let millihertz = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
@@ -130,6 +142,11 @@ impl OpenWindow {
     /// The window.
     pub(super) fn window(&self) -> Arc<Window> {
         self.window.clone()
+    }
+
+    /// What other windows must be like for its context to draw into them.
+    pub(super) fn config(&self) -> glutin::config::Config {
+        self.config.clone()
     }
 
     /// Makes a context for it and makes it current on this thread.
@@ -256,6 +273,12 @@ impl GlWindowContext {
     /// Whether the window is in full screen.
     pub(super) fn is_fullscreen(&self) -> bool {
         self.window.fullscreen().is_some()
+    }
+
+    /// Moves it to a rectangle of the desktop.
+    pub(super) fn fill(&self, ((x, y), (width, height)): Rect) {
+        self.window.set_outer_position(PhysicalPosition::new(x, y));
+        let _ = self.window.request_inner_size(PhysicalSize::new(width, height));
     }
 
     /// Enters or leaves full screen.

@@ -19,7 +19,8 @@ use winit::window::{Window, WindowId};
 use super::accessibility::{Accessibility, Assistance};
 use super::error::AppError;
 use super::keys::{self, Action};
-use super::window::{OpenWindow, WindowWishes};
+use super::monitors::Monitor;
+use super::window::{OpenWindow, WindowWishes, open_output};
 use crate::ending::{self, Signal};
 use crate::export::print::tell;
 
@@ -30,6 +31,12 @@ const END_WAIT: Duration = Duration::from_secs(6);
 pub(super) enum Message {
     /// Something happened to the window.
     Window(WindowEvent),
+    /// These monitors are there, where X11 does not tell.
+    Monitors(Vec<Monitor>),
+    /// The window of the output, which was asked for.
+    Output(Arc<Window>),
+    /// Something happened to it.
+    OutputEvent(WindowEvent),
     /// Assistive technology asks for something.
     Assistance(Assistance),
     /// Another thread has something for the show.
@@ -82,6 +89,10 @@ pub(super) enum Told {
     Assistance(Assistance),
     /// The show has these controls now.
     Controls(Box<TreeUpdate>),
+    /// The show wants a window for its output on this monitor.
+    OpenOutput(Monitor),
+    /// It needs that no longer.
+    CloseOutput,
 }
 
 /// A show: everything that happens on its thread, from the window to the end.
@@ -114,6 +125,7 @@ pub(super) fn run(
         ends_by: None,
         show_ended: false,
         held: ModifiersState::empty(),
+        monitors: Vec::new(),
         typing,
         result: Ok(()),
     };
@@ -137,6 +149,8 @@ struct Front {
     show_ended: bool,
     /// The keys that are held and change what others do.
     held: ModifiersState,
+    /// Those of Wayland.
+    monitors: Vec<Monitor>,
     typing: Typing,
     result: Result<(), AppError>,
 }
@@ -146,13 +160,15 @@ struct Running {
     // Both are dropped here, after the show, on the thread that made them.
     accessibility: Accessibility,
     window: Arc<Window>,
+    config: glutin::config::Config,
+    output: Option<Arc<Window>>,
 }
 
 impl Front {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), AppError> {
         let Some((wishes, play)) = self.begins_with.take() else { return Ok(()) };
         let (visible, opened) = (wishes.visible, OpenWindow::open(event_loop, &wishes)?);
-        let window = opened.window();
+        let (window, config) = (opened.window(), opened.config());
         let accessibility = Accessibility::new(event_loop, &window, self.proxy.clone());
         window.set_visible(visible);
         let proxy = self.proxy.clone();
@@ -163,7 +179,7 @@ impl Front {
         };
         let thread = std::thread::Builder::new().name("show".into());
         let show = thread.spawn(show).map_err(|error| AppError::NoThread(error.to_string()))?;
-        self.running = Some(Running { show, accessibility, window });
+        self.running = Some(Running { show, accessibility, window, config, output: None });
         Ok(())
     }
 
@@ -173,7 +189,9 @@ impl Front {
             return;
         }
         let Some(running) = &self.running else { return event_loop.exit() };
-        running.window.set_visible(false);
+        for window in std::iter::once(&running.window).chain(&running.output) {
+            window.set_visible(false);
+        }
         let _ = self.messages.send(Message::End);
         let until = Instant::now() + END_WAIT;
         self.ends_by = Some(until);
@@ -203,7 +221,20 @@ impl ApplicationHandler<Told> for Front {
         }
     }
 
-    fn window_event(&mut self, event_loop: &ActiveEventLoop, _window: WindowId, event: WindowEvent) {
+    fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
+        let output = self.running.as_ref().and_then(|running| running.output.as_ref());
+        // Keys are the show's in whichever window they are pressed.
+        let is_key = matches!(event, WindowEvent::KeyboardInput { .. } | WindowEvent::ModifiersChanged(_));
+        if output.is_some_and(|output| output.id() == window) && !is_key {
+            if self.ends_by.is_none() {
+                let _ = self.messages.send(Message::OutputEvent(event));
+            }
+            return;
+        }
+        if !is_key && self.running.as_ref().is_some_and(|running| running.window.id() != window) {
+            // Of an output that is closed.
+            return;
+        }
         if let WindowEvent::ModifiersChanged(modifiers) = &event {
             self.held = modifiers.state();
         }
@@ -228,6 +259,21 @@ impl ApplicationHandler<Told> for Front {
             Told::Assistance(assistance) => {
                 let _ = self.messages.send(Message::Assistance(assistance));
             }
+            Told::OpenOutput(monitor) => {
+                let Some(running) = self.running.as_mut().filter(|_| self.ends_by.is_none()) else { return };
+                match open_output(event_loop, &running.config, &monitor) {
+                    Ok(window) => {
+                        running.output = Some(window.clone());
+                        let _ = self.messages.send(Message::Output(window));
+                    }
+                    Err(error) => tracing::warn!("{error}"),
+                }
+            }
+            Told::CloseOutput => {
+                if let Some(running) = &mut self.running {
+                    running.output = None;
+                }
+            }
             Told::Controls(controls) => {
                 if let Some(running) = &mut self.running {
                     running.accessibility.show(*controls);
@@ -237,6 +283,12 @@ impl ApplicationHandler<Told> for Front {
     }
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
+        if let Some(monitors) = monitors_of_wayland(event_loop)
+            && self.monitors != monitors
+        {
+            self.monitors.clone_from(&monitors);
+            let _ = self.messages.send(Message::Monitors(monitors));
+        }
         if self.ends_by.is_some_and(|until| Instant::now() >= until) {
             tracing::info!("a driver holds up the show: the program ends without it");
             event_loop.exit();
@@ -244,7 +296,7 @@ impl ApplicationHandler<Told> for Front {
     }
 
     fn exiting(&mut self, _event_loop: &ActiveEventLoop) {
-        let Some(Running { show, accessibility, window }) = self.running.take() else { return };
+        let Some(Running { show, accessibility, window, output, .. }) = self.running.take() else { return };
         if !self.show_ended && self.ends_by.is_none() {
             // Nobody asked for the end: the window system has gone, and the show may wait for it for ever.
             end_without_display();
@@ -261,8 +313,30 @@ impl ApplicationHandler<Told> for Front {
             Err(AppError::Window { doing: "to continue", reason })
         });
         drop(accessibility);
+        drop(output);
         drop(window);
     }
+}
+
+/// The monitors, where they are Wayland's: from the left to the right.
+#[cfg(all(unix, not(target_os = "macos")))]
+fn monitors_of_wayland(event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
+    use winit::platform::wayland::ActiveEventLoopExtWayland;
+    if !event_loop.is_wayland() {
+        return None;
+    }
+    let known = |monitor: winit::monitor::MonitorHandle| {
+        let (place, size) = (monitor.position().into(), monitor.size().into());
+        Some(Monitor { name: monitor.name()?, place, size })
+    };
+    let mut monitors: Vec<Monitor> = event_loop.available_monitors().filter_map(known).collect();
+    monitors.sort_by_key(|monitor| monitor.place);
+    Some(monitors)
+}
+
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+fn monitors_of_wayland(_event_loop: &ActiveEventLoop) -> Option<Vec<Monitor>> {
+    None
 }
 
 /// Ends the process, whose display has gone, and says so.

@@ -165,6 +165,16 @@ mod tests {
     }
 
     #[test]
+    fn rates_of_osc_are_those_of_the_limits() {
+        let (least, most) = (CONTROL_LIMITS.osc_rate_min, CONTROL_LIMITS.osc_rate_max);
+        assert_eq!(parse_osc_rate(&least.to_string()), Ok(least));
+        assert_eq!(parse_osc_rate(&most.to_string()), Ok(most));
+        for rate in [least / 2.0, most + 1.0, f64::NAN] {
+            assert!(parse_osc_rate(&rate.to_string()).is_err(), "{rate}");
+        }
+    }
+
+    #[test]
     fn numbers_outside_the_limits_and_non_numbers_are_refused() {
         for text in [
             "nan", "inf", "-1", "1e9", "x", "", ":", "1:", ":5", "1:-5", "1:60", "-1:5", "1:60:00",

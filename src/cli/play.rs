@@ -18,7 +18,7 @@ use crate::config::{
 };
 use crate::demo_track::DEMO_TRACK;
 use crate::export::painter::SceneChoice;
-use crate::export::print::tell;
+use crate::export::print::{print_line, tell};
 use crate::limits::LIMITS;
 use crate::program_cache::ProgramCache;
 use mariana_control::osc::Place;
@@ -142,6 +142,9 @@ fn check_scale_factor() -> anyhow::Result<()> {
 pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
     let common = arguments.common.start_log();
     check_scale_factor()?;
+    if arguments.staging.lists_monitors() {
+        return list_monitors();
+    }
     let listen = match (arguments.mic, arguments.system) {
         (true, _) => Some(ListenChoice::Microphone),
         (false, true) => Some(ListenChoice::System),
@@ -191,6 +194,7 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         size: arguments.size.or(last.size.filter(|size| fits(*size))).unwrap_or(SIZE),
         // A window of another size might reach beyond the screen there.
         place: last.place.filter(|_| arguments.size.is_none()),
+        wallpaper: false,
         sends: Vec::new(),
         send_size: None,
         send_fps: 0.0,
@@ -235,6 +239,17 @@ pub(super) fn run(arguments: PlayArguments) -> anyhow::Result<()> {
         (None, None) => Some(open_songs(&songs, repeat, arguments.shuffle)?),
     };
     app::run(tracks, settings, scene, Memory { file, trouble })
+}
+
+/// Prints the monitors, with the numbers and names that --output takes.
+fn list_monitors() -> anyhow::Result<()> {
+    let monitors =
+        app::monitors::present().map_err(|reason| anyhow::anyhow!("{reason}: start Mariana there"))?;
+    for (number, monitor) in monitors.iter().enumerate() {
+        let (x, y) = monitor.place;
+        print_line(&format!("{} {monitor} at {x},{y}", number + 1))?;
+    }
+    Ok(())
 }
 
 /// Size of the first window, in pixels.

@@ -31,6 +31,14 @@ pub(super) struct StagingArguments {
     /// for a projector that stands aslant. 'off' is the window's own corners [default: where Y has put them]
     #[arg(long, value_name = "X,Y,X,Y,X,Y,X,Y", value_parser = parse_corners, allow_hyphen_values = true)]
     corners: Option<Corners>,
+    /// Fill a monitor with the clean picture, by its name or number, while the window stays beside it; 'list' tells which
+    /// there are, 'off' fills none [default: what was chosen in the window]
+    #[arg(long, value_name = "MONITOR")]
+    output: Option<String>,
+    /// Be the desktop's ground on X11: below every window, on every monitor, for the eyes alone; at most 30 frames a second
+    /// unless --fps-cap says otherwise. It rests while windows cover it, and on battery. Media keys pause the song
+    #[arg(long, conflicts_with_all = ["output", "fullscreen", "size"])]
+    wallpaper: bool,
     /// Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS
     /// or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once
     #[arg(long, value_name = "TO")]
@@ -44,6 +52,11 @@ pub(super) struct StagingArguments {
 }
 
 impl StagingArguments {
+    /// Whether the monitors are to be listed.
+    pub(super) fn lists_monitors(&self) -> bool {
+        self.output.as_deref() == Some("list")
+    }
+
     /// Notes in `settings` where pictures go.
     ///
     /// # Errors
@@ -51,13 +64,14 @@ impl StagingArguments {
     pub(super) fn tell(&self, settings: &mut PlaySettings) -> anyhow::Result<()> {
         anyhow::ensure!(
             self.send.len() <= LIMITS.sends_max,
-            "pictures can be sent to at most {} places, not {}: leave some --send out",
+            "pictures can be sent to at most {} places, not {}: give fewer",
             LIMITS.sends_max,
             self.send.len()
         );
         if self.send.contains(&SendWish::Y4m(None)) {
             refuse_a_terminal(&Output::Standard, "mariana --send y4m:- | mpv -")?;
         }
+        settings.wallpaper = self.wallpaper;
         (settings.sends, settings.send_size) = (self.send.clone(), self.send_size);
         settings.send_fps = self.send_fps;
         Ok(())
@@ -71,6 +85,11 @@ impl StagingArguments {
             flip: self.flip.unwrap_or(remembered.flip),
             crop: self.crop.unwrap_or(remembered.crop),
             corners: self.corners.unwrap_or(remembered.corners),
+            output: match self.output.as_deref() {
+                Some("off") => None,
+                Some(name) => Some(name.to_owned()),
+                None => remembered.output.clone(),
+            },
         }
     }
 }

@@ -139,6 +139,8 @@ pub struct PlaySettings {
     pub size: (u32, u32),
     /// Where on the desktop the window opens, in pixels; none lets the system choose.
     pub place: Option<(i32, i32)>,
+    /// The picture is the desktop's ground.
+    pub wallpaper: bool,
     /// Hands from outside.
     pub hands: HandSettings,
     /// Where pictures are sent.

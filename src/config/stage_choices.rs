@@ -25,6 +25,9 @@ pub struct StageChoices {
     /// Where their corners lie.
     #[serde(skip_serializing_if = "is_default")]
     pub corners: Corners,
+    /// The monitor that the picture fills besides the window, by name or number; none is none.
+    #[serde(skip_serializing_if = "is_default")]
+    pub output: Option<String>,
 }
 
 /// How long a blackout takes where nothing else is chosen, in seconds.
@@ -38,6 +41,7 @@ impl Default for StageChoices {
             flip: Flip::default(),
             crop: Crop::default(),
             corners: Corners::default(),
+            output: None,
         }
     }
 }
@@ -80,7 +84,9 @@ mod tests {
         assert_eq!(toml::to_string(&StageChoices::default()).unwrap(), "");
         let corners = Corners::default().with(1, [0.9, 0.1]).unwrap();
         let crop = Crop::try_from([1.0, 2.0, 3.0, 4.5]).unwrap();
-        let chosen = StageChoices { brightness: 7, blackout_fade: 2.5, flip: Flip::Vertical, crop, corners };
+        let output = Some("HDMI-1".to_owned());
+        let chosen =
+            StageChoices { brightness: 7, blackout_fade: 2.5, flip: Flip::Vertical, crop, corners, output };
         let text = toml::to_string(&chosen).unwrap();
         assert_eq!(toml::from_str::<StageChoices>(&text).unwrap(), chosen, "{text}");
         for text in [

@@ -111,7 +111,7 @@ impl ShowPainter {
             let held = from.0.held.followed_by(&to.0.held, scenes.0.params.len());
             let staging = Staging { params: &params, held: &held, camera: None };
             let frame = Frame::staged(model.world(), time, sound, size, &staging);
-            let frame = frame.by_hand(model.world(), moment.stay.hand_at(time));
+            let frame = frame.by_hand(model.world(), OrbitControls::of_turns(moment.stay.turns_at(time)));
             return self.easel.draw(&model, frame);
         }
         let (under, under_frame) = self.frame(leaving, time, sound.clone(), size)?;
@@ -136,7 +136,7 @@ impl ShowPainter {
         let model = self.model(Drawn::Scene(stay.scene.clone()), |_| Ok(ready))?;
         let staging = Staging { params: &params, held: &held, camera };
         let frame = Frame::staged(model.world(), time, sound, size, &staging);
-        let frame = frame.by_hand(model.world(), stay.hand_at(time));
+        let frame = frame.by_hand(model.world(), OrbitControls::of_turns(stay.turns_at(time)));
         Ok((model, frame))
     }
 

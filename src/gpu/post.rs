@@ -252,11 +252,17 @@ impl Passes {
         self.draw_with(program, target, [0.0; 2])
     }
 
-    /// Draws all over the window's framebuffer of `window` pixels with what is bound.
+    /// Draws all over the window's framebuffer of `window` pixels with what is bound, or only in an area: left and lower
+    /// edge, width and height in pixels.
     ///
     /// # Errors
     /// As [`Passes::draw`].
-    pub(super) fn draw_in_window(&self, program: &LazyProgram, window: (u32, u32)) -> Result<(), GpuError> {
+    pub(super) fn draw_in_window(
+        &self,
+        program: &LazyProgram,
+        window: (u32, u32),
+        area: Option<[i32; 4]>,
+    ) -> Result<(), GpuError> {
         self.post.set(&[1.0 / window.0.max(1) as f32, 1.0 / window.1.max(1) as f32, 0.0, 0.0]);
         program.bind(&self.gl)?;
         // SAFETY: plain state and a draw on objects of ours, in the current context.
@@ -267,7 +273,12 @@ impl Passes {
             }
             gl.bind_framebuffer(glow::FRAMEBUFFER, None);
             gl.viewport(0, 0, window.0.cast_signed(), window.1.cast_signed());
+            if let Some([x, y, width, height]) = area {
+                gl.enable(glow::SCISSOR_TEST);
+                gl.scissor(x, y, width.max(0), height.max(0));
+            }
             gl.draw_arrays(glow::TRIANGLES, 0, 3);
+            gl.disable(glow::SCISSOR_TEST);
         }
         Ok(())
     }

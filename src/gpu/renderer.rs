@@ -333,7 +333,7 @@ impl Renderer {
                 picture.bind_color(0, unit_of("picture"));
                 // SAFETY: the vertex array is ours.
                 unsafe { self.gl.bind_vertex_array(Some(self.vertices.native())) }
-                self.post.passes().draw_in_window(upscale, window)?;
+                self.post.passes().draw_in_window(upscale, window, None)?;
             }
             _ => picture.blit_to_window(window),
         }

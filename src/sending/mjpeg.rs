@@ -101,6 +101,7 @@ fn serve(stream: TcpStream, newest: &Newest, readers: &Readers) {
     tracing::info!("{} has a reader", newest.to());
     let _ = stream.set_write_timeout(Some(ANSWER_TIME));
     let gone = answer(stream, newest, readers).err();
+    newest.has_lost_receiver();
     tracing::info!("a reader of {} has gone ({gone:?})", newest.to());
 }
 

@@ -70,6 +70,11 @@ impl Sending {
         self.newest.put(picture);
     }
 
+    /// Whether somebody takes pictures, or waits for the first.
+    pub fn is_wanted(&self) -> bool {
+        self.newest.is_wanted()
+    }
+
     /// What there is to say of the receiver since the last call.
     pub fn news(&self) -> Vec<String> {
         self.newest.news()

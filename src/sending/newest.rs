@@ -29,6 +29,7 @@ struct State {
     picture: Option<(u64, Picture)>,
     count: u64,
     over: bool,
+    receivers: usize,
     news: Vec<String>,
     /// Since when a receiver takes a picture.
     writing: Option<Instant>,
@@ -96,9 +97,26 @@ impl Newest {
         self.lock().news.push(sentence);
     }
 
-    /// Another receiver has come, of which nothing was told.
+    /// Another receiver has come, of which nothing was told. The first one waits for a picture of its own time.
     pub(super) fn has_receiver(&self) {
-        self.lock().told_slow = false;
+        let mut state = self.lock();
+        state.told_slow = false;
+        state.receivers += 1;
+        if state.receivers == 1 {
+            state.picture = None;
+        }
+    }
+
+    /// A receiver has gone.
+    pub(super) fn has_lost_receiver(&self) {
+        let mut state = self.lock();
+        state.receivers = state.receivers.saturating_sub(1);
+    }
+
+    /// Whether somebody takes pictures, or waits for the first.
+    pub(super) fn is_wanted(&self) -> bool {
+        let state = self.lock();
+        state.receivers > 0 || state.count == 0
     }
 
     /// Whether a receiver is taking a picture.
@@ -165,7 +183,17 @@ mod tests {
             matches!(&told[..], [one] if one.contains("a place") && one.contains("left out")),
             "{told:?}"
         );
+        assert!(newest.is_wanted(), "the first picture is");
+        newest.put(picture(1));
+        assert!(!newest.is_wanted());
         newest.has_receiver();
+        assert!(newest.is_wanted() && newest.lock().picture.is_none(), "an old picture is left");
+        newest.put(picture(2));
+        newest.has_receiver();
+        newest.has_lost_receiver();
+        assert!(newest.is_wanted() && newest.first() == Some(picture(2)));
+        newest.has_lost_receiver();
+        assert!(!newest.is_wanted());
         newest.note_slow();
         assert_eq!(newest.news().len(), 1);
         assert!(newest.news().is_empty());

@@ -54,7 +54,9 @@ fn send(mut receiver: impl Receiver, fps: f64, newest: &Newest) {
             }
         }
         tracing::info!("{} has a receiver", newest.to());
-        let Some(error) = feed(&mut receiver, period, newest) else { return };
+        let ended = feed(&mut receiver, period, newest);
+        newest.has_lost_receiver();
+        let Some(error) = ended else { return };
         if !receiver.can_come_again() {
             newest.tell(format!("whoever read {} has gone: no more pictures are sent there", newest.to()));
             return;
@@ -115,7 +117,7 @@ impl Fifo {
                 ));
             }
             Err(error) if error.kind() == ErrorKind::NotFound => {
-                return Err(refused("there is no such FIFO: make one with mkfifo"));
+                return Err(refused("there is no such FIFO: check the path, or make one with mkfifo"));
             }
             Err(error) => return Err(refused(&format!("{error}: check the path"))),
         }
@@ -226,8 +228,17 @@ mod tests {
         let (taken, pictures) = channel();
         let newest = Arc::new(Newest::new("a place".into()));
         start(Short { taken, pictures: 3, left: 0, times: 2 }, 500.0, newest.clone()).unwrap();
-        newest.put(Picture { size: (2, 2), rgba: Arc::new(vec![7; 16]) });
+        let feeder = newest.clone();
+        let feeds = std::thread::spawn(move || {
+            while !feeder.rest(Duration::from_millis(1)) {
+                if feeder.is_wanted() {
+                    feeder.put(Picture { size: (2, 2), rgba: Arc::new(vec![7; 16]) });
+                }
+            }
+        });
         assert_eq!(pictures.iter().collect::<Vec<_>>(), [7; 6]);
+        newest.end();
+        feeds.join().unwrap();
         let told = newest.news();
         let gone = |sentence: &String| sentence.contains("has gone: the next one");
         assert_eq!(told.iter().filter(|sentence| gone(sentence)).count(), 2, "{told:?}");

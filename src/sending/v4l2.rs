@@ -1,9 +1,6 @@
 //! A camera that other programs see, by v4l2loopback: a device that is told a format and then written to.
 
-#![expect(
-    unsafe_code,
-    reason = "a device is told its format by an ioctl of the kernel's interface for video"
-)]
+#![expect(unsafe_code, reason = "an ioctl of the kernel tells a device its format")]
 
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Write};

@@ -5,9 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use super::plan::Entrance;
-use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, When};
-use crate::frame::orbit_controls::OrbitControls;
+use super::plan::{Entrance, Move};
+use super::script::{Anchor, CAMERA_TURNS, Entry, Length, Script, Setting, Step, Transition, UNTURNED, When};
 use crate::limits::LIMITS;
 use mariana_field::lang::{Span, Way};
 
@@ -27,10 +26,25 @@ pub struct OnStage<'a> {
     pub entrance: Entrance,
     /// When it began to come, in seconds of the song.
     pub start: f64,
-    /// The names and values of its parameters, and the values that its text gives them.
-    pub params: Vec<(&'a str, f32, f32)>,
-    /// How the camera is moved by hand.
-    pub hand: OrbitControls,
+    /// Its parameters.
+    pub params: Vec<Turned<'a>>,
+    /// What a show does with its parameters.
+    pub moves: &'a [Move],
+    /// How the camera is moved by hand: the values of [`CAMERA_TURNS`].
+    pub turns: [f32; 3],
+}
+
+/// A parameter in a picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Turned<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its value.
+    pub value: f32,
+    /// The value that the scene's text gives it.
+    pub own: f32,
+    /// Whether a show moves it, and no other hand.
+    pub is_shown: bool,
 }
 
 /// See the module.
@@ -53,6 +67,8 @@ struct Played {
     begun: f64,
     /// When this part of it begins.
     start: f64,
+    /// What a show did with parameters.
+    moves: Vec<Move>,
     lines: BTreeMap<String, Line>,
 }
 
@@ -88,19 +104,37 @@ impl Performance {
             };
             let (scene, camera) = (seen.scene.to_owned(), seen.camera.map(str::to_owned));
             let (begun, lines) = (seen.start, BTreeMap::new());
-            self.scenes.push(Played { scene, camera, entrance, begun, start, lines });
+            self.scenes.push(Played {
+                scene,
+                camera,
+                entrance,
+                begun,
+                start,
+                moves: seen.moves.to_vec(),
+                lines,
+            });
         }
         let Some(played) = self.scenes.last_mut() else { return };
-        let off = OrbitControls::OFF.turns();
-        let turns = CAMERA_TURNS.into_iter().zip(seen.hand.turns().into_iter().zip(off));
-        let turns = turns.map(|(name, (value, own))| (name, value, own));
-        for (name, value, own) in seen.params.iter().copied().chain(turns) {
+        let turns = CAMERA_TURNS.into_iter().zip(seen.turns.into_iter().zip(UNTURNED));
+        let is_moved = |name: &str| seen.moves.iter().any(|one| one.param == name);
+        let turns = turns.map(|(name, (value, own))| Turned {
+            name,
+            value,
+            own,
+            is_shown: is_moved(name) && value.to_bits() == own.to_bits(),
+        });
+        for Turned { name, value, own, is_shown } in seen.params.iter().copied().chain(turns) {
             if !played.lines.contains_key(name) {
+                if is_shown {
+                    // The show moves it more evenly than pictures tell.
+                    continue;
+                }
                 if played.lines.len() >= LIMITS.show_settings_max {
                     self.is_full = true;
                     continue;
                 }
-                let points = vec![(played.start, value)];
+                let is_moved = played.moves.iter().any(|one| one.param == name);
+                let points = vec![(if is_moved { time } else { played.start }, value)];
                 played.lines.insert(name.to_owned(), Line { own, points });
             }
             let Some(line) = played.lines.get_mut(name) else { continue };
@@ -169,6 +203,18 @@ impl Line {
     }
 }
 
+/// What a show did, counted from `start` on.
+fn setting_of(one: &Move, start: f64) -> Setting {
+    let step = Step { to: one.to, over: Length::Seconds(one.seconds) };
+    let is_step = one.seconds > 0.0 || one.from.to_bits() != one.to.to_bits();
+    Setting {
+        param: one.param.clone(),
+        from: one.from,
+        steps: is_step.then_some(step).into_iter().collect(),
+        after: Length::Seconds(((one.start - start).max(0.0) * TICKS).round() / TICKS),
+    }
+}
+
 impl Played {
     /// Whether it is what is seen.
     fn is_of(&self, seen: &OnStage<'_>) -> bool {
@@ -185,7 +231,8 @@ impl Played {
         let length = if way == Way::Cut { Length::ZERO } else { Length::Seconds(seconds) };
         // Texts tell moments to the millisecond.
         let start = (self.start * 1e3).floor() / 1e3;
-        let settings = self.lines.iter().filter_map(|(param, line)| line.setting(param, start));
+        let moves = self.moves.iter().map(|one| setting_of(one, start));
+        let settings = moves.chain(self.lines.iter().filter_map(|(param, line)| line.setting(param, start)));
         Entry {
             when: When { anchor: Anchor::Time(start), offset: Length::ZERO },
             scene: self.scene.clone(),
@@ -231,37 +278,38 @@ mod tests {
                 if number == back {
                     // Back to the middle: what came later is played over.
                     time *= 0.5;
-                    seen.retain(|(at, ..): &(f64, &str, f32, OrbitControls)| *at < time);
+                    seen.retain(|(at, ..): &(f64, &str, f32, [f32; 3])| *at < time);
                     (scene, start) = ("again", time);
                 }
                 if let Some(change) = change {
                     (scene, start) = (["first", "second", "third"][usize::from(change)], time);
                 }
-                let hand = OrbitControls::of_turns([yaw, 0.0, 1.0]);
+                let turns = [yaw, 0.0, 1.0];
                 performance.note(begun + time, &OnStage {
                     scene,
                     camera: None,
                     entrance: Entrance::CUT,
                     start: begun + start,
-                    params: vec![("knob", knob, 0.5)],
-                    hand,
+                    params: vec![Turned { name: "knob", value: knob, own: 0.5, is_shown: false }],
+                    moves: &[],
+                    turns,
                 });
-                seen.push((time, scene, knob, hand));
+                seen.push((time, scene, knob, turns));
             }
             let text = print(&performance.script(), &[]);
             let script = parse("performed.show", &text).script;
             prop_assert!(script.is_some(), "{text}");
             let (plan, left_out) = resolve(&script.unwrap_or_default(), &SongStructure::default(), &[], |_, _| None);
             prop_assert!(left_out.is_empty());
-            for (time, scene, knob, hand) in seen {
+            for (time, scene, knob, turns) in seen {
                 let moment = plan.at(begun + time);
                 prop_assert_eq!(moment.map(|moment| moment.stay.scene.as_str()), Some(scene), "{}", text);
                 let stay = moment.map(|moment| moment.stay.clone());
                 let params = stay.as_ref().map(|stay| stay.params_at(begun + time)).unwrap_or_default();
                 let found = params.iter().find(|(name, _)| *name == "knob").map_or(0.5, |(_, value)| *value);
                 prop_assert_eq!(found.to_bits(), knob.to_bits(), "{} at {}: {}", found, begun + time, text);
-                let turned = stay.map_or(OrbitControls::OFF, |stay| stay.hand_at(begun + time));
-                prop_assert_eq!(turned, hand, "{}", text);
+                let turned = stay.map_or(UNTURNED, |stay| stay.turns_at(begun + time));
+                prop_assert_eq!(turned, turns, "{}", text);
             }
         }
     }
@@ -278,12 +326,39 @@ mod tests {
                     camera: Some("pole"),
                     entrance: Entrance::new(Way::Melt, 2.0),
                     start: 0.0,
-                    params: vec![("relief", 0.5, 0.5)],
-                    hand: OrbitControls::OFF,
+                    params: vec![Turned { name: "relief", value: 0.5, own: 0.5, is_shown: false }],
+                    moves: &[],
+                    turns: UNTURNED,
                 },
             );
         }
         assert_eq!(print(&performance.script(), &[]), "at 0:00  orb  camera pole  melt over 2 s\n");
+    }
+
+    #[test]
+    fn what_a_show_moves_is_its_own_until_a_hand_takes_it() {
+        let mut performance = Performance::default();
+        let moves = [Move { param: "swell".to_owned(), start: 12.0, seconds: 8.0, from: 0.0, to: 1.0 }];
+        for frame in 0..=160 {
+            // Ten pictures a second; a hand takes it at 20 s.
+            let time = 10.0 + f64::from(frame) / 10.0;
+            let value = if time < 20.0 { 0.125 * (time - 12.0).clamp(0.0, 8.0) as f32 } else { 0.25 };
+            performance.note(
+                time,
+                &OnStage {
+                    scene: "orb",
+                    camera: None,
+                    entrance: Entrance::CUT,
+                    start: 10.0,
+                    params: vec![Turned { name: "swell", value, own: 0.5, is_shown: time < 20.0 }],
+                    moves: &moves,
+                    turns: UNTURNED,
+                },
+            );
+        }
+        let wanted =
+            "at 0:10  orb  cut\n  set swell = 0 -> 1 over 8 s after 2 s\n  set swell = 0.25 after 10 s\n";
+        assert_eq!(print(&performance.script(), &[]), wanted);
     }
 
     #[test]
@@ -298,8 +373,9 @@ mod tests {
                     camera: None,
                     entrance: Entrance::CUT,
                     start: 0.0,
-                    params: vec![("relief", frame as f32, 0.5)],
-                    hand: OrbitControls::OFF,
+                    params: vec![Turned { name: "relief", value: frame as f32, own: 0.5, is_shown: false }],
+                    moves: &[],
+                    turns: UNTURNED,
                 },
             );
         }

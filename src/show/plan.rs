@@ -1,7 +1,6 @@
 //! A show in seconds.
 
-use super::script::CAMERA_TURNS;
-use crate::frame::orbit_controls::OrbitControls;
+use super::script::{CAMERA_TURNS, UNTURNED};
 use mariana_field::lang::{Param, Scene, Way};
 use mariana_field::world::{BlendKind, PortalShape};
 
@@ -147,17 +146,16 @@ impl Stay {
         self.moved_at(time).into_iter().map(|moved| (moved.name, moved.value)).collect()
     }
 
-    /// How it turns the camera of its scene at `time` seconds of the song.
-    pub fn hand_at(&self, time: f64) -> OrbitControls {
-        if !self.moves.iter().any(|one| CAMERA_TURNS.contains(&one.param.as_str())) {
-            return OrbitControls::OFF;
+    /// How it turns the camera of its scene at `time` seconds of the song: the values of [`CAMERA_TURNS`].
+    pub fn turns_at(&self, time: f64) -> [f32; 3] {
+        let mut turns = UNTURNED;
+        if self.moves.iter().any(|one| CAMERA_TURNS.contains(&one.param.as_str())) {
+            let moved = self.params_at(time);
+            for (turn, name) in turns.iter_mut().zip(CAMERA_TURNS) {
+                *turn = moved.iter().find(|(moved, _)| *moved == name).map_or(*turn, |(_, value)| *value);
+            }
         }
-        let moved = self.params_at(time);
-        let mut turns = OrbitControls::OFF.turns();
-        for (turn, name) in turns.iter_mut().zip(CAMERA_TURNS) {
-            *turn = moved.iter().find(|(moved, _)| *moved == name).map_or(*turn, |(_, value)| *value);
-        }
-        OrbitControls::of_turns(turns)
+        turns
     }
 
     /// The same with which of its movements each value is part of.

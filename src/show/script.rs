@@ -145,8 +145,9 @@ pub struct Step {
     pub over: Length,
 }
 
-/// What turns the camera of any scene as a hand in the window does: see [`OrbitControls::turns`]. No parameter has such a
-/// name.
-///
-/// [`OrbitControls::turns`]: crate::frame::orbit_controls::OrbitControls::turns
+/// What turns the camera of any scene as a hand in the window does: degrees to the left and upwards, and what the distance
+/// to its target is multiplied by. No parameter has such a name.
 pub const CAMERA_TURNS: [&str; 3] = ["camera yaw", "camera pitch", "camera zoom"];
+
+/// The values of [`CAMERA_TURNS`] of a scene's own camera.
+pub const UNTURNED: [f32; 3] = [0.0, 0.0, 1.0];

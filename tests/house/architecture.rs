@@ -120,6 +120,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("arboard", &["app"]),
     ("winit", &["app"]),
     ("x11_dl", &["app"]),
+    ("x11rb", &["app"]),
     // The overlay, the letters of legends, and the fonts of both.
     ("egui", &["app", "view", "system_fonts"]),
     ("fontdb", &["system_fonts"]),

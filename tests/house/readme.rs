@@ -15,9 +15,9 @@ fn the_addresses_of_osc_are_those_of_the_program() {
     use mariana::app::hands::page::{action_table, address_table, sent_line};
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/osc.md");
     let page = std::fs::read_to_string(&path).unwrap();
-    for part in [address_table(), action_table(), sent_line()] {
-        assert!(page.contains(&part), "docs/osc.md should read:\n{part}");
-    }
+    let parts = [address_table(), action_table(), sent_line()];
+    let missing: Vec<String> = parts.into_iter().filter(|part| !page.contains(part)).collect();
+    assert!(missing.is_empty(), "docs/osc.md should read:\n{}", missing.join("\n"));
 }
 
 #[test]

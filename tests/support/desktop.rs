@@ -9,6 +9,11 @@ use std::time::{Duration, Instant};
 use image::{Rgba, RgbaImage};
 use tempfile::TempDir;
 
+use x11rb::connection::Connection;
+use x11rb::protocol::randr::{ConnectionExt as _, MonitorInfo};
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat};
+use x11rb::rust_connection::RustConnection;
+
 use super::compare::{TIGHT, assert_alike, difference};
 use mariana_testing::process::{
     LOOK_PERIOD, Process, WAIT_LIMIT, output_of, private_folder, session_environment, wait_until,
@@ -143,6 +148,54 @@ impl Desktop {
         output_of(Command::new("kill").args(["-KILL", &number]), "procps").unwrap();
     }
 
+    /// What the whole screen shows.
+    pub(crate) fn screen(&self) -> RgbaImage {
+        let (server, root) = self.connect();
+        let (width, height) = (SCREEN.0 as u16, SCREEN.1 as u16);
+        let image = server.get_image(ImageFormat::Z_PIXMAP, root, 0, 0, width, height, u32::MAX).unwrap();
+        let image = image.reply().unwrap();
+        assert_eq!(image.data.len(), (4 * SCREEN.0 * SCREEN.1) as usize, "the screen's pixels are not BGRX");
+        RgbaImage::from_fn(SCREEN.0, SCREEN.1, |x, y| {
+            let at = 4 * (y * SCREEN.0 + x) as usize;
+            Rgba([image.data[at + 2], image.data[at + 1], image.data[at], 255])
+        })
+    }
+
+    /// Takes a part of the screen for a monitor of its own: its left edge and its width. Before the first, all of the
+    /// screen is one.
+    pub(crate) fn plug_monitor(&self, name: &str, left: i16, width: u16) {
+        let (server, root) = self.connect();
+        let outputs = server.randr_get_screen_resources_current(root).unwrap().reply().unwrap().outputs;
+        let info = MonitorInfo {
+            name: server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom,
+            primary: left == 0,
+            automatic: false,
+            x: left,
+            y: 0,
+            width,
+            height: SCREEN.1 as u16,
+            width_in_millimeters: 100,
+            height_in_millimeters: 100,
+            // Whoever has the only output takes the place of the monitor that was all of the screen.
+            outputs: if left == 0 { outputs } else { Vec::new() },
+        };
+        server.randr_set_monitor(root, info).unwrap().check().unwrap();
+    }
+
+    /// Takes such a monitor away.
+    pub(crate) fn pull_monitor(&self, name: &str) {
+        let (server, root) = self.connect();
+        let name = server.intern_atom(false, name.as_bytes()).unwrap().reply().unwrap().atom;
+        server.randr_delete_monitor(root, name).unwrap().check().unwrap();
+    }
+
+    /// A connection to the X server, and its root window.
+    pub(crate) fn connect(&self) -> (RustConnection, u32) {
+        let (server, number) = x11rb::connect(Some(&self.display)).unwrap();
+        let root = server.setup().roots[number].root;
+        (server, root)
+    }
+
     /// The display's name.
     pub(crate) fn display(&self) -> &str {
         &self.display
@@ -156,7 +209,17 @@ impl Desktop {
     }
 
     /// Runs `command`, which is the program with `song`, until its window shows.
-    pub(crate) fn show(&self, mut command: Command, song: &Path) -> App<'_> {
+    pub(crate) fn show(&self, command: Command, song: &Path) -> App<'_> {
+        let mut app = self.show_without_focus(command, song);
+        app.wait("the keyboard's focus", |app| {
+            let active = output_of(app.desktop.command("xdotool").arg("getactivewindow"), "xdotool").ok()?;
+            (String::from_utf8_lossy(&active).trim() == app.window).then_some(())
+        });
+        app
+    }
+
+    /// The same of a window that gets no keys.
+    pub(crate) fn show_without_focus(&self, mut command: Command, song: &Path) -> App<'_> {
         let mut process = Process::start(&mut command, "mariana");
         let printed = process.child().stdout.take().map(collect).unwrap_or_default();
         let told = collect(process.child().stderr.take().unwrap());
@@ -164,15 +227,12 @@ impl Desktop {
             App { desktop: self, process, song: song.to_owned(), printed, told, window: String::new() };
         app.wait("its window", |app| {
             let mut search = app.desktop.command("xdotool");
-            search.args(["search", "--onlyvisible", "--name", " - Mariana"]);
+            let own = app.process.id().to_string();
+            search.args(["search", "--all", "--onlyvisible", "--pid", &own, "--name", " - Mariana"]);
             let found = output_of(&mut search, "xdotool").ok()?;
             let found = String::from_utf8_lossy(&found);
             app.window = found.lines().next()?.to_owned();
             Some(())
-        });
-        app.wait("the keyboard's focus", |app| {
-            let active = output_of(app.desktop.command("xdotool").arg("getactivewindow"), "xdotool").ok()?;
-            (String::from_utf8_lossy(&active).trim() == app.window).then_some(())
         });
         app
     }

@@ -18,7 +18,7 @@ pub(crate) const RUN_LIMIT: Duration = Duration::from_secs(60);
 /// Words that tell the user what to do; every refusal has at least one.
 const ADVICE: &[&str] = &[
     "split", "change", "check", "choose", "convert", "correct", "end", "export", "fetch", "give", "install",
-    "name", "save", "send", "set", "start", "update", "write",
+    "name", "save", "send", "set", "start", "unset", "update", "write",
 ];
 
 /// What must not stand in anything that users read: panics, and places in source code.

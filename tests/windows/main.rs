@@ -3,6 +3,7 @@
 mod hostile;
 mod key_storm;
 mod playlist_window;
+mod walls;
 mod window;
 mod window_assisted;
 mod window_changes;
@@ -15,9 +16,11 @@ mod window_programs;
 mod window_quality;
 mod window_recording;
 mod window_scenes;
+mod window_sends;
 mod window_settings;
 mod window_shows;
 mod window_songs;
+mod window_stage;
 mod window_views;
 
 #[path = "../support/mod.rs"]

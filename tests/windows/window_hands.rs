@@ -1,10 +1,11 @@
-//! Hands from outside on a window: OSC through a real socket.
+//! Hands from outside on a window: OSC through a real socket, MIDI through ports that say that they are fake.
 
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use std::fs;
 use std::net::UdpSocket;
+use std::os::unix::net::UnixDatagram;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -40,8 +41,49 @@ impl Place {
 
     fn open(&self, options: &[&str]) -> App<'_> {
         let scene = self.desktop.folder().join("wall.scene");
-        let all = [&["--silent", "--size", SIZE, "--scene", scene.to_str().unwrap()], options].concat();
-        self.desktop.open(&self.song, &all)
+        let size: &[&str] = if options.contains(&"--size") { &[] } else { &["--size", SIZE] };
+        let all = [&["--silent", "--scene", scene.to_str().unwrap()], size, options].concat();
+        // Ports that a folder stands for: whether this machine has a sequencer makes no difference.
+        let ports = self.ports();
+        fs::create_dir_all(&ports).unwrap();
+        self.desktop.open_with(&[("MARIANA_MIDI_FOLDER", ports.to_str().unwrap())], &self.song, &all)
+    }
+
+    fn ports(&self) -> PathBuf {
+        self.desktop.folder().join("midi")
+    }
+
+    /// Plugs a device in.
+    fn plug(&self, name: &str) {
+        fs::create_dir_all(self.ports()).unwrap();
+        fs::write(self.ports().join(format!("{name}.port")), "").unwrap();
+    }
+
+    /// Pulls a device.
+    fn pull(&self, name: &str) {
+        fs::remove_file(self.ports().join(format!("{name}.port"))).unwrap();
+    }
+
+    /// Sends bytes from a device, if it is heard.
+    fn play(&self, name: &str, bytes: &[u8]) {
+        let socket = UnixDatagram::unbound().unwrap();
+        let _ = socket.send_to(bytes, self.ports().join(format!("{name}.socket")));
+    }
+
+    /// What is remembered of knobs.
+    fn knobs(&self) -> PathBuf {
+        self.desktop.folder().join(".config/mariana/knobs.toml")
+    }
+
+    /// Learns in the panel what turns the first parameter: a knob, which is moved until it is learned.
+    fn learn_first(&self, app: &App<'_>, name: &str, knob: &[u8]) {
+        let before = fs::read_to_string(self.knobs()).unwrap_or_default();
+        begin_to_learn(app);
+        wait_until("what was learned", || {
+            self.play(name, knob);
+            fs::read_to_string(self.knobs()).is_ok_and(|text| text != before)
+        });
+        app.press(&["j"]);
     }
 }
 
@@ -86,6 +128,15 @@ impl Sender {
     }
 }
 
+/// Begins to learn in the panel what turns the first parameter. Each key is seen in the picture, which stands otherwise.
+fn begin_to_learn(app: &App) {
+    for key in ["j", "Down", "Return"] {
+        let before = app.picture();
+        app.press(&[key]);
+        wait_until(key, || app.picture() != before);
+    }
+}
+
 fn padded(text: &str) -> Vec<u8> {
     let mut bytes = text.as_bytes().to_vec();
     bytes.resize((text.len() / 4 + 1) * 4, 0);
@@ -126,7 +177,7 @@ fn quit(app: App) {
 fn messages_turn_parameters_and_the_last_hand_wins() {
     let place = Place::new();
     let osc = Sender::new();
-    let mut app = place.open(&["--osc", &osc.port.to_string()]);
+    let mut app = place.open(&["--osc", &osc.port.to_string(), "--size", "320x180"]);
     app.wait_until_told(&format!("OSC is heard on 127.0.0.1:{}", osc.port));
     wait_for_colour(&app, "green", [false, true, false]);
     osc.send("/param/red", &[2.0]);
@@ -136,23 +187,24 @@ fn messages_turn_parameters_and_the_last_hand_wins() {
     let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
     let answer = osc.ask("/param/red", |bytes| of_red(bytes) == Some(2.0));
     assert!(answer.ends_with(&padded("OSC")), "{answer:?}");
-    // The slider takes it back: the first of the rows, to the left end and beyond.
+    // The slider takes it over, to the right end and beyond: one of the rows is the first one's rail.
+    osc.send("/param/red", &[0.5]);
     app.press(&["Tab"]);
-    let mut rows = (18..34).step_by(2).cycle();
+    let mut rows = (26..46).step_by(4).cycle();
     wait_until("what the slider is moved to", || {
         let row = rows.next().unwrap().to_string();
-        app.xdotool(&["mousemove", "--window", app.window(), "120", &row, "mousedown", "1"]);
-        app.xdotool(&["mousemove", "--window", app.window(), "1", &row]);
+        app.xdotool(&["mousemove", "--window", app.window(), "230", &row, "mousedown", "1"]);
+        app.xdotool(&["mousemove", "--window", app.window(), "318", &row]);
         std::thread::sleep(Duration::from_millis(100));
         app.xdotool(&["mouseup", "1"]);
         let answer = osc.ask("/param/red", |bytes| of_red(bytes).is_some());
-        of_red(&answer) == Some(0.0) && answer.ends_with(&padded("text"))
-            || answer.ends_with(&padded("slider"))
+        of_red(&answer) == Some(2.0) && answer.ends_with(&padded("slider"))
     });
     app.press(&["Tab"]);
     // And the message takes it from the slider.
-    osc.send("/param/red", &[2.0]);
-    wait_for_colour(&app, "red again", [true, false, false]);
+    osc.send("/param/red", &[0.0]);
+    osc.ask("/param/red", |bytes| of_red(bytes) == Some(0.0) && bytes.ends_with(&padded("OSC")));
+    wait_for_colour(&app, "black", [false, false, false]);
     quit(app);
 }
 
@@ -238,5 +290,175 @@ fn what_is_heard_is_sent() {
         let address = padded(address);
         assert!(packet.windows(address.len()).any(|part| part == address), "{address:?} is not sent");
     }
+    quit(app);
+}
+
+/// A knob at a value: the first of the first channel.
+fn turned(value: u8) -> [u8; 3] {
+    [0xb0, 1, value]
+}
+
+#[test]
+fn a_knob_is_learned_turns_what_it_was_learned_for_and_is_remembered() {
+    let place = Place::new();
+    place.plug("desk");
+    let mut app = place.open(&[]);
+    app.wait_until_told("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(127));
+    let text = fs::read_to_string(place.knobs()).unwrap();
+    for line in [
+        "device = \"desk (fake port)\"",
+        "turned = \"cc 1 on channel 1\"",
+        "param = \"red\"",
+        "scene = \"wall\"",
+    ] {
+        assert!(text.contains(line), "{line} is not in\n{text}");
+    }
+    // It stands elsewhere than the parameter: nothing jumps before it has passed.
+    place.play("desk", &turned(90));
+    assert_eq!(colour(&app), [false, true, false]);
+    place.play("desk", &turned(0));
+    wait_until("the knob's hold", || {
+        place.play("desk", &turned(127));
+        colour(&app) == [true, true, false]
+    });
+    quit(app);
+    // The next show knows it.
+    let mut app = place.open(&[]);
+    app.wait_until_told("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    wait_until("yellow", || {
+        place.play("desk", &turned(0));
+        std::thread::sleep(Duration::from_millis(100));
+        place.play("desk", &turned(127));
+        std::thread::sleep(Duration::from_millis(400));
+        colour(&app) == [true, true, false]
+    });
+    quit(app);
+}
+
+#[test]
+fn a_device_that_is_pulled_while_learning_is_said_and_learning_goes_on_when_it_is_back() {
+    let place = Place::new();
+    place.plug("desk");
+    let mut app = place.open(&[]);
+    app.wait_until_told("MIDI is heard from desk (fake port)");
+    // The parameters are there with the picture.
+    wait_for_colour(&app, "green", [false, true, false]);
+    begin_to_learn(&app);
+    place.pull("desk");
+    app.wait_until_told("desk (fake port) was pulled; learning goes on");
+    place.plug("desk");
+    // A pad this time, which has no way to pass: it jumps.
+    wait_until("what was learned", || {
+        place.play("desk", &[0x99, 36, 127]);
+        place.knobs().exists()
+    });
+    app.press(&["Escape"]);
+    wait_until("yellow", || {
+        place.play("desk", &[0x99, 36, 127]);
+        colour(&app) == [true, true, false]
+    });
+    place.play("desk", &[0x89, 36, 0]);
+    wait_for_colour(&app, "green", [false, true, false]);
+    quit(app);
+}
+
+#[test]
+fn floods_of_rubbish_from_a_device_leave_the_show_alone() {
+    let place = Place::new();
+    place.plug("desk");
+    let mut app = place.open(&[]);
+    app.wait_until_told("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(0));
+    let exclusive: Vec<u8> = std::iter::once(0xf0).chain((0..60_000_u32).map(|n| (n % 128) as u8)).collect();
+    for _ in 0..50 {
+        place.play("desk", &exclusive);
+        place.play("desk", &[0xff; 500]);
+        place.play("desk", &[0xb0, 1]);
+    }
+    wait_until("yellow", || {
+        place.play("desk", &turned(0));
+        std::thread::sleep(Duration::from_millis(100));
+        // Running status, and a clock in the middle.
+        place.play("desk", &[0xb0, 1, 126, 1, 0xf8, 127]);
+        std::thread::sleep(Duration::from_millis(400));
+        colour(&app) == [true, true, false]
+    });
+    quit(app);
+}
+
+#[test]
+fn a_damaged_file_of_knobs_is_said_and_kept_aside() {
+    let place = Place::new();
+    place.plug("desk");
+    fs::create_dir_all(place.knobs().parent().unwrap()).unwrap();
+    fs::write(place.knobs(), "[[knob]]\ndevice = 7\n").unwrap();
+    let mut app = place.open(&[]);
+    app.wait_until_told("knobs.toml cannot be understood");
+    app.wait_until_told("MIDI is heard from desk (fake port)");
+    wait_for_colour(&app, "green", [false, true, false]);
+    place.learn_first(&app, "desk", &turned(5));
+    let kept = fs::read_to_string(place.knobs().with_extension("toml.broken")).unwrap();
+    assert_eq!(kept, "[[knob]]\ndevice = 7\n");
+    quit(app);
+}
+
+#[test]
+fn the_clock_of_a_device_sets_the_tempo_until_it_ends() {
+    let place = Place::new();
+    place.plug("drums");
+    let osc = Sender::new();
+    let mut app = place.open(&["--osc", &osc.port.to_string()]);
+    app.wait_until_told("MIDI is heard from drums (fake port)");
+    app.wait_until_told("OSC is heard");
+    let tempo = |bytes: &[u8]| number_in(bytes, "/tempo", ",f");
+    osc.ask("/query/tempo", |bytes| tempo(bytes) == Some(0.0));
+    place.play("drums", &[0xfa]);
+    let start = Instant::now();
+    let mut seen = 0.0;
+    while seen == 0.0 {
+        place.play("drums", &[0xf8]);
+        std::thread::sleep(Duration::from_millis(20));
+        osc.send("/query/tempo", &[]);
+        let mut buffer = [0; 256];
+        if let Ok((length, _)) = osc.socket.recv_from(&mut buffer) {
+            seen = tempo(&buffer[..length]).unwrap_or_default();
+        }
+        assert!(start.elapsed() < WAIT_LIMIT, "the clock sets no tempo");
+    }
+    assert!((5.0..400.0).contains(&seen), "{seen}");
+    osc.ask("/query/tempo", |bytes| tempo(bytes) == Some(0.0));
+    quit(app);
+}
+
+#[test]
+fn a_hand_takes_a_parameter_from_a_show_which_takes_it_back_with_its_next_movement() {
+    let place = Place::new();
+    let osc = Sender::new();
+    let show = place.desktop.folder().join("own.show");
+    // A show that begins after the song has: seeks go to its movements.
+    fs::write(&show, "at start wall.scene\n set red = 2\n set red = 1 after 30 s\n").unwrap();
+    let port = osc.port.to_string();
+    let mut app = place.open(&["--osc", &port, "--show", show.to_str().unwrap()]);
+    app.wait_until_told("OSC is heard");
+    let of_red = |bytes: &[u8]| number_in(bytes, "/param/red", ",ffffs");
+    let held = |value: f32, hand: &'static str| {
+        move |bytes: &[u8]| of_red(bytes) == Some(value) && bytes.ends_with(&padded(hand))
+    };
+    osc.ask("/param/red", held(2.0, "show"));
+    wait_for_colour(&app, "yellow", [true, true, false]);
+    osc.send("/pause", &[1.0]);
+    app.wait_for_title("a pause", |title| title.contains("paused"));
+    osc.send("/param/red", &[0.0]);
+    osc.ask("/param/red", held(0.0, "OSC"));
+    wait_for_colour(&app, "green", [false, true, false]);
+    // The next movement is the show's again, and before it the hand still has the parameter.
+    osc.send("/position", &[0.9]);
+    osc.ask("/param/red", held(1.0, "show"));
+    osc.send("/position", &[0.1]);
+    osc.ask("/param/red", held(0.0, "OSC"));
     quit(app);
 }

@@ -1,6 +1,6 @@
 # Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
 function __fish_mariana_global_optspecs
-    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= new gl-info scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
+    string join \n mic system shuffle repeat= device= silent once volume= latency= fps-cap= quality= flash-limiter= fade= prepare-ahead= program-cache= fullscreen clean size= show= osc= osc-send= osc-rate= midi= new gl-info brightness= blackout-fade= flip= crop= corners= output= wallpaper send= send-size= send-fps= scene= view= sdf= regions= tone-map= gain= shaders= v/verbose h/help V/version
 end
 
 function __fish_mariana_needs_command
@@ -45,6 +45,23 @@ complete -c mariana -n "__fish_mariana_needs_command" -l program-cache -d 'Wheth
 off\t''"
 complete -c mariana -n "__fish_mariana_needs_command" -l size -d 'Size of the window in pixels [default: the last one, at first 1280x720]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l show -d 'Whether scenes follow the song: \'auto\' or \'off\', or a .show file [default: what was chosen in the window, at first auto where several tracks play and no scene is named]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l osc -d 'Hear OSC messages on this port: of this computer alone, or with ADDRESS:PORT of that address; docs/osc.md tells what they can do' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l osc-send -d 'Send what is heard to another program or to lights, by OSC' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l osc-rate -d 'How often a second it is sent' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l midi -d 'Whether MIDI devices are heard; J maps them' -r -f -a "on\t''
+off\t''"
+complete -c mariana -n "__fish_mariana_needs_command" -l brightness -d 'How much of its light the picture has in the window, in percent [default: what was chosen there, at first 100]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l blackout-fade -d 'How many seconds a blackout (X) takes to come and to go, and a picture that was held (Z) to give way [default: what was chosen in the window, at first 0.5]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l flip -d 'Mirror the picture in the window, for projectors [default: what was chosen there, at first off]' -r -f -a "off\t''
+horizontal\t'For a screen that is lit from behind'
+vertical\t''
+both\t'For a projector that hangs upside down'"
+complete -c mariana -n "__fish_mariana_needs_command" -l crop -d 'What the picture in the window loses at its edges, in percent; what is left fills the window, unstretched [default: what was chosen last, at first 0,0,0,0]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l corners -d 'Where the picture\'s corners lie in the window, in percent to the right and down, clockwise from the upper left: for a projector that stands aslant. \'off\' is the window\'s own corners [default: where Y has put them]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l output -d 'Fill a monitor with the clean picture, by its name or number, while the window stays beside it; \'list\' tells which there are, \'off\' fills none [default: what was chosen in the window]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l send -d 'Send the picture to another program: y4m:FIFO, y4m:- (standard output), mjpeg:PORT (HTTP on this machine, for OBS or a browser) or v4l2:/dev/videoN (a camera by v4l2loopback); can be given more than once' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l send-size -d 'Size of the pictures that are sent [default: the window\'s at the start]' -r
+complete -c mariana -n "__fish_mariana_needs_command" -l send-fps -d 'How many pictures are sent in a second' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l view -d 'Show how the picture is made, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through what the camera looks at, as lines; slice:NUMBER sets the distance between two lines - normals: directions of the surfaces, by differences of the distance; normals:NUMBER sets the length of a difference, by default a share of the pixel - shadow: the share of the lamps\' light that arrives - occlusion: the share of the light from everywhere that arrives - clauses: clauses that the interpreter runs; evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and how long their tapes are - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_needs_command" -l sdf -d 'How the scene\'s formulas are run; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''
@@ -69,6 +86,7 @@ complete -c mariana -n "__fish_mariana_needs_command" -l fullscreen -d 'Start in
 complete -c mariana -n "__fish_mariana_needs_command" -l clean -d 'Show nothing over the picture but what was asked for and what is wrong: no first words, answers or bar'
 complete -c mariana -n "__fish_mariana_needs_command" -l new -d 'Begin anew instead of where the last show ended, and leave nothing to the next one; what was chosen in the panel of settings still counts'
 complete -c mariana -n "__fish_mariana_needs_command" -l gl-info -d 'Print which OpenGL is available, and exit'
+complete -c mariana -n "__fish_mariana_needs_command" -l wallpaper -d 'Be the desktop\'s ground on X11: below every window, on every monitor, for the eyes alone; at most 30 frames a second unless --fps-cap says otherwise. It rests while windows cover it, and on battery. Media keys pause the song'
 complete -c mariana -n "__fish_mariana_needs_command" -s v -l verbose -d 'Log what happens; twice for more'
 complete -c mariana -n "__fish_mariana_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c mariana -n "__fish_mariana_needs_command" -s V -l version -d 'Print version'
@@ -89,7 +107,7 @@ complete -c mariana -n "__fish_mariana_using_subcommand still" -s o -l output -d
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l scene -d 'The scene to show: a file, the name of a shipped scene (\'mariana scenes\' lists them), or a formula such as "length(p) - 1" [default: speakers]' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l show -d 'Show the moment of a show instead of a scene: \'auto\' for one that follows the song, or a .show file' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l into -d 'Show how the scene turns into this one' -r
-complete -c mariana -n "__fish_mariana_using_subcommand still" -l blend -d 'How it turns into that scene, and how far, 0 to 1: melt, where every surface flows from one scene to the other; ball, where the other scene is inside a growing ball; plane, where the other scene is behind a moving plane' -r
+complete -c mariana -n "__fish_mariana_using_subcommand still" -l blend -d 'How it turns into that scene, and how far, 0 to 1: melt, where every surface flows from one scene to the other; ball, where the other scene is inside a growing ball; plane, where the other scene is behind a moving plane; shape, where the other scene is inside a shape that it names' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l set -d 'Hold an input at a value, such as "volume.x=0.3", "band(3)=0.5" or a param of the scene; can be given more than once' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l view -d 'Show how the picture is made, with a legend: - steps: steps of the ray from the eye, blue to red; steps:NUMBER sets the count shown in red, 100 by default - slice: the distance on a plane through what the camera looks at, as lines; slice:NUMBER sets the distance between two lines - normals: directions of the surfaces, by differences of the distance; normals:NUMBER sets the length of a difference, by default a share of the pixel - shadow: the share of the lamps\' light that arrives - occlusion: the share of the light from everywhere that arrives - clauses: clauses that the interpreter runs; evaluations if compiled; clauses:NUMBER sets the count shown in red - cells: the cells of the regions, and how long their tapes are - materials: a colour for each object - depth: the distance to the surface; depth:NUMBER sets the distance shown in black ' -r
 complete -c mariana -n "__fish_mariana_using_subcommand still" -l sdf -d 'How the scene\'s formulas are run; auto interprets at once and compiles in the background' -r -f -a "interpreted\t''

@@ -5,6 +5,7 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use super::deed::Deed;
 use super::midi::{KnobMove, Source};
@@ -77,6 +78,8 @@ pub struct Heard {
     pub deeds: Vec<Deed>,
     /// Where each knob that moved is now, in the order in which they first did.
     pub knobs: Vec<KnobMove>,
+    /// When the first of all this came.
+    pub since: Option<Instant>,
 }
 
 impl Heard {
@@ -154,7 +157,7 @@ impl Wishes {
         self.put(|pending| {
             let (knobs, name) = (&mut pending.heard.knobs, (knob.device.clone(), knob.source));
             if let Some(known) = pending.knob_places.get(&name).and_then(|place| knobs.get_mut(*place)) {
-                (known.value, known.presses) = (knob.value, known.presses.saturating_add(knob.presses));
+                known.go_on(&knob);
             } else if knobs.len() < LIMITS.moved_knobs_max {
                 pending.knob_places.insert(name, knobs.len());
                 knobs.push(knob);
@@ -198,6 +201,9 @@ impl Wishes {
         let is_new = {
             let mut pending = self.lock();
             put(&mut pending);
+            if !pending.heard.is_empty() {
+                pending.heard.since.get_or_insert_with(Instant::now);
+            }
             !pending.heard.is_empty() && !std::mem::replace(&mut pending.is_woken, true)
         };
         if is_new {
@@ -269,21 +275,21 @@ mod tests {
     #[test]
     fn of_a_knob_the_newest_place_counts_and_every_press() {
         let (wishes, woken) = place();
-        let knob = |key: u8, value, presses| KnobMove {
-            device: "desk".into(),
-            source: Source::Note { channel: 0, key },
-            value,
-            presses,
+        let knob = |key: u8, value, is_press| {
+            KnobMove::to("desk".into(), Source::Note { channel: 0, key }, value, is_press)
         };
         for _ in 0..10_000 {
-            wishes.moved(knob(1, 1.0, 1));
-            wishes.moved(knob(1, 0.0, 0));
+            wishes.moved(knob(1, 1.0, true));
+            wishes.moved(knob(1, 0.0, false));
         }
-        assert_eq!(wishes.take().knobs, [knob(1, 0.0, 10_000)]);
+        assert_eq!(
+            wishes.take().knobs,
+            [KnobMove { way: [0.0, 1.0], presses: 10_000, ..knob(1, 0.0, false) }]
+        );
         assert_eq!(woken.load(Ordering::Relaxed), 1);
         for number in 0..LIMITS.moved_knobs_max + 5 {
             let source = Source::Note { channel: (number >> 8) as u8, key: number as u8 };
-            wishes.moved(KnobMove { device: "desk".into(), source, value: 0.0, presses: 0 });
+            wishes.moved(KnobMove::to("desk".into(), source, 0.0, false));
         }
         assert_eq!((wishes.counts().1.too_many, wishes.take().knobs.len()), (5, LIMITS.moved_knobs_max));
     }

@@ -6,6 +6,8 @@ mod demo_track;
 mod desktop;
 mod gallery;
 mod gpu;
+#[cfg(unix)]
+mod hands;
 mod language_page;
 mod textures;
 
@@ -40,6 +42,13 @@ const TOOLS: &[Tool] = &[
         "[--json] [--shaders FOLDER] [PROGRAM ...]",
         "the same for the GPU that is there",
         gpu::programs,
+    ),
+    #[cfg(unix)]
+    (
+        "hands",
+        "PROGRAM [SECONDS]",
+        "measures from a message of MIDI or OSC to the frame that shows it, and floods, in a window of this desktop",
+        hands::run,
     ),
     ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
     ("textures", "[FOLDER]", "paints assets/textures", textures::run),

@@ -48,7 +48,7 @@ const TABLE: &[Row] = &[
     Row {
         name: "scene",
         takes: Takes::Choice,
-        meaning: "this scene, by its name or its number in the list of scenes",
+        meaning: "this scene, by its name or its number; marked ones come first",
         does: Does::Set(Stage::show_scene_named),
     },
     switch("follow", Action::ToggleFollow, |stage| stage.follows()),
@@ -59,9 +59,18 @@ const TABLE: &[Row] = &[
     Row {
         name: "tempo",
         takes: Takes::Number,
-        meaning: "this tempo, in beats per minute; without a number the detected one",
+        meaning: "this tempo, in beats per minute; 0 returns to the detected one",
         does: Does::Set(Stage::set_tempo),
     },
+    switch("blackout", Action::ToggleBlackout, |stage| stage.is_black()),
+    switch("freeze", Action::ToggleFreeze, |stage| stage.is_frozen()),
+    Row {
+        name: "brightness",
+        takes: Takes::Level,
+        meaning: "this share of the light of every picture, from 0 to 1",
+        does: Does::Set(Stage::dim),
+    },
+    switch("clean", Action::ToggleClean, |stage| stage.is_bare()),
     switch("pause", Action::TogglePause, |stage| stage.is_paused()),
     key("next_track", Action::SkipTrack { forward: true }),
     key("previous_track", Action::SkipTrack { forward: false }),

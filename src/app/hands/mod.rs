@@ -15,6 +15,7 @@ use midi::Midi;
 use network::Network;
 use panel::HandFacts;
 
+use super::frame_times::FrameTimes;
 use super::overlay::Slider;
 use super::scene_stage::SceneStage;
 use super::window_thread::Waker;
@@ -39,6 +40,10 @@ pub(super) struct Hands {
     midi: Midi,
     /// When wishes may be taken again.
     free: Instant,
+    /// When the first of the wishes came that no frame shows yet, and the revision of the scene that shows them.
+    unseen: Option<(Instant, u64)>,
+    /// From messages to frames.
+    times: FrameTimes,
     /// When the board is put up again.
     board_due: Instant,
     /// When the panel is brought up to date again, and what it knew of mappings.
@@ -63,6 +68,8 @@ impl Hands {
             network,
             midi,
             free: now,
+            unseen: None,
+            times: FrameTimes::default(),
             board_due: now,
             panel_due: now,
             panel_revision: u64::MAX,
@@ -89,17 +96,23 @@ impl Hands {
         is_due
     }
 
-    /// Puts up how the show stands. `titles` are those of all scenes, which are asked for when another scene is on.
+    /// Whether the titles of all scenes are to be noted, because another one is on the stage.
+    pub(super) fn wants_titles(&self, scene: &str) -> bool {
+        self.scenes.0 != scene || self.scenes.1.is_empty()
+    }
+
+    /// Notes the titles of all scenes, in the order of their numbers, while this one is on the stage.
+    pub(super) fn note_titles(&mut self, scene: String, titles: Vec<String>) {
+        self.scenes = (scene, titles);
+    }
+
+    /// Puts up how the show stands.
     pub(super) fn put_up(
         &mut self,
         scene: String,
         sliders: &[Slider],
         (switches, tempo): (Vec<(&'static str, bool)>, f32),
-        titles: impl FnOnce() -> Vec<String>,
     ) {
-        if self.scenes.0 != scene || self.scenes.1.is_empty() {
-            self.scenes = (scene.clone(), titles());
-        }
         let param = |slider: &Slider| PresentParam {
             name: slider.name.clone(),
             value: slider.value,
@@ -191,6 +204,23 @@ impl Hands {
     /// What a device's clock says, and the clock's seconds now; none without one.
     pub(super) fn clock(&self) -> Option<(ClockReading, f64)> {
         self.midi.clock()
+    }
+
+    /// Wishes that came first at `since` have changed the scene, which shows them from this revision on.
+    pub(super) fn note_turned(&mut self, since: Option<Instant>, revision: u64) {
+        self.unseen = self.unseen.or(since.map(|since| (since, revision)));
+    }
+
+    /// A frame is on the screen that shows the scene at this revision.
+    pub(super) fn note_shown(&mut self, revision: u64) {
+        if let Some((since, _)) = self.unseen.take_if(|(_, turned)| revision >= *turned) {
+            self.times.note(since.elapsed());
+        }
+    }
+
+    /// How long it took from messages to frames, for the log.
+    pub(super) fn times(&self) -> &FrameTimes {
+        &self.times
     }
 
     /// When there is something to do for hands.

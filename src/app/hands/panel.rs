@@ -2,13 +2,15 @@
 //!
 //! It is a plain value: the overlay draws it, keys and pointer change it, and what they ask for is done by the stage.
 
+mod rows;
+#[cfg(test)]
+mod tests;
+
 use winit::keyboard::{Key, NamedKey};
 
-use super::deeds;
-use super::midi::words_of;
+use rows::rows_of;
+
 use crate::app::overlay::Slider;
-use mariana_control::Param;
-use mariana_control::deed::Takes;
 use mariana_control::midi::{Curve, Mapping, MidiState, Target};
 
 /// A row of the panel.
@@ -188,6 +190,10 @@ impl HandsPanel {
     pub(in crate::app) fn update(&mut self, facts: &HandFacts<'_>) {
         let rows = rows_of(facts);
         if rows != self.rows {
+            // The same thing stays selected, wherever it is now.
+            let before = self.rows.get(self.selected);
+            let same = before.and_then(|before| rows.iter().position(|row| is_same(row, before)));
+            self.selected = same.unwrap_or(self.selected);
             self.rows = rows;
             self.revision += 1;
         }
@@ -246,223 +252,18 @@ impl HandsPanel {
     }
 }
 
+/// Whether two rows are about the same thing, whatever they say of it.
+fn is_same(a: &HandRow, b: &HandRow) -> bool {
+    match (a, b) {
+        (HandRow::Clock(_), HandRow::Clock(_)) => true,
+        (HandRow::Target { target: a, .. }, HandRow::Target { target: b, .. }) => a == b,
+        (HandRow::Knob { mapping: a, .. }, HandRow::Knob { mapping: b, .. }) => {
+            (&a.device, a.source, &a.target) == (&b.device, b.source, &b.target)
+        }
+        _ => false,
+    }
+}
+
 fn is_changeable(row: &HandRow) -> bool {
     !matches!(row, HandRow::Words { .. })
-}
-
-fn rows_of(facts: &HandFacts<'_>) -> Vec<HandRow> {
-    let words = |text: String| HandRow::Words { text, is_bad: false };
-    let mut rows = vec![words(osc_words(facts))];
-    rows.extend(midi_words(facts));
-    if facts.midi.as_ref().is_some_and(|midi| midi.trouble.is_none()) {
-        rows.push(HandRow::Clock(facts.clock));
-    }
-    let mut is_shown = vec![false; facts.mappings.len()];
-    let mut add = |rows: &mut Vec<HandRow>, target: Target, name: String, about: String, stands| {
-        let learns = facts.learning == Some(&target);
-        let about = if learns { "move a knob, or press a key or a pad".to_owned() } else { about };
-        rows.push(HandRow::Target { target: target.clone(), name, about, learns });
-        let mapped = facts.mappings.iter().zip(&mut is_shown).filter(|(one, _)| one.target == target);
-        rows.extend(mapped.map(|(mapping, is_shown)| {
-            *is_shown = true;
-            HandRow::Knob { mapping: mapping.clone(), words: knob_words(mapping, facts), stands }
-        }));
-    };
-    if !facts.sliders.is_empty() {
-        rows.push(words(format!("Parameters of {}", facts.scene)));
-    }
-    for slider in facts.sliders {
-        let target = Target::Param { scene: facts.scene.clone(), name: slider.name.clone() };
-        let param = Param { name: &slider.name, min: slider.min, max: slider.max, default: slider.default };
-        let about = format!("{} · {}", slider.value_text(), slider.hand.name());
-        add(&mut rows, target, slider.name.clone(), about, Some(param.share_of(slider.value)));
-    }
-    rows.push(words("Actions".to_owned()));
-    for row in deeds::table() {
-        let deed = |value: Option<String>| Target::Deed { name: row.name.to_owned(), value };
-        if row.takes == Takes::Choice {
-            let here = deed(Some(facts.scene.clone()));
-            add(
-                &mut rows,
-                here,
-                format!("{} {}", row.name, facts.scene),
-                "this scene, by a pad".to_owned(),
-                None,
-            );
-            add(&mut rows, deed(None), "scenes".to_owned(), "all, by program numbers".to_owned(), None);
-        } else {
-            add(&mut rows, deed(None), row.name.replace('_', " "), row.meaning.to_owned(), None);
-        }
-    }
-    let others: Vec<&Mapping> =
-        facts.mappings.iter().zip(&is_shown).filter(|(_, shown)| !**shown).map(|(one, _)| one).collect();
-    if !others.is_empty() {
-        rows.push(words("In other scenes".to_owned()));
-    }
-    rows.extend(others.into_iter().map(|mapping| HandRow::Knob {
-        mapping: mapping.clone(),
-        words: format!("{} · {}", words_of(&mapping.target), knob_words(mapping, facts)),
-        stands: None,
-    }));
-    rows
-}
-
-fn osc_words(facts: &HandFacts<'_>) -> String {
-    let osc = facts.osc.as_deref().unwrap_or("off; begin with --osc 9000");
-    match facts.counts {
-        (0, 0) => format!("OSC: {osc}"),
-        (messages, 0) => format!("OSC: {osc} · {messages} messages came"),
-        (messages, ignored) => format!("OSC: {osc} · {messages} messages came, {ignored} were ignored"),
-    }
-}
-
-fn midi_words(facts: &HandFacts<'_>) -> Vec<HandRow> {
-    let words = |text: String, is_bad| HandRow::Words { text, is_bad };
-    let Some(midi) = &facts.midi else { return vec![words("MIDI: off (--midi off)".to_owned(), false)] };
-    if let Some(trouble) = &midi.trouble {
-        return vec![words(format!("MIDI: {trouble}"), true)];
-    }
-    let devices = match &midi.devices[..] {
-        [] if !midi.is_known => "looking for devices".to_owned(),
-        [] => "no device is there; plug one in".to_owned(),
-        devices => devices.join(", "),
-    };
-    let mut rows = vec![words(format!("MIDI: {devices}"), false)];
-    rows.extend(midi.refused.iter().map(|(name, why)| words(format!("{name} cannot be heard: {why}"), true)));
-    if let (Some(device), Some(tempo)) = (&midi.clock_of, facts.clock_tempo) {
-        rows.push(words(format!("The clock of {device}: {tempo:.1} beats per minute"), false));
-    }
-    rows
-}
-
-fn knob_words(mapping: &Mapping, facts: &HandFacts<'_>) -> String {
-    let devices = facts.midi.as_ref().map(|midi| &midi.devices[..]).unwrap_or_default();
-    let gone = if devices.contains(&mapping.device) { "" } else { ", which is not there" };
-    format!("{} of {}{gone}", mapping.source, mapping.device)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use mariana_control::Hand;
-    use mariana_control::midi::Source;
-
-    fn slider() -> Slider {
-        Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi }
-    }
-
-    fn size() -> Target {
-        Target::Param { scene: "orb".to_owned(), name: "size".to_owned() }
-    }
-
-    fn knob(target: Target) -> Mapping {
-        Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, target)
-    }
-
-    fn panel(mappings: &[Mapping], learning: Option<&Target>) -> HandsPanel {
-        let midi = MidiState { devices: vec!["pads".to_owned()], is_known: true, ..MidiState::default() };
-        let mut panel = HandsPanel::default();
-        panel.update(&HandFacts {
-            scene: "orb".to_owned(),
-            sliders: &[slider()],
-            osc: None,
-            midi: Some(midi),
-            clock: true,
-            clock_tempo: None,
-            counts: (7, 2),
-            mappings,
-            learning,
-        });
-        panel
-    }
-
-    fn key(named: NamedKey) -> Key {
-        Key::Named(named)
-    }
-
-    #[test]
-    fn everything_that_can_be_turned_has_a_row_with_what_turns_it_below() {
-        let other = Target::Param { scene: "city".to_owned(), name: "fog".to_owned() };
-        let panel = panel(&[knob(size()), knob(other)], None);
-        let place = panel
-            .rows()
-            .iter()
-            .position(|row| matches!(row, HandRow::Target { target, .. } if *target == size()));
-        let below = &panel.rows()[place.unwrap() + 1];
-        assert!(
-            matches!(below, HandRow::Knob { words, stands: Some(0.25), .. }
-                if words == "cc 7 on channel 1 of desk, which is not there"),
-            "{below:?}"
-        );
-        let targets = panel.rows().iter().filter(|row| matches!(row, HandRow::Target { .. })).count();
-        assert_eq!(targets, 1 + deeds::table().len() + 1);
-        let last = panel.rows().last();
-        assert!(
-            matches!(last, Some(HandRow::Knob { words, .. }) if words.starts_with("fog in city")),
-            "{last:?}"
-        );
-        let first = &panel.rows()[0];
-        assert!(
-            matches!(first, HandRow::Words { text, .. } if text.contains("7 messages came, 2 were ignored"))
-        );
-    }
-
-    #[test]
-    fn keys_learn_change_and_forget() {
-        let mut panel = panel(&[knob(size())], None);
-        assert_eq!(panel.take_key(&key(NamedKey::Enter)), (true, Some(HandsRequest::Clock(false))));
-        panel.take_key(&key(NamedKey::ArrowDown));
-        assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Learn(size())));
-        panel.take_key(&key(NamedKey::ArrowDown));
-        // The lower end of its way is where the parameter stands.
-        let mut after = knob(size());
-        after.range = [0.25, 1.0];
-        assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Change(knob(size()), after)));
-        panel.take_key(&key(NamedKey::ArrowRight));
-        panel.take_key(&key(NamedKey::ArrowRight));
-        let mut after = knob(size());
-        after.range = [1.0, 0.0];
-        assert_eq!(panel.take_key(&key(NamedKey::Enter)).1, Some(HandsRequest::Change(knob(size()), after)));
-        assert_eq!(panel.take_key(&key(NamedKey::Delete)).1, Some(HandsRequest::Remove(knob(size()))));
-        assert_eq!(panel.take_key(&Key::Character("n".into())), (false, None), "letters are the show's");
-        for _ in 0..100 {
-            panel.take_key(&key(NamedKey::ArrowDown));
-        }
-        assert!(panel.selected() < panel.rows().len());
-        for _ in 0..100 {
-            panel.take_key(&key(NamedKey::ArrowUp));
-        }
-        assert!(matches!(panel.rows()[panel.selected()], HandRow::Clock(true)));
-    }
-
-    #[test]
-    fn every_field_says_what_holds_and_goes_round() {
-        let mut mapping = knob(size());
-        for field in [Field::Curve, Field::Smoothing, Field::PickUp] {
-            let first = field.words(&mapping);
-            let mut seen = Vec::new();
-            loop {
-                seen.push(field.words(&mapping));
-                let Some(HandsRequest::Change(_, after)) = field.request(&mapping, None) else { panic!() };
-                mapping = after;
-                if field.words(&mapping) == first {
-                    break;
-                }
-                assert!(!seen.contains(&field.words(&mapping)), "{field:?}");
-            }
-            assert!(seen.len() > 1, "{field:?}");
-        }
-        assert_eq!(Field::To.request(&mapping, None), None, "nobody knows where it stands");
-        assert_eq!(Field::To.words(&mapping), "to 100 %");
-    }
-
-    #[test]
-    fn what_is_learned_says_what_to_do() {
-        let panel = panel(&[], Some(&size()));
-        let row = panel.rows().iter().find(|row| matches!(row, HandRow::Target { learns: true, .. }));
-        assert!(
-            matches!(row, Some(HandRow::Target { about, .. }) if about.contains("move a knob")),
-            "{row:?}"
-        );
-    }
 }

@@ -195,6 +195,7 @@ impl OverlayContent<'_> {
             && self.files.is_none()
             && self.settings.is_none()
             && self.editor.is_none()
+            && self.hands.is_none()
             && self.corners.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
             && self.notice.is_none_or(|notice| notice.is_gone(now))
@@ -215,6 +216,7 @@ impl OverlayContent<'_> {
             || self.files.is_some()
             || self.settings.is_some()
             || self.editor.is_some()
+            || self.hands.is_some()
             || self.corners.is_some()
     }
 

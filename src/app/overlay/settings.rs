@@ -181,7 +181,7 @@ fn draw_name(ui: &Ui, row: &SettingRow, rect: Rect, width: f32, is_selected: boo
         (_, false) => ("", style::TEXT),
     };
     let words = match &row.fact {
-        Fact::Output(_) => format!("{mark}{}", row.name),
+        Fact::Output(_) | Fact::Screen(_) => format!("{mark}{}", row.name),
         _ => row.name.clone(),
     };
     let name = style::line(painter, &words, style::proportional(style::TEXT_SIZE), color, width);

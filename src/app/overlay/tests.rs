@@ -19,6 +19,8 @@ use crate::system_fonts::tiny_font::{TinyFont, folder_of};
 use mariana_control::Hand;
 use mariana_player::{ListedTrack, ListedTracks};
 
+mod hands;
+
 const SCREEN: Vec2 = Vec2::new(1280.0, 720.0);
 
 /// A window and its clock.

@@ -12,6 +12,7 @@ use crate::app::recording::Performed;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
 use crate::show::{Programme, Stay, blend_kind, name_of};
+use mariana_control::Hand;
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
 const LATE: f64 = 0.5;
@@ -197,7 +198,10 @@ impl SceneStage {
             return self.hand;
         };
         let (stays, _) = self.stays(cast, time);
-        stays.second.or(stays.first).map_or(OrbitControls::OFF, |stay| stay.hand_at(time))
+        stays
+            .second
+            .or(stays.first)
+            .map_or(OrbitControls::OFF, |stay| OrbitControls::of_turns(stay.turns_at(time)))
     }
 
     /// What is on the stage at `time` seconds of the song, to be recorded.
@@ -206,7 +210,9 @@ impl SceneStage {
         let (stays, _) = self.stays(cast, time);
         let split = cast.resources.world().blended.unwrap_or(0);
         let params = cast.sliders.iter().zip(&cast.knobs).filter(|(_, knob)| knob.place >= split);
-        let params = params.map(|(slider, _)| (slider.name.clone(), slider.value, slider.default));
+        let params = params.map(|(slider, _)| {
+            (slider.name.clone(), slider.value, slider.default, slider.hand == Hand::Show)
+        });
         let source = match &cast.source {
             SceneSource::Blend(blend) => &blend.to.source,
             source => source,
@@ -220,6 +226,7 @@ impl SceneStage {
             directed: stay.map(|stay| (stay.entrance, stay.start)),
             fade: self.fading.seconds(),
             params: params.collect(),
+            moves: stay.map(|stay| stay.moves.clone()).unwrap_or_default(),
             hand: self.hand_at(time),
         })
     }

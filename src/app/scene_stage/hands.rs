@@ -87,6 +87,17 @@ impl SceneStage {
         }
         (self.hands.now, self.hands.song_time) = (self.hands.begun.elapsed().as_secs_f64(), song_time);
         self.update_sliders();
+        if self.is_turning() {
+            self.revision += 1;
+        }
+    }
+
+    /// Whether a parameter of the scene on the stage is on its way to where a hand has turned it.
+    pub(in crate::app) fn is_turning(&self) -> bool {
+        let knobs = self.on_stage.iter().flat_map(|cast| &cast.knobs);
+        let mut scenes: Vec<&str> = knobs.map(|knob| &*knob.scene).collect();
+        scenes.dedup();
+        scenes.into_iter().any(|scene| self.hands.model.moves(scene, self.hands.now))
     }
 
     /// Brings the sliders of the scene on the stage up to date.

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::Stage;
 use super::desk::Seen;
+use super::outputs::Lay;
 use crate::app::drawing_pace::{Verdict, drawn_size};
 use crate::app::dynamic_resolution::Level;
 use crate::app::error::AppError;
@@ -12,8 +13,6 @@ use crate::app::scene_regions::Shown;
 use crate::app::scene_stage::{Drawn, WantedPicture};
 use crate::app::window::GlWindowContext;
 use crate::gpu::error::GpuError;
-use crate::gpu::renderer::Renderer;
-use crate::placement::{Placement, WHOLE, fitted, within};
 use mariana_player::Moment;
 
 /// How often a window without a picture is painted again: something may have covered it.
@@ -33,7 +32,9 @@ impl Stage {
         }
         let size = self.window.size();
         let placement = self.placement();
-        self.pace.set_window_size(size.map(|size| placement.picture_size(size)));
+        let screen = self.screen_size().map(|screen| (screen, placement.picture_size(screen)));
+        self.pace.set_window_size(screen.map(|(_, whole)| whole));
+        let Some((screen, whole)) = screen else { return Ok(false) };
         let Some((size, moment)) = size.and_then(|size| Some((size, self.moment()?))) else {
             return Ok(false);
         };
@@ -41,7 +42,6 @@ impl Stage {
         // still: it would be begun again with all pixels.
         self.pace.note_wanted(Some(moment), self.scene.revision(), begun);
         let level = self.level(begun);
-        let whole = placement.picture_size(size);
         let drawn = drawn_size(level, whole, self.side_max());
         if !self.scene.is_ready() {
             return self.show_waiting(size).map(|()| false);
@@ -77,6 +77,11 @@ impl Stage {
         }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
+        let lay = Lay { placement, screen, is_held: held };
+        let area = lay.area_in(size);
+        if let Some(hands) = &mut self.desk.corners {
+            hands.set_area(area);
+        }
         self.note_scene();
         let seen = self.look_around_desk(begun);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
@@ -87,15 +92,17 @@ impl Stage {
         let handing_over = Instant::now();
         // Without a new picture there is something to show only if the overlay or the window changes.
         let waits = new.is_none() && !dims && (shown != wanted || is_drawing);
-        if waits && self.overlay.due(&content, begun).is_none_or(|due| due > begun) {
+        if waits && !self.output.is_stale() && self.overlay.due(&content, begun).is_none_or(|due| due > begun)
+        {
             return Ok(false);
         }
-        show_picture(&mut self.renderer, size, &placement, held)?;
+        Self::show_picture(&mut self.renderer, self.wallpaper.as_ref(), &lay, size)?;
         let laying_out = Instant::now();
         let painted = self.overlay.paint(self.window.window(), size, content)?;
         let laid_out = laying_out.elapsed();
         let painting = handing_over.elapsed();
         self.window.swap()?;
+        self.show_on_output(&lay, new.is_some() || dims)?;
         let first = self.pace.show(shown);
         self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), laid_out, Instant::now());
         if let Some(Drawn { spent, .. }) = new {
@@ -103,6 +110,7 @@ impl Stage {
             let cost = self.cost(spent + painting, showing);
             self.pace.note_times(level, showing, cost);
             self.scene.note_frame_time(showing);
+            self.hands.note_shown(shown.revision);
         }
         if painted.params_changed {
             self.scene.note_moved();
@@ -232,22 +240,6 @@ impl Stage {
             (false, gpu) => drawing.max(gpu.unwrap_or_default()),
         }
     }
-}
-
-/// Copies the picture into the window of `size` pixels, where it lies there.
-fn show_picture(
-    renderer: &mut Renderer,
-    size: (u32, u32),
-    placement: &Placement,
-    held: bool,
-) -> Result<(), GpuError> {
-    // A picture that is held keeps its shape in a window of another one.
-    let shape = renderer.shape().filter(|_| held);
-    let area = shape.map_or(WHOLE, |shape| fitted(placement.rest_of(shape), size));
-    if placement.is_plain() && area == WHOLE {
-        return renderer.show(size);
-    }
-    renderer.show_placed(size, &within(area, &placement.map()), placement.part())
 }
 
 /// Paints a window of `size` pixels that has no picture yet: what there is to say, and the scene's title, over black.

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use super::Stage;
+use crate::app::frame_times::FrameTimes;
 use crate::app::hands::deeds;
 use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
@@ -26,7 +27,8 @@ impl Stage {
         let now = Instant::now();
         let heard = self.hands.take(now);
         let is_turned = heard.is_some();
-        let Heard { params, mut deeds, knobs } = heard.unwrap_or_default();
+        let Heard { params, mut deeds, knobs, since } = heard.unwrap_or_default();
+        let before = self.scene.revision();
         for wish in &params {
             if !self.scene.turn(wish) {
                 self.hands.note_unknown();
@@ -44,6 +46,12 @@ impl Stage {
                 }
             }
         }
+        if self.scene.revision() != before {
+            self.hands.note_turned(since, self.scene.revision());
+        } else if self.scene.is_turning() {
+            // It begins where it was, and the next picture shows it a little further.
+            self.hands.note_turned(since, before + 1);
+        }
         self.answer(learned);
         self.listening.set_clock(self.hands.clock());
         self.put_up_board(is_turned, now);
@@ -58,8 +66,11 @@ impl Stage {
         let switches = deeds::switches(self);
         let tempo = self.pace.shown().map_or(0.0, |shown| shown.moment.features.tempo);
         let scene = self.scene.name().unwrap_or_default();
-        let titles = || self.scene.all_sources().iter().map(SceneSource::title).collect();
-        self.hands.put_up(scene, self.scene.sliders(), (switches, tempo), titles);
+        if self.hands.wants_titles(&scene) {
+            let titles = self.numbered_scenes().iter().map(SceneSource::title).collect();
+            self.hands.note_titles(scene.clone(), titles);
+        }
+        self.hands.put_up(scene, self.scene.sliders(), (switches, tempo));
     }
 
     /// Does what a hand wishes for, as far as it is no key's; else returns what that key does, if there is something to
@@ -82,6 +93,11 @@ impl Stage {
         }
     }
 
+    /// How long it took from messages to the frames that show them, for the log.
+    pub(in crate::app) fn message_times(&self) -> &FrameTimes {
+        self.hands.times()
+    }
+
     /// When there is something to do for hands.
     pub(in crate::app) fn hands_due(&self) -> Option<Instant> {
         self.hands.due()
@@ -102,30 +118,47 @@ impl Stage {
         self.direction.follows(self.listening.listed())
     }
 
-    /// Goes to a scene by its title, or by its number in the list from 1.
+    /// Whether the picture is black, or on its way there.
+    pub(in crate::app) fn is_black(&self) -> bool {
+        self.masters.is_black()
+    }
+
+    /// Whether the picture is held.
+    pub(in crate::app) fn is_frozen(&self) -> bool {
+        self.masters.is_frozen()
+    }
+
+    /// Whether no words and panels show.
+    pub(in crate::app) fn is_bare(&self) -> bool {
+        self.desk.bare
+    }
+
+    /// Shows pictures with this share of their light, 0..1, in this run.
+    pub(in crate::app) fn dim(&mut self, given: &Given) {
+        if let Given::Number(share) = given {
+            self.set_brightness(100.0 * f64::from(*share), false);
+        }
+    }
+
+    /// Goes to a scene by its title, or by its number from 1, marked ones first.
     pub(in crate::app) fn show_scene_named(&mut self, given: &Given) {
-        let scenes = self.scene.all_sources();
-        let found = match given {
-            Given::Text(name) => scenes.into_iter().find(|scene| scene.title() == *name),
-            Given::Number(number) => {
-                // A number beyond the list is in no list.
-                let place = (number.round() as usize).checked_sub(1);
-                place.and_then(|place| scenes.into_iter().nth(place))
+        match given {
+            Given::Text(name) => {
+                match self.scene.all_sources().into_iter().find(|scene| scene.title() == *name) {
+                    Some(scene) => self.scene.show_source(scene),
+                    None => self.reports.answer(format!("there is no scene '{name}': B shows them all")),
+                }
             }
-            Given::Nothing => None,
-        };
-        match (found, given) {
-            (Some(scene), _) => self.scene.show_source(scene),
-            (None, Given::Text(name)) => self.reports.answer(format!("there is no scene '{name}'")),
-            (None, Given::Number(number)) => self.reports.answer(format!("there is no scene {number}")),
-            (None, Given::Nothing) => {}
+            // What is no number of a scene is beyond the list.
+            Given::Number(number) => self.show_scene_at((number.round() as usize).wrapping_sub(1)),
+            Given::Nothing => {}
         }
     }
 
     /// Sets the tempo, or gives it back to what is heard.
     pub(in crate::app) fn set_tempo(&mut self, given: &Given) {
         let tempo = match given {
-            Given::Number(tempo) => Some(f64::from(*tempo)),
+            Given::Number(tempo) if *tempo > 0.0 => Some(f64::from(*tempo)),
             _ => None,
         };
         let words = self.listening.set_tempo(tempo);

@@ -9,6 +9,7 @@ use super::Stage;
 use crate::app::corner_hands::{CornerHands, Moved};
 use crate::app::overlay::{Panel, PanelSwitches};
 use crate::placement::{Corners, Placement};
+use crate::scenes::SceneSource;
 
 impl Stage {
     /// Lets the picture fade to black, or come back.
@@ -56,14 +57,20 @@ impl Stage {
         }
     }
 
-    /// Shows the scene at a place of the list of scenes, marked ones first, from 0.
-    pub(in crate::app) fn show_scene_at(&mut self, place: usize) {
+    /// All scenes in the order of their numbers: marked ones first.
+    pub(super) fn numbered_scenes(&self) -> Vec<SceneSource> {
         let marks = &self.listening.settings().favourite_scenes;
         let scenes = self.scene.all_sources();
-        let count = scenes.len();
         let (marked, others): (Vec<_>, Vec<_>) =
             scenes.into_iter().partition(|scene| marks.contains(&scene.title()));
-        match marked.into_iter().chain(others).nth(place) {
+        marked.into_iter().chain(others).collect()
+    }
+
+    /// Shows the scene at a place of the list of scenes, marked ones first, from 0.
+    pub(in crate::app) fn show_scene_at(&mut self, place: usize) {
+        let scenes = self.numbered_scenes();
+        let count = scenes.len();
+        match scenes.into_iter().nth(place) {
             Some(scene) => self.scene.show_source(scene),
             None => {
                 let words = format!("there is no scene {} among these {count}: B shows them", place + 1);
@@ -112,6 +119,7 @@ impl Stage {
         if settled {
             self.choose(move |choices| choices.stage.corners = corners);
         }
+        self.output.look_different();
         self.window.window().request_redraw();
     }
 

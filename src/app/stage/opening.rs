@@ -7,6 +7,8 @@
 
 use std::time::Instant;
 
+use winit::event_loop::EventLoopProxy;
+
 use super::Stage;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
@@ -15,11 +17,12 @@ use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;
 use crate::app::drawing_pace::DrawingPace;
 use crate::app::error::AppError;
-use crate::app::feeds::Feeds;
+use crate::app::feeds::{Feeds, Sends};
 use crate::app::hands::Hands;
 use crate::app::listening::Listening;
 use crate::app::masters::Masters;
 use crate::app::media_controls::MediaControls;
+use crate::app::output::Output;
 use crate::app::overlay::{Overlay, OverlayContent};
 use crate::app::pointer_rest::PointerRest;
 use crate::app::recording::Recording;
@@ -27,8 +30,9 @@ use crate::app::reports::Reports;
 use crate::app::scene_stage::{DrawingWays, LoadedScene, SceneLoaders, SceneStage};
 use crate::app::sound::{Sound, Start};
 use crate::app::user_input::UserInput;
+use crate::app::wallpaper::Wallpaper;
 use crate::app::window::{GlWindowContext, OpenWindow};
-use crate::app::window_thread::Waker;
+use crate::app::window_thread::{Told, Waker};
 use crate::config::{Choices, DEFAULT_DEVICE, Memory, PerformanceFiles, PlaySettings};
 use crate::export::painter::SceneChoice;
 use crate::export::print::tell;
@@ -63,6 +67,10 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) controls: ControlsTeller,
     /// Texts that are edited.
     pub(in crate::app) drafts: Drafts,
+    /// Who opens windows.
+    pub(in crate::app) proxy: EventLoopProxy<Told>,
+    /// Where pictures are sent.
+    pub(in crate::app) sends: Sends,
 }
 
 impl Opening<'_> {
@@ -71,7 +79,7 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, memory, loaders, first, controls, drafts } = self;
+        let Self { tracks, settings, scene, memory, loaders, first, controls, drafts, proxy, sends } = self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -79,9 +87,6 @@ impl Opening<'_> {
         if let (Some(songs), Some(tracks)) = (&songs, &tracks) {
             songs.want([&tracks.first.info]);
         }
-        // A place that nothing can be sent to ends it before anything shows.
-        let feeds =
-            Feeds::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)?;
         let window = window.bind()?;
         if settings.fullscreen {
             window.set_fullscreen(true);
@@ -148,6 +153,9 @@ impl Opening<'_> {
         let of_controls = waker.clone();
         let brightness = f32::from(choices.stage.brightness) / 100.0;
         Ok(Stage {
+            grounded_at: None,
+            wallpaper: settings.wallpaper.then(|| Wallpaper::start(waker)),
+            output: Output::new(choices.stage.output.clone(), proxy, waker),
             listening: Listening::new(sound, songs),
             renderer,
             scene,
@@ -155,7 +163,7 @@ impl Opening<'_> {
             live: None,
             cues: Default::default(),
             pace: DrawingPace::new(choices.quality, fps, now),
-            feeds,
+            feeds: Feeds::of(sends),
             masters: Masters::new(brightness, choices.stage.blackout_fade),
             reports: Reports::new(announcer, MediaControls::start(move || of_controls.wake()), now),
             recording: Recording::new(PerformanceFiles::of_user()),
@@ -233,6 +241,7 @@ pub(in crate::app) fn renewed(
     drop(overlay);
     drop(old_renderer);
     stage.feeds.let_go();
+    stage.output.close(&window);
     let kept = old_scene.let_go();
     let Some(shown) = kept.shown else {
         return Err(GpuError::ContextLost { doing: "preparing the first scene" }.into());

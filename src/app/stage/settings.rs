@@ -2,12 +2,15 @@
 
 use super::Stage;
 use crate::app::overlay::{Panel, SettingRequest};
-use crate::app::settings_panel::{SettingChange, SettingsPanel};
+use crate::app::settings_panel::{Facts, SettingChange, SettingsPanel};
 use crate::config::Choices;
 
 impl Stage {
     /// Opens the panel of settings, or closes it.
     pub(super) fn show_settings(&mut self, open: bool) {
+        if open {
+            self.output.look_at_monitors();
+        }
         self.desk.settings = open.then(SettingsPanel::default);
         self.update_settings();
     }
@@ -15,7 +18,8 @@ impl Stage {
     /// Brings the panel up to date, if it is open.
     pub(super) fn update_settings(&mut self) {
         if let Some(panel) = &mut self.desk.settings {
-            panel.update(&self.listening.facts(&self.choices, self.names_output));
+            let facts = self.listening.facts(&self.choices, self.names_output);
+            panel.update(&Facts { monitors: self.output.monitors(), ..facts });
         }
     }
 
@@ -65,6 +69,7 @@ impl Stage {
                 }
                 self.choose(move |choices| choices.last_tracks = on);
             }
+            SettingChange::Screen(name) => self.choose_output_monitor(name),
             SettingChange::Brightness { percent, settled } => self.set_brightness(percent, settled),
             SettingChange::BlackoutFade(seconds) => {
                 self.masters.set_fade(seconds);
@@ -72,6 +77,7 @@ impl Stage {
             }
             SettingChange::Flip(flip) => {
                 self.choose(move |choices| choices.stage.flip = flip);
+                self.output.look_different();
                 self.window.window().request_redraw();
             }
             SettingChange::Hints(on) => {

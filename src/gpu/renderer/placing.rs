@@ -10,7 +10,7 @@ use crate::gpu::picture_reader::PictureReader;
 use crate::gpu::post::Block;
 use crate::gpu::program::unit_of;
 use crate::gpu::shader_source::{ShaderLibrary, Variant};
-use crate::placement::{Area, Map, within};
+use crate::placement::{Area, Map, WHOLE, within};
 
 /// The shaders of this module; tests compile them all.
 pub const PLACING_SHADERS: [&str; 2] = ["dim.frag", "place.frag"];
@@ -103,12 +103,30 @@ impl Renderer {
     /// # Errors
     /// An error that the driver reports, or no room for a copy without flashes.
     pub fn show_placed(&mut self, window: (u32, u32), map: &Map, part: Area) -> Result<(), GpuError> {
+        self.show_in_part(window, WHOLE, map, part)
+    }
+
+    /// The same in `area` of the window alone; the rest of it stays as it is.
+    ///
+    /// # Errors
+    /// As [`Renderer::show_placed`].
+    pub fn show_in_part(
+        &mut self,
+        window: (u32, u32),
+        [left, top, right, bottom]: Area,
+        map: &Map,
+        part: Area,
+    ) -> Result<(), GpuError> {
         self.copy_without_flashes()?;
         let (Some(picture), Some(placing)) = (self.as_shown(), &self.placing) else { return Ok(()) };
         placing.block.set(&numbers(map, part));
         self.prepare_passes();
         picture.bind_color(0, unit_of("picture"));
-        self.post.passes().draw_in_window(&placing.place, window)?;
+        let edge = |share: f64, side: u32| (share * f64::from(side)).round() as i32;
+        let (from, to) = (edge(left, window.0), edge(right, window.0));
+        let (low, high) = (edge(1.0 - bottom, window.1), edge(1.0 - top, window.1));
+        let area = [from, low, to - from, high - low];
+        self.post.passes().draw_in_window(&placing.place, window, Some(area))?;
         self.gl.check("showing a frame")
     }
 

@@ -153,8 +153,7 @@ fn hearing(name: &str, shared: Arc<Shared>) -> Box<dyn FnMut(&[u8]) + Send> {
             shared.wishes.count();
             match said {
                 Said::Moved(source, value, is_press) => {
-                    let presses = u32::from(is_press);
-                    shared.wishes.moved(KnobMove { device: name.clone(), source, value, presses });
+                    shared.wishes.moved(KnobMove::to(name.clone(), source, value, is_press));
                 }
                 Said::Time(message) => {
                     let now = shared.zero.elapsed().as_secs_f64();

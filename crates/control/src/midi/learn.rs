@@ -80,7 +80,7 @@ mod tests {
     }
 
     fn moved(source: Source, presses: u32) -> KnobMove {
-        KnobMove { device: "desk".into(), source, value: 0.5, presses }
+        KnobMove { presses, ..KnobMove::to("desk".into(), source, 0.5, false) }
     }
 
     const COARSE: Source = Source::Control { channel: 0, number: 7 };

@@ -216,7 +216,8 @@ impl Mappings {
                 Target::Param { scene: of, name } if of == scene => {
                     let Some(stands) = stands(name) else { continue };
                     let share = mapping.leads_to(moved.value);
-                    outcomes.push(match !mapping.picks_up || hold.takes(share, stands) {
+                    let way = moved.way.map(|end| mapping.leads_to(end));
+                    outcomes.push(match !mapping.picks_up || hold.takes(share, way, stands) {
                         true => Outcome::Turn(ParamWish {
                             name: name.clone(),
                             to: Amount::Share(share),
@@ -281,7 +282,7 @@ mod tests {
     }
 
     fn moved(source: Source, value: f32, presses: u32) -> KnobMove {
-        KnobMove { device: "desk".into(), source, value, presses }
+        KnobMove { presses, ..KnobMove::to("desk".into(), source, value, false) }
     }
 
     fn mapped(source: Source, target: Target) -> Mapping {
@@ -323,6 +324,10 @@ mod tests {
         let waits = |at| [Outcome::Waits { name: "size".to_owned(), leads_to: at, stands: 0.5 }];
         assert_eq!(apply(&mut mappings, &moved(KNOB, 0.1, 0)), waits(0.1));
         assert!(matches!(apply(&mut mappings, &moved(KNOB, 0.6, 0))[..], [Outcome::Turn(_)]));
+        // Also where it passed and came back between two frames.
+        let mut mappings = Mappings::of(vec![Mapping::learned("desk", KNOB, param("size"))]);
+        let swept = KnobMove { way: [0.0, 0.9], ..moved(KNOB, 0.1, 0) };
+        assert!(matches!(apply(&mut mappings, &swept)[..], [Outcome::Turn(_)]));
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod ports;
 mod source;
 
 pub use clock::{Clock, ClockReading};
-pub use device::Device;
+pub use device::{Device, Said};
 #[cfg(unix)]
 pub use fake::FolderPorts;
 pub use file::{MappingFile, MappingsError};

@@ -13,10 +13,11 @@ pub(super) struct PickUp {
 }
 
 impl PickUp {
-    /// Whether a knob that moved to `knob` turns what stands at `stands`.
-    pub(super) fn takes(&mut self, knob: f32, stands: f32) -> bool {
+    /// Whether a knob that moved to `knob`, by a way with these ends, turns what stands at `stands`.
+    pub(super) fn takes(&mut self, knob: f32, way: [f32; 2], stands: f32) -> bool {
         let has_hold = self.put.is_some_and(|put| (put - stands).abs() <= NEAR);
-        let passes = self.last.is_some_and(|last| (last - stands) * (knob - stands) <= 0.0);
+        let ends = || way.into_iter().chain([knob]).chain(self.last);
+        let passes = ends().any(|end| end <= stands) && ends().any(|end| end >= stands);
         self.last = Some(knob);
         let takes = has_hold || passes || (knob - stands).abs() <= NEAR;
         self.put = takes.then_some(knob);
@@ -33,7 +34,7 @@ mod tests {
         let mut knob = PickUp::default();
         let mut stands = 0.5;
         let mut turn = |to: f32, stands: &mut f32| {
-            let takes = knob.takes(to, *stands);
+            let takes = knob.takes(to, [to; 2], *stands);
             if takes {
                 *stands = to;
             }
@@ -50,7 +51,7 @@ mod tests {
 
     #[test]
     fn the_first_move_takes_hold_only_where_it_is_near() {
-        assert!(PickUp::default().takes(0.505, 0.5));
-        assert!(!PickUp::default().takes(0.6, 0.5));
+        assert!(PickUp::default().takes(0.505, [0.505; 2], 0.5));
+        assert!(!PickUp::default().takes(0.6, [0.6; 2], 0.5));
     }
 }

@@ -125,8 +125,24 @@ pub struct KnobMove {
     pub source: Source,
     /// Where it is now, 0..1.
     pub value: f32,
+    /// The least and the greatest place where it was since the last time.
+    pub way: [f32; 2],
     /// How often it was pressed: keys and pads that went down, knobs and buttons that passed the middle upwards.
     pub presses: u32,
+}
+
+impl KnobMove {
+    /// One move to a place.
+    pub fn to(device: Arc<str>, source: Source, value: f32, is_press: bool) -> Self {
+        Self { device, source, value, way: [value; 2], presses: u32::from(is_press) }
+    }
+
+    /// A later move of the same knob.
+    pub(crate) fn go_on(&mut self, later: &Self) {
+        let ([least, most], [low, high]) = (self.way, later.way);
+        (self.value, self.way) = (later.value, [least.min(low), most.max(high)]);
+        self.presses = self.presses.saturating_add(later.presses);
+    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,115 @@
+//! Knobs from outside, as a user meets them with the pointer.
+
+use egui::Event;
+
+use super::*;
+use crate::app::hands::panel::{HandFacts, HandsPanel, HandsRequest};
+use mariana_control::midi::{Mapping, MidiState, Source, Target};
+
+fn clicked(
+    stage: &mut Stage,
+    place: Pos2,
+    mut content: impl FnMut() -> OverlayContent<'static>,
+) -> Vec<Request> {
+    let button = |pressed| Event::PointerButton {
+        pos: place,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    let events = [vec![Event::PointerMoved(place)], vec![button(true)], vec![button(false)]];
+    events.into_iter().flat_map(|events| stage.frame(events, content()).requests).collect()
+}
+
+fn size() -> Target {
+    Target::Param { scene: "orb".to_owned(), name: "size".to_owned() }
+}
+
+fn knob() -> Mapping {
+    Mapping::learned("desk", Source::Control { channel: 0, number: 7 }, size())
+}
+
+fn panel() -> HandsPanel {
+    let slider =
+        Slider { name: "size".into(), value: 1.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
+    let mut panel = HandsPanel::default();
+    panel.update(&HandFacts {
+        scene: "orb".to_owned(),
+        sliders: &[slider],
+        osc: Some("heard on 127.0.0.1:9000".to_owned()),
+        midi: Some(MidiState { devices: vec!["desk".to_owned()], is_known: true, ..MidiState::default() }),
+        clock: true,
+        clock_tempo: None,
+        counts: (0, 0),
+        mappings: &[knob()],
+        learning: None,
+    });
+    panel
+}
+
+#[test]
+fn a_click_on_the_name_of_a_slider_learns_what_turns_it_and_who_holds_it_is_told() {
+    let mut stage = Stage::new(SCREEN);
+    let mut sliders = sliders(2);
+    sliders[1].hand = Hand::Midi;
+    let content =
+        OverlayContent { params: Some(&mut sliders), learning: Some("knob 0"), ..Default::default() };
+    let texts = drawn(&stage.frame(Vec::new(), content)).1;
+    for words in ["MIDI", "move a knob"] {
+        assert!(place_of(&texts, words).area() > 50.0, "{words} does not show");
+    }
+    let place = place_of(&texts, "knob 1").center();
+    let mut requests = Vec::new();
+    for pressed in [None, Some(true), Some(false)] {
+        let events = match pressed {
+            None => vec![Event::PointerMoved(place)],
+            Some(pressed) => vec![Event::PointerButton {
+                pos: place,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            }],
+        };
+        let content = OverlayContent { params: Some(&mut sliders), ..Default::default() };
+        let laid_out = stage.frame(events, content);
+        assert!(!laid_out.params_changed);
+        requests.extend(laid_out.requests);
+    }
+    assert_eq!(requests, [Request::LearnParam("knob 1".to_owned())]);
+}
+
+#[test]
+fn with_the_pointer_alone_one_learns_changes_and_forgets() {
+    let panel: &'static HandsPanel = Box::leak(Box::new(panel()));
+    let content = || OverlayContent { hands: Some(panel), ..Default::default() };
+    let mut stage = Stage::new(SCREEN);
+    stage.frame(Vec::new(), content());
+    let laid_out = stage.frame(Vec::new(), content());
+    let texts = drawn(&laid_out).1;
+    assert!(stage.screen.contains_rect(laid_out.panels[0]));
+    let mut inverted = knob();
+    inverted.invert();
+    let mut narrow = knob();
+    narrow.range = [0.25, 1.0];
+    for (words, wanted) in [
+        ("size", HandsRequest::Learn(size())),
+        ("invert", HandsRequest::Change(knob(), inverted)),
+        ("from 0 %", HandsRequest::Change(knob(), narrow)),
+        ("forget", HandsRequest::Remove(knob())),
+        ("MIDI clock sets the tempo", HandsRequest::Clock(false)),
+    ] {
+        let place = place_of(&texts, words).center();
+        assert_eq!(clicked(&mut stage, place, content), [Request::Hands(wanted)], "{words}");
+        stage.seconds += 2.0;
+    }
+}
+
+#[test]
+fn the_panel_of_knobs_fits_every_window() {
+    let panel: &'static HandsPanel = Box::leak(Box::new(panel()));
+    for screen in [SCREEN, Vec2::new(640.0, 360.0), Vec2::new(320.0, 180.0), Vec2::new(60.0, 40.0)] {
+        let mut stage = Stage::new(screen);
+        let laid_out = stage.frame(Vec::new(), OverlayContent { hands: Some(panel), ..Default::default() });
+        assert!(screen.y < 100.0 || stage.screen.contains_rect(laid_out.panels[0]), "{screen:?}");
+    }
+}

@@ -1,0 +1,129 @@
+//! The output on another monitor: when its window opens and closes, and what it shows.
+
+use std::sync::Arc;
+
+use winit::event::WindowEvent;
+use winit::window::Window;
+
+use super::Stage;
+use crate::app::error::AppError;
+use crate::app::monitors::Monitor;
+use crate::app::wallpaper::{Panel, Wallpaper};
+use crate::export::print::tell;
+use crate::gpu::error::GpuError;
+use crate::gpu::renderer::Renderer;
+use crate::placement::{Area, Placement, WHOLE, fitted, product, within};
+
+/// How a picture lies on its screen.
+pub(super) struct Lay {
+    pub(super) placement: Placement,
+    /// Width and height of the screen that it is drawn for, in pixels.
+    pub(super) screen: (u32, u32),
+    /// Whether it is one that is held: it keeps its shape on a screen of another one.
+    pub(super) is_held: bool,
+}
+
+impl Lay {
+    /// Copies the picture to the current window of `size` pixels, whose part `area` is the screen.
+    pub(super) fn show(&self, renderer: &mut Renderer, size: (u32, u32), area: Area) -> Result<(), GpuError> {
+        let shape = renderer.shape().filter(|_| self.is_held);
+        let inner = shape.map_or(WHOLE, |shape| fitted(self.placement.rest_of(shape), self.screen));
+        if self.placement.is_plain() && inner == WHOLE && area == WHOLE {
+            return renderer.show(size);
+        }
+        let map = within(area, &within(inner, &self.placement.map()));
+        renderer.show_placed(size, &map, self.placement.part())
+    }
+
+    /// The part of a window of `size` pixels that shows what the screen does.
+    pub(super) fn area_in(&self, size: (u32, u32)) -> Area {
+        fitted(self.screen, size)
+    }
+}
+
+impl Stage {
+    /// The size that pictures are drawn for, in pixels: of the output, else of the window.
+    pub(super) fn screen_size(&self) -> Option<(u32, u32)> {
+        let of_ground = self.wallpaper.as_ref().and_then(Wallpaper::screen);
+        self.output.size().or(of_ground).or(self.window.size())
+    }
+
+    /// Takes the monitors of a window system that tells them by itself.
+    pub(in crate::app) fn note_monitors(&mut self, monitors: Vec<Monitor>) {
+        self.output.note_monitors(monitors);
+    }
+
+    /// Takes the output's window.
+    pub(in crate::app) fn take_output(&mut self, window: Arc<Window>) {
+        if let Err(error) = self.output.take(window, &self.window) {
+            let sentence = format!("there is no output on another monitor: {error}");
+            tell(&sentence);
+            self.reports.say(sentence);
+            self.output.want(None);
+        }
+        self.window.window().request_redraw();
+    }
+
+    /// Takes an event of the output's window.
+    pub(in crate::app) fn take_output_event(&mut self, event: &WindowEvent) {
+        self.output.take_event(event, &self.window);
+        self.window.window().request_redraw();
+    }
+
+    /// Opens and closes the output as monitors come and go.
+    pub(super) fn update_output(&mut self) {
+        if let Some(place) = self.wallpaper.as_ref().and_then(Wallpaper::place)
+            && self.grounded_at != Some(place)
+        {
+            self.grounded_at = Some(place);
+            self.window.fill(place);
+        }
+        let was = self.output.size();
+        if let Some(sentence) = self.output.update(&self.window) {
+            tell(&sentence);
+            self.reports.say(sentence);
+        }
+        if self.output.size() != was {
+            self.window.window().request_redraw();
+        }
+    }
+
+    /// Shows the picture on every monitor, if it is the desktop's ground, and in the window as `lay` says otherwise.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn show_picture(
+        renderer: &mut Renderer,
+        ground: Option<&Wallpaper>,
+        lay: &Lay,
+        size: (u32, u32),
+    ) -> Result<(), GpuError> {
+        let panels = ground.map(|ground| ground.panels(lay.screen)).unwrap_or_default();
+        if panels.is_empty() {
+            return lay.show(renderer, size, lay.area_in(size));
+        }
+        let map = lay.placement.map();
+        for Panel { area, map: of_panel, part } in panels {
+            let part = if lay.placement.is_plain() { part } else { lay.placement.part() };
+            let map = within(area, &product(&map, &of_panel));
+            renderer.show_in_part(size, area, &map, part)?;
+        }
+        Ok(())
+    }
+
+    /// Moves the output to another monitor, or to none.
+    pub(super) fn choose_output_monitor(&mut self, name: Option<String>) {
+        self.output.want(name.clone());
+        self.choose(move |choices| choices.stage.output.clone_from(&name));
+    }
+
+    /// Shows the picture on the output, if it shows another one.
+    ///
+    /// # Errors
+    /// What the driver refuses.
+    pub(super) fn show_on_output(&mut self, lay: &Lay, is_new: bool) -> Result<(), AppError> {
+        let Some(surface) = self.output.due(is_new) else { return Ok(()) };
+        let (renderer, size) = (&mut self.renderer, surface.size());
+        self.window.draw_on(surface, || lay.show(renderer, size, WHOLE))
+    }
+}

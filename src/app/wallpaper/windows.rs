@@ -1,0 +1,138 @@
+//! Which windows of the desktop cover monitors, as its window manager tells (EWMH).
+
+use std::error::Error;
+
+use x11rb::connection::Connection;
+use x11rb::protocol::randr::ConnectionExt as _;
+use x11rb::protocol::xproto::{Atom, AtomEnum, ConnectionExt as _, Window};
+use x11rb::rust_connection::RustConnection;
+
+use super::{Rect, are_covered};
+
+x11rb::atom_manager! {
+    Names: NamesCookie {
+        _NET_CLIENT_LIST,
+        _NET_CURRENT_DESKTOP,
+        _NET_WM_DESKTOP,
+        _NET_WM_STATE,
+        _NET_WM_STATE_HIDDEN,
+        _NET_WM_STATE_FULLSCREEN,
+        _NET_WM_STATE_MAXIMIZED_HORZ,
+        _NET_WM_STATE_MAXIMIZED_VERT,
+        _NET_WM_WINDOW_TYPE,
+        _NET_WM_WINDOW_TYPE_DESKTOP,
+    }
+}
+
+/// On all desktops.
+const EVERYWHERE: u32 = u32::MAX;
+/// Most windows that are looked at.
+const WINDOWS_MAX: u32 = 4_096;
+/// A maximised window leaves room for bars of at most this share of a monitor.
+const BARS: f64 = 0.2;
+
+/// See the module.
+pub(super) struct Windows {
+    connection: RustConnection,
+    root: Window,
+    names: Names,
+}
+
+impl Windows {
+    /// Asks the X server of this session; none if there is none.
+    pub(super) fn connect() -> Option<Self> {
+        let connect = || -> Result<Self, Box<dyn Error>> {
+            let (connection, screen) = x11rb::connect(None)?;
+            let root = connection.setup().roots.get(screen).ok_or("no screen")?.root;
+            let names = Names::new(&connection)?.reply()?;
+            connection.randr_query_version(1, 5)?.reply()?;
+            Ok(Self { connection, root, names })
+        };
+        connect().inspect_err(|error| tracing::info!("windows are not looked at: {error}")).ok()
+    }
+
+    /// Whether every monitor is covered by a window that fills it.
+    pub(super) fn cover_everything(&self) -> bool {
+        self.look().unwrap_or(false)
+    }
+
+    fn look(&self) -> Result<bool, Box<dyn Error>> {
+        let monitors = self.connection.randr_get_monitors(self.root, true)?.reply()?.monitors;
+        let monitors: Vec<Rect> = monitors
+            .iter()
+            .map(|found| ((found.x.into(), found.y.into()), (found.width.into(), found.height.into())))
+            .collect();
+        let present = self.numbers(self.root, self.names._NET_CURRENT_DESKTOP, AtomEnum::CARDINAL)?;
+        let mut covering = Vec::new();
+        for window in self.numbers(self.root, self.names._NET_CLIENT_LIST, AtomEnum::WINDOW)? {
+            // A window may go between two questions.
+            if let Ok(Some(rect)) = self.covering(window, present.first().copied(), &monitors) {
+                covering.push(rect);
+            }
+        }
+        Ok(are_covered(&monitors, &covering))
+    }
+
+    /// The rectangle that a window covers, if it fills what it can.
+    fn covering(
+        &self,
+        window: Window,
+        present: Option<u32>,
+        monitors: &[Rect],
+    ) -> Result<Option<Rect>, Box<dyn Error>> {
+        let names = &self.names;
+        let state = self.numbers(window, names._NET_WM_STATE, AtomEnum::ATOM)?;
+        let kind = self.numbers(window, names._NET_WM_WINDOW_TYPE, AtomEnum::ATOM)?;
+        let desktop = self.numbers(window, names._NET_WM_DESKTOP, AtomEnum::CARDINAL)?.first().copied();
+        let is = |name: Atom| state.contains(&name);
+        let elsewhere = desktop.is_some_and(|at| at != EVERYWHERE && Some(at) != present);
+        if kind.contains(&names._NET_WM_WINDOW_TYPE_DESKTOP) || is(names._NET_WM_STATE_HIDDEN) || elsewhere {
+            return Ok(None);
+        }
+        let size = self.connection.get_geometry(window)?.reply()?;
+        let place = self.connection.translate_coordinates(window, self.root, 0, 0)?.reply()?;
+        let rect: Rect = ((place.dst_x.into(), place.dst_y.into()), (size.width.into(), size.height.into()));
+        let maximised = is(names._NET_WM_STATE_MAXIMIZED_HORZ) && is(names._NET_WM_STATE_MAXIMIZED_VERT);
+        // Beside a maximised window there is room for bars at most: the monitor that it is on counts as covered.
+        let own = monitors.iter().find(|monitor| maximised && fills(&rect, monitor));
+        Ok(Some(own.copied().unwrap_or(rect)))
+    }
+
+    /// The numbers of a property; none if the window has none.
+    fn numbers(&self, window: Window, name: Atom, kind: AtomEnum) -> Result<Vec<u32>, Box<dyn Error>> {
+        let reply = self.connection.get_property(false, window, name, kind, 0, WINDOWS_MAX)?.reply()?;
+        Ok(reply.value32().map(Iterator::collect).unwrap_or_default())
+    }
+}
+
+/// Whether a window takes most of a monitor.
+fn fills((place, size): &Rect, (monitor, extent): &Rect) -> bool {
+    let common = |from: i32, length: u32, of: i32, most: u32| {
+        let (from, of) = (f64::from(from), f64::from(of));
+        (from + f64::from(length)).min(of + f64::from(most)) - from.max(of)
+    };
+    let across = common(place.0, size.0, monitor.0, extent.0) / f64::from(extent.0.max(1));
+    let down = common(place.1, size.1, monitor.1, extent.1) / f64::from(extent.1.max(1));
+    across >= 1.0 - BARS && down >= 1.0 - BARS
+}
+
+/// The size of a window in pixels; none if there is no such window.
+pub(super) fn size_of(window: Window) -> Option<(u32, u32)> {
+    let (connection, _) = x11rb::connect(None).ok()?;
+    let found = connection.get_geometry(window).ok()?.reply().ok()?;
+    Some((found.width.into(), found.height.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_maximised_window_beside_a_bar_takes_the_monitor() {
+        let monitor = ((100, 0), (1000, 800));
+        assert!(fills(&((100, 30), (1000, 770)), &monitor));
+        assert!(fills(&((100, 0), (900, 800)), &monitor));
+        assert!(!fills(&((100, 30), (500, 770)), &monitor));
+        assert!(!fills(&((1100, 0), (1000, 800)), &monitor));
+    }
+}

@@ -1,0 +1,171 @@
+//! Windows besides the first: the output on another monitor, into which the same context draws, and what a window is like
+//! that is for the eyes alone.
+
+#![expect(unsafe_code, reason = "creating surfaces from window handles is unsafe in glutin")]
+
+use std::num::NonZeroU32;
+use std::sync::Arc;
+
+use glutin::context::PossiblyCurrentGlContext;
+use glutin::display::{GetGlDisplay, GlDisplay};
+use glutin::error::ErrorKind;
+use glutin::surface::{GlSurface, Surface, SwapInterval, WindowSurface};
+use glutin_winit::GlWindow;
+use winit::dpi::{PhysicalPosition, PhysicalSize};
+use winit::event_loop::ActiveEventLoop;
+use winit::window::{Fullscreen, Window, WindowAttributes};
+
+use super::GlWindowContext;
+use crate::app::error::AppError;
+use crate::app::identity;
+use crate::app::monitors::Monitor;
+use crate::app::wallpaper::Rect;
+use crate::gpu::error::GpuError;
+
+/// A window for the eyes alone.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::app) enum Ground {
+    /// Below all windows of the desktop, on this rectangle of it.
+    Desktop(Rect),
+    /// Within another program's window of X11, which has this size in pixels.
+    Within(u32, (u32, u32)),
+}
+
+/// Another window that the same context draws into.
+pub(in crate::app) struct SecondSurface {
+    // The surface before its window.
+    surface: Surface<WindowSurface>,
+    window: Arc<Window>,
+    size: (u32, u32),
+}
+
+impl SecondSurface {
+    /// Width and height of its window, in pixels.
+    pub(in crate::app) fn size(&self) -> (u32, u32) {
+        self.size
+    }
+
+    /// Takes its window's new size. A window without an area keeps the old one.
+    pub(in crate::app) fn resize(&mut self, first: &GlWindowContext, size: (u32, u32)) {
+        if let (Some(width), Some(height)) = (NonZeroU32::new(size.0), NonZeroU32::new(size.1)) {
+            self.size = size;
+            self.surface.resize(&first.context, width, height);
+        }
+    }
+}
+
+impl GlWindowContext {
+    /// A surface of another window, which was opened for the same configuration. From now on only that one waits for its
+    /// monitor.
+    ///
+    /// # Errors
+    /// The driver refuses.
+    pub(in crate::app) fn second_surface(&self, window: Arc<Window>) -> Result<SecondSurface, AppError> {
+        let refused = |error: &dyn std::fmt::Display| AppError::Window {
+            doing: "a second window",
+            reason: error.to_string(),
+        };
+        let attributes =
+            window.build_surface_attributes(Default::default()).map_err(|error| refused(&error))?;
+        // SAFETY: the window outlives the surface (see the fields' order).
+        let surface = unsafe { self.config.display().create_window_surface(&self.config, &attributes) };
+        let surface = surface.map_err(|error| refused(&error))?;
+        let (width, height) = window.inner_size().into();
+        let second = SecondSurface { surface, window, size: (width, height) };
+        self.context.make_current(&second.surface).map_err(|error| refused(&error))?;
+        let waits = second.surface.set_swap_interval(&self.context, SwapInterval::Wait(NonZeroU32::MIN));
+        if let Err(error) = waits {
+            tracing::info!("no vertical sync on the output ({error})");
+        }
+        self.context.make_current(&self.surface).map_err(|error| refused(&error))?;
+        self.wait_for_monitor(false);
+        Ok(second)
+    }
+
+    /// Whether showing a picture waits for the monitor.
+    pub(in crate::app) fn wait_for_monitor(&self, waits: bool) {
+        let interval = if waits { SwapInterval::Wait(NonZeroU32::MIN) } else { SwapInterval::DontWait };
+        if let Err(error) = self.surface.set_swap_interval(&self.context, interval) {
+            tracing::info!("no vertical sync ({error}); only the frame cap limits the rate");
+        }
+    }
+
+    /// Lets `draw` draw into another window, and shows that there. Meanwhile the framebuffer without a name is that
+    /// window's.
+    ///
+    /// # Errors
+    /// What `draw` reports, or a lost surface.
+    pub(in crate::app) fn draw_on(
+        &self,
+        second: &SecondSurface,
+        draw: impl FnOnce() -> Result<(), GpuError>,
+    ) -> Result<(), AppError> {
+        let failed = |error: glutin::error::Error| match error.error_kind() {
+            ErrorKind::ContextLost => GpuError::ContextLost { doing: "showing a frame" }.into(),
+            _ => AppError::Window { doing: "to show a frame on the output", reason: error.to_string() },
+        };
+        self.context.make_current(&second.surface).map_err(failed)?;
+        let drawn = draw().map_err(AppError::from);
+        second.window.pre_present_notify();
+        let shown = second.surface.swap_buffers(&self.context).map_err(failed);
+        self.context.make_current(&self.surface).map_err(failed)?;
+        drawn.and(shown)
+    }
+}
+
+/// The attributes of a window for the eyes alone.
+pub(super) fn grounded(attributes: WindowAttributes, ground: Option<Ground>) -> WindowAttributes {
+    let Some(ground) = ground else { return attributes };
+    let attributes = attributes.with_decorations(false).with_active(false);
+    #[cfg(all(unix, not(target_os = "macos")))]
+    {
+        use winit::platform::x11::{WindowAttributesExtX11, WindowType};
+        match ground {
+            Ground::Desktop(((x, y), _)) => attributes
+                .with_position(PhysicalPosition::new(x, y))
+                .with_x11_window_type(vec![WindowType::Desktop]),
+            Ground::Within(window, _) => {
+                attributes.with_position(PhysicalPosition::new(0, 0)).with_embed_parent_window(window)
+            }
+        }
+    }
+    #[cfg(not(all(unix, not(target_os = "macos"))))]
+    {
+        let _ = ground;
+        attributes
+    }
+}
+
+/// Opens a window that fills a monitor and takes nothing but keys: without a frame and without a pointer.
+///
+/// # Errors
+/// The window system refuses.
+pub(in crate::app) fn open_output(
+    event_loop: &ActiveEventLoop,
+    config: &glutin::config::Config,
+    monitor: &Monitor,
+) -> Result<Arc<Window>, AppError> {
+    let (place, size) = (monitor.place, monitor.size);
+    let attributes = WindowAttributes::default()
+        .with_title("Mariana's output")
+        .with_decorations(false)
+        .with_position(PhysicalPosition::new(place.0, place.1))
+        .with_inner_size(PhysicalSize::new(size.0, size.1));
+    let attributes = identity::told_by(attributes);
+    #[cfg(all(unix, not(target_os = "macos")))]
+    let attributes = {
+        use winit::platform::x11::{ActiveEventLoopExtX11, WindowAttributesExtX11};
+        if event_loop.is_x11() {
+            // No window manager moves it, covers it or gives it the keyboard.
+            attributes.with_override_redirect(true)
+        } else {
+            let mut known = event_loop.available_monitors();
+            let found = known.find(|known| known.name().as_deref() == Some(&*monitor.name));
+            attributes.with_fullscreen(Some(Fullscreen::Borderless(found)))
+        }
+    };
+    let window = glutin_winit::finalize_window(event_loop, attributes, config)
+        .map_err(|error| AppError::Window { doing: "a window for the output", reason: error.to_string() })?;
+    window.set_cursor_visible(false);
+    Ok(Arc::new(window))
+}

@@ -1,0 +1,69 @@
+//! Flags of how the picture comes onto screens and into other programs: what they take, and what they refuse with a
+//! sentence before anything shows.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::net::TcpListener;
+
+use crate::support::program::{Outcome, RUN_LIMIT, Workplace};
+
+#[test]
+fn places_that_nothing_can_be_sent_to_are_refused() {
+    let place = Workplace::new();
+    place.write("file", "kept");
+    let send = |to: &str| place.run(&["--silent", "--send", to]);
+    send("y4m:file").refused(&["file", "it is no FIFO", "mkfifo"]);
+    assert_eq!(place.read("file"), b"kept");
+    send("y4m:nowhere").refused(&["nowhere", "there is no such FIFO"]);
+    send("v4l2:/dev/video-none").refused(&["/dev/video-none", "modprobe v4l2loopback"]);
+    send("v4l2:file").refused(&["it is no device"]);
+    let taken = TcpListener::bind(("127.0.0.1", 0)).unwrap();
+    let port = taken.local_addr().unwrap().port();
+    send(&format!("mjpeg:{port}")).refused(&[&port.to_string(), "choose another port"]);
+    for (to, part) in
+        [("ndi:x", "y4m:FIFO"), ("mjpeg:0", "no port"), ("y4m:", "names no place"), ("", "write it as")]
+    {
+        send(to).refused_arguments("--send", &[part]);
+    }
+    // One more than there may be.
+    let many: Vec<String> = (0..9).map(|n| format!("y4m:{n}")).collect();
+    let flags: Vec<&str> = many.iter().flat_map(|to| ["--send", to.as_str()]).collect();
+    place.run(&flags).refused(&["at most 8 places, not 9"]);
+}
+
+#[test]
+fn numbers_that_no_picture_can_have_are_refused() {
+    let place = Workplace::new();
+    for (flag, value, part) in [
+        ("--brightness", "101", "0 to 100"),
+        ("--blackout-fade", "-1", "0 to 60"),
+        ("--flip", "over", "horizontal"),
+        ("--crop", "50,0,50,0", "0 to 90"),
+        ("--crop", "1,2,3", "4 numbers"),
+        ("--corners", "0,0,100,100,100,0,0,100", "clockwise"),
+        ("--corners", "0,0,300,0,100,100,0,100", "one screen"),
+        ("--send-fps", "0", "1 to 1000"),
+        ("--send-size", "0x9", "1 to 16384"),
+    ] {
+        let told = place.run(&["--send", "mjpeg:9", flag, value]);
+        assert_eq!(told.code, 2, "{told:?}");
+        assert!(told.stderr.contains(flag) && told.stderr.contains(part), "'{part}' is not told: {told:?}");
+    }
+}
+
+#[test]
+fn without_an_x_server_there_are_no_monitors_to_list_and_no_ground_to_draw_on() {
+    let place = Workplace::new();
+    place.run(&["--output", "list"]).refused(&["monitors are known on X11 only", "start Mariana"]);
+    place.run(&["--wallpaper"]).refused(&["monitors are known on X11 only", "start Mariana"]);
+    let mut wayland = place.command(&["--wallpaper"]);
+    wayland.env("WAYLAND_DISPLAY", "wayland-none");
+    Outcome::of(&mut wayland, RUN_LIMIT)
+        .refused(&["a wallpaper needs X11", "start Mariana in an X11 session"]);
+    for number in ["nothing", "0", "0x7fffffff"] {
+        let mut saver = place.command(&["--silent"]);
+        saver.env("XSCREENSAVER_WINDOW", number);
+        Outcome::of(&mut saver, RUN_LIMIT).refused(&["XSCREENSAVER_WINDOW", number, "unset it"]);
+    }
+}

@@ -1,0 +1,129 @@
+//! The hands on a show (blackout, freeze, clean, scenes by number, corners) as performers meet them.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::time::Duration;
+
+use crate::walls::{BREATHES, Place, TWO_COLOURS, at, is_black, is_blue, is_red, quit, wait_for};
+use image::RgbaImage;
+use mariana::srgb::linear;
+use mariana_testing::process::wait_until;
+
+#[test]
+fn a_blackout_takes_the_light_away_and_brings_the_same_picture_back() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let app = place.open("two.scene", &["--blackout-fade", "0.4"]);
+    let lit = wait_for(&app, "the picture", |picture| is_red(at(picture, 0.2, 0.5)));
+    app.press(&["x"]);
+    wait_for(&app, "black", |picture| picture.pixels().all(|pixel| pixel.0[..3] == [0; 3]));
+    app.press(&["x"]);
+    wait_for(&app, "the same picture", |picture| *picture == lit);
+    quit(app);
+    // A quarter of the light, by a flag.
+    let app = place.open("two.scene", &["--brightness", "25"]);
+    let value = |picture: &RgbaImage| linear(f32::from(at(picture, 0.2, 0.5)[0]) / 255.0);
+    wait_for(&app, "a quarter of the light", |picture| (value(picture) / value(&lit) - 0.25).abs() < 0.02);
+    quit(app);
+}
+
+#[test]
+fn a_picture_that_is_held_stands_while_the_song_goes_on() {
+    let place = Place::new(&[("breathes.scene", BREATHES), ("two.scene", TWO_COLOURS)]);
+    let mut app = place.open("breathes.scene", &["--blackout-fade", "0"]);
+    let first = app.picture();
+    wait_for(&app, "a picture that moves", |picture| *picture != first);
+    app.press(&["z"]);
+    let mut held = app.picture();
+    wait_until("a picture that stands", || {
+        std::thread::sleep(Duration::from_millis(300));
+        let now = app.picture();
+        std::mem::replace(&mut held, now.clone()) == now
+    });
+    // The show may prepare: another scene comes on behind it, and shows when the picture is let go.
+    app.press(&["2"]);
+    app.wait_for_title("the other scene", |title| title.contains("two"));
+    assert!(app.picture() == held, "the picture that is held has changed");
+    app.press(&["z"]);
+    wait_for(&app, "the other scene", |picture| {
+        is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.8, 0.5))
+    });
+    quit(app);
+}
+
+#[test]
+fn numbers_show_the_scenes_of_the_list() {
+    let place = Place::new(&[("a.scene", "vec3(0.1)"), ("b.scene", "vec3(0.2)"), ("c.scene", TWO_COLOURS)]);
+    let mut app = place.open("a.scene", &[]);
+    for (key, name) in [("3", "(c,"), ("2", "(b,"), ("1", "(a,")] {
+        app.press(&[key]);
+        app.wait_for_title(name, |title| title.contains(name));
+    }
+    // There is no ninth.
+    app.press(&["9", "3"]);
+    app.wait_for_title("c", |title| title.contains("(c,"));
+    quit(app);
+}
+
+#[test]
+fn one_key_hides_every_word_and_panel() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let app = place.open("two.scene", &["--flash-limiter", "off"]);
+    let plain = wait_for(&app, "the picture", |picture| is_blue(at(picture, 0.8, 0.5)));
+    app.press(&["h"]);
+    wait_for(&app, "the keys", |picture| *picture != plain);
+    app.press(&["w"]);
+    wait_for(&app, "nothing but the picture", |picture| *picture == plain);
+    // Nor does a mistake show, until the key is pressed again.
+    let good = std::fs::read_to_string(place.path("two.scene")).unwrap();
+    std::fs::write(place.path("two.scene"), "object o { shape = nonsense }").unwrap();
+    let mut app = app;
+    app.wait_until_told("has mistakes");
+    assert!(app.picture() == plain, "the mistake shows");
+    app.press(&["w"]);
+    wait_for(&app, "the mistake", |picture| *picture != plain);
+    std::fs::write(place.path("two.scene"), good).unwrap();
+    wait_for(&app, "the picture", |picture| *picture == plain);
+    quit(app);
+}
+
+#[test]
+fn the_picture_is_mirrored_cropped_and_pulled_at_its_corners() {
+    let place = Place::new(&[("two.scene", TWO_COLOURS)]);
+    let app = place.open("two.scene", &["--flip", "horizontal", "--crop", "0,0,25,0"]);
+    // Blue is at the left now, and takes a third.
+    wait_for(&app, "the mirrored picture", |picture| {
+        is_blue(at(picture, 0.3, 0.5)) && is_red(at(picture, 0.36, 0.5)) && is_red(at(picture, 0.95, 0.5))
+    });
+    quit(app);
+    let app = place.open("two.scene", &["--corners", "0,0,100,50,100,100,0,100"]);
+    wait_for(&app, "the slanted picture", |picture| {
+        is_black(at(picture, 0.9, 0.1)) && is_red(at(picture, 0.2, 0.5)) && is_blue(at(picture, 0.9, 0.8))
+    });
+    quit(app);
+    // By hand, and remembered.
+    let app = place.open("two.scene", &[]);
+    wait_for(&app, "the picture", |picture| is_red(at(picture, 0.1, 0.1)));
+    app.press(&["y"]);
+    wait_for(&app, "what says how", |picture| !is_red(at(picture, 0.4, 0.5)));
+    let window = app.window().to_owned();
+    let move_to = |x: u32, y: u32| {
+        app.xdotool(&["mousemove", "--window", &window, &x.to_string(), &y.to_string()]);
+        std::thread::sleep(Duration::from_millis(200));
+    };
+    move_to(10, 10);
+    wait_for(&app, "the corner under the pointer", |picture| at(picture, 0.02, 0.02)[2] > 150);
+    app.xdotool(&["mousedown", "1"]);
+    // A press and the way from there must not come in one picture.
+    move_to(10, 10);
+    (1..=4).for_each(|step| move_to(10 + 30 * step, 10 + 10 * step));
+    app.xdotool(&["mouseup", "1"]);
+    wait_for(&app, "the corner", |picture| is_black(at(picture, 0.1, 0.05)) && is_red(at(picture, 0.1, 0.9)));
+    app.press(&["y"]);
+    quit(app);
+    let app = place.open("two.scene", &[]);
+    wait_for(&app, "the corner", |picture| is_black(at(picture, 0.1, 0.05)));
+    app.press(&["y", "Home", "y"]);
+    wait_for(&app, "the picture", |picture| is_red(at(picture, 0.02, 0.02)));
+    quit(app);
+}
