@@ -243,6 +243,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("e")],
+        written: "E",
+        action: Action::TogglePanel(Panel::Editor),
+        meaning: "the editor: the text of this scene, over the picture",
+        repeats: false,
+    },
+    Binding {
         keys: &[
             Key::Character("1"),
             Key::Character("2"),
@@ -285,7 +292,7 @@ pub const BINDINGS: &[Binding] = &[
         keys: &[Key::Named(NamedKey::F9)],
         written: "F9",
         action: Action::ToggleRecording,
-        meaning: "record what hands do, as a show that `mariana video` renders; again to end it",
+        meaning: "record what hands do as a show, to be rendered; again to end",
         repeats: false,
     },
     Binding {

@@ -133,19 +133,21 @@ impl Output {
         Ok(())
     }
 
-    /// Takes an event of its window.
-    pub(super) fn take_event(&mut self, event: &WindowEvent, desk: &GlWindowContext) {
-        let State::On(_, surface) = &mut self.state else { return };
+    /// Takes an event of its window. Returns whether something is to be shown anew.
+    pub(super) fn take_event(&mut self, event: &WindowEvent, desk: &GlWindowContext) -> bool {
+        let State::On(_, surface) = &mut self.state else { return false };
         match event {
             WindowEvent::Resized(size) => surface.resize(desk, (*size).into()),
             WindowEvent::RedrawRequested => {}
             WindowEvent::CloseRequested | WindowEvent::Destroyed => {
                 self.wanted = None;
-                return self.close(desk);
+                self.close(desk);
+                return true;
             }
-            _ => return,
+            _ => return false,
         }
         self.is_stale = true;
+        true
     }
 
     /// Closes its window; the next update opens one anew, if one is wanted.

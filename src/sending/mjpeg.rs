@@ -5,7 +5,7 @@
 //! one. Nothing but this is answered, and nobody beyond the machine is.
 
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::net::{Ipv4Addr, Shutdown, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
@@ -23,6 +23,8 @@ const BOUNDARY: &str = "mariana-picture";
 const QUALITY: u8 = 90;
 /// How long a reader may take for its question.
 const QUESTION_TIME: Duration = Duration::from_secs(5);
+/// How long the rest of a question that is refused is waited for.
+const PARTING_TIME: Duration = Duration::from_millis(200);
 /// A reader that takes nothing of a picture for this long is left.
 const ANSWER_TIME: Duration = Duration::from_secs(30);
 
@@ -87,6 +89,10 @@ fn refuse(mut stream: TcpStream, status: &str, reason: &str) {
     // Whoever asked may have gone.
     let _ = stream.set_write_timeout(Some(QUESTION_TIME));
     let _ = stream.write_all(answer.as_bytes());
+    // A connection that is closed while a question waits in it takes the answer along.
+    let _ = stream.shutdown(Shutdown::Write);
+    let _ = stream.set_read_timeout(Some(PARTING_TIME));
+    let _ = std::io::copy(&mut stream.take(8 * LIMITS.send_request_bytes_max as u64), &mut std::io::sink());
 }
 
 /// Answers one reader until it goes.

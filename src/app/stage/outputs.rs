@@ -66,8 +66,9 @@ impl Stage {
 
     /// Takes an event of the output's window.
     pub(in crate::app) fn take_output_event(&mut self, event: &WindowEvent) {
-        self.output.take_event(event, &self.window);
-        self.window.window().request_redraw();
+        if self.output.take_event(event, &self.window) {
+            self.window.window().request_redraw();
+        }
     }
 
     /// Opens and closes the output as monitors come and go.
