@@ -9,6 +9,7 @@ pub mod atomic_file;
 pub mod cli;
 pub mod config;
 pub mod demo_track;
+pub mod documents;
 pub mod ending;
 pub mod export;
 pub mod faults;

@@ -57,6 +57,8 @@ pub struct Limits {
     pub structures_kept_max: usize,
     /// Most bytes, by estimate, that the scenes take which are prepared while another one is shown.
     pub prepared_bytes_max: u64,
+    /// Most bytes of a text that is edited or kept unsaved, with what is said of it.
+    pub kept_text_bytes_max: usize,
     /// Most bytes of a show file.
     pub show_bytes_max: usize,
     /// Most entries of a show.
@@ -106,6 +108,7 @@ pub const LIMITS: Limits = Limits {
     structures_kept_max: 500,
     program_cache_bytes_max: 1 << 26,
     prepared_bytes_max: 1 << 27,
+    kept_text_bytes_max: (1 << 20) + (1 << 16),
     show_bytes_max: 1 << 24,
     show_entries_max: 10_000,
     show_settings_max: 64,

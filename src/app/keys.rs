@@ -243,6 +243,13 @@ pub const BINDINGS: &[Binding] = &[
         repeats: false,
     },
     Binding {
+        keys: &[Key::Character("e")],
+        written: "E",
+        action: Action::TogglePanel(Panel::Editor),
+        meaning: "the editor: the text of this scene, over the picture",
+        repeats: false,
+    },
+    Binding {
         keys: &[
             Key::Character("1"),
             Key::Character("2"),

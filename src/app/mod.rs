@@ -3,10 +3,12 @@
 
 mod accessibility;
 mod announcer;
+mod clipboard;
 pub mod corner_hands;
 mod direction;
 mod drawing_pace;
 mod dynamic_resolution;
+pub mod editor;
 pub mod edits;
 mod error;
 mod feeds;
@@ -38,6 +40,7 @@ mod sound;
 mod stage;
 mod text_query;
 mod title;
+mod typing_times;
 mod user_input;
 mod wallpaper;
 mod window;

@@ -20,6 +20,7 @@ mod kept;
 mod mixing;
 mod requests;
 mod told;
+mod turning;
 mod universal;
 mod views;
 mod wishes;
@@ -37,6 +38,7 @@ use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
+use turning::TurnedNumber;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
@@ -136,6 +138,10 @@ pub(super) struct SceneStage {
     notice: Option<(String, Instant)>,
     /// What is said of a scene that was asked for and cannot be drawn yet.
     awaited: Option<String>,
+    /// Whether somebody writes its text, so that mistakes come and go.
+    is_written: bool,
+    /// The number of a text that a hand turns.
+    turned: Option<TurnedNumber>,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
     /// Counts the changes that make the same moment look different.
@@ -196,6 +202,8 @@ impl SceneStage {
             problem: None,
             notice: None,
             awaited: None,
+            is_written: false,
+            turned: None,
             pictured: None,
             revision: 0,
             announced: None,
@@ -272,7 +280,10 @@ impl SceneStage {
                     other => ("cannot be read", other.to_string()),
                 };
                 let heading = format!("{} {what}; the last good scene stays", loaded.source.title());
-                tracing::warn!("{error}");
+                match self.is_written {
+                    true => tracing::debug!("{error}"),
+                    false => tracing::warn!("{error}"),
+                }
                 self.awaited = None;
                 self.problem = Some((heading, text));
                 Ok(())

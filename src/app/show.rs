@@ -27,7 +27,7 @@ use crate::export::painter::SceneChoice;
 use crate::export::print::print_line;
 use crate::gpu::error::GpuError;
 use crate::gpu::headless::Headless;
-use crate::scenes::{Loader, NumberEdits, SceneSource, TextureCache};
+use crate::scenes::{Drafts, Findings, Loader, NumberEdits, SceneSource, TextureCache};
 use mariana_player::playlist::Opened;
 
 /// A context that is lost again this soon after it was made anew is not made again.
@@ -54,9 +54,10 @@ pub fn run(
     let sends = Sends::start(&settings.sends, settings.send_size.unwrap_or(settings.size), settings.send_fps)
         .map_err(AppError::from)?;
     let (waker, inbox) = inbox();
-    let (shown, first) = load_first(&scene, &waker)?;
+    let drafts = Drafts::default();
+    let (shown, first) = load_first(&scene, &waker, &drafts)?;
     let ahead = match settings.prepare_ahead {
-        true => Some([start_loader(&waker)?, start_loader(&waker)?]),
+        true => Some([start_loader(&waker, &drafts)?, start_loader(&waker, &drafts)?]),
         false => None,
     };
     let loaders = SceneLoaders { shown, ahead };
@@ -94,6 +95,7 @@ pub fn run(
             loaders,
             first,
             controls,
+            drafts,
             proxy,
             sends,
         };
@@ -115,6 +117,7 @@ pub fn run(
                         show.stage.leave_to_the_next(&show.settings);
                     }
                     tracing::info!("{}", show.stage.frame_times());
+                    tracing::info!("{}", show.stage.typing_times());
                     tracing::info!("from message to frame: {}", show.stage.message_times());
                     return ended;
                 }
@@ -157,8 +160,12 @@ fn on_ground(mut settings: PlaySettings) -> anyhow::Result<(PlaySettings, Option
 }
 
 /// Starts the loader and waits for the scene at the start: without it there is no show.
-fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, LoadedScene), AppError> {
-    let loader = start_loader(waker)?;
+fn load_first(
+    scene: &SceneChoice,
+    waker: &Waker,
+    drafts: &Drafts,
+) -> Result<(SceneLoader, LoadedScene), AppError> {
+    let loader = start_loader(waker, drafts)?;
     loader.request(scene.source.clone());
     let first = loop {
         match loader.poll() {
@@ -169,11 +176,17 @@ fn load_first(scene: &SceneChoice, waker: &Waker) -> Result<(SceneLoader, Loaded
     Ok((loader, first))
 }
 
-/// Starts a loader that has nothing to load yet.
-fn start_loader(waker: &Waker) -> Result<SceneLoader, AppError> {
+/// Starts a loader that has nothing to load yet. It tells an editor what it found.
+fn start_loader(waker: &Waker, drafts: &Drafts) -> Result<SceneLoader, AppError> {
     let (mut textures, mut edits) = (TextureCache::default(), NumberEdits::default());
     let waker = waker.clone();
-    let load = move |source: &SceneSource| source.ready_with(&mut textures, &mut edits);
+    let drafts = drafts.clone();
+    let load = move |source: &SceneSource| {
+        let texts = drafts.texts();
+        let (result, files) = source.ready_with(&mut textures, &mut edits, &texts);
+        drafts.tell(Findings::of(source, &texts, &result));
+        (result, files)
+    };
     Loader::start(load, move || waker.wake())
         .map_err(|error| AppError::Window { doing: "a thread", reason: error.to_string() })
 }
@@ -230,6 +243,7 @@ impl Show {
                     Message::End => return Ok(()),
                 }
             }
+            self.stage.follow_editor();
             if redraws || self.stage.scene.is_drawing() {
                 self.draw()?;
             }

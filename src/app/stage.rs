@@ -4,6 +4,7 @@ mod cues;
 mod desk;
 mod directing;
 mod drawing;
+mod editing;
 mod hands;
 mod leaving;
 mod mastering;
@@ -42,6 +43,7 @@ use super::recording::Recording;
 use super::reports::Reports;
 use super::scene_stage::SceneStage;
 use super::title::{live_title, title};
+use super::typing_times::TypingTimes;
 use super::user_input::{UserInput, Wish};
 use super::wallpaper::{Rect, Wallpaper};
 use super::window::GlWindowContext;
@@ -49,6 +51,7 @@ use super::window_thread::Waker;
 use crate::config::{Choices, PlaySettings};
 use crate::gpu::renderer::Renderer;
 use crate::gpu::shader_source::ShaderLibrary;
+use crate::scenes::Drafts;
 use crate::show::LiveDirector;
 use crate::thumbnails::Thumbnails;
 use mariana_player::Player;
@@ -83,6 +86,10 @@ pub(super) struct Stage {
     /// What the pointer asked for in the last picture.
     requests: Vec<Request>,
     pub(super) desk: Desk,
+    /// Texts that are edited, for those that load scenes.
+    drafts: Drafts,
+    /// How long keys of the editor took.
+    typing_times: TypingTimes,
     /// What was chosen, for this run.
     choices: Choices,
     /// Whether the command line says what songs play on.
@@ -208,6 +215,9 @@ impl Stage {
     pub(super) fn take(&mut self, event: &WindowEvent) -> Option<Action> {
         self.pointer_rest.take(event, Instant::now());
         if self.overlay.on_event(self.window.window(), event) {
+            return None;
+        }
+        if self.take_for_editor(event) {
             return None;
         }
         if let (Some(browser), Some((key, held))) = (&mut self.desk.browser, self.input.typed(event)) {
@@ -336,6 +346,7 @@ impl Stage {
             self.open_files(dropped, append);
         }
         self.scene.update()?;
+        self.update_editor();
         if let (Some(browser), Some(thumbnails)) = (&mut self.desk.browser, &mut self.thumbnails) {
             browser.set_present(self.scene.shown_source());
             browser.take(thumbnails);
@@ -391,6 +402,11 @@ impl Stage {
     /// How long a show that stands still sleeps: in silence it listens.
     fn idle_interval(&self, seen: bool) -> Duration {
         if seen && !self.listening.is_paused() { LISTEN_INTERVAL } else { IDLE_INTERVAL }
+    }
+
+    /// How long keys of the editor took to be seen, for the log.
+    pub(super) fn typing_times(&self) -> &TypingTimes {
+        &self.typing_times
     }
 
     /// How long frames took, for the log.

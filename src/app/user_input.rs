@@ -73,6 +73,11 @@ impl UserInput {
         std::mem::take(&mut self.dropped)
     }
 
+    /// What is held and changes what other keys do.
+    pub(super) fn held(&self) -> ModifiersState {
+        self.held
+    }
+
     /// Whether a shift key is held.
     pub(super) fn shift_held(&self) -> bool {
         self.held.shift_key()

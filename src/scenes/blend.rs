@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{NumberEdits, ReadyScene, SceneError, SceneSource, TextureCache};
+use super::{DraftTexts, NumberEdits, ReadyScene, SceneError, SceneSource, TextureCache};
 use mariana_field::graph::FrameInputs;
 use mariana_field::world::{Alignment, BlendKind, World};
 
@@ -59,8 +59,10 @@ impl SceneBlend {
     pub(super) fn ready_with(
         &self,
         textures: &mut TextureCache,
+        drafts: &DraftTexts,
     ) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
-        let mut read = |seen: &SeenScene| seen.source.ready_with(textures, &mut NumberEdits::default());
+        let mut read =
+            |seen: &SeenScene| seen.source.ready_with(textures, &mut NumberEdits::default(), drafts);
         let ((from, mut files), (to, others)) = (read(&self.from), read(&self.to));
         files.extend(others);
         (from.and_then(|from| self.of(from, to?)), files)

@@ -2,7 +2,17 @@
 
 use std::path::PathBuf;
 
+use mariana_field::lang::{Diagnostic, Sources};
 use mariana_field::world::{BlendError, WorldError};
+
+/// Mistakes and the texts in which they stand.
+#[derive(Debug)]
+pub struct FoundMistakes {
+    /// What is wrong.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The texts.
+    pub sources: Sources,
+}
 
 /// A scene that cannot be read. Each message says what, where and what to do.
 #[derive(Debug, thiserror::Error)]
@@ -56,6 +66,8 @@ pub enum SceneError {
         plain: String,
         /// The same with a terminal's colours.
         colored: String,
+        /// The same with their places.
+        found: Box<FoundMistakes>,
     },
     /// The scene is too large to be drawn.
     #[error(transparent)]

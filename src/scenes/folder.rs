@@ -53,8 +53,12 @@ impl Folder {
 
     /// The text of `name`, at most `max` bytes.
     pub(super) fn text(&self, name: &str, max: usize) -> Result<String, Refusal> {
-        String::from_utf8(self.bytes(name, max)?)
-            .map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
+        Self::text_of(self.bytes(name, max)?)
+    }
+
+    /// Bytes as text.
+    pub(super) fn text_of(bytes: Vec<u8>) -> Result<String, Refusal> {
+        String::from_utf8(bytes).map_err(|error| Refusal::NotText(error.utf8_error().valid_up_to()))
     }
 
     /// The names, written as `name` is, of the files in the same folder; those that are not UTF-8 are left out.

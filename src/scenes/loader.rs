@@ -54,6 +54,7 @@ struct Shared<T> {
 
 enum Message {
     Load(SceneSource),
+    Again,
     Changed(PathBuf, Kind),
     End,
 }
@@ -111,6 +112,13 @@ impl<T: Send + 'static> Loader<T> {
         }
     }
 
+    /// Loads what is on the screen again, because something else than its files has changed that it is made of.
+    pub fn load_again(&self) {
+        if self.requests.send(Message::Again).is_err() {
+            tracing::error!("the thread that loads scenes has ended");
+        }
+    }
+
     /// The newest result, once. Never blocks.
     pub fn poll(&self) -> Option<Loaded<T>> {
         match self.shared.newest.try_lock() {
@@ -127,6 +135,12 @@ impl<T> Drop for Loader<T> {
         self.shared.ended.store(true, Ordering::Release);
         let _ = self.requests.send(Message::End);
     }
+}
+
+/// What is to be loaded next.
+enum Asked {
+    Source(SceneSource),
+    Again,
 }
 
 /// The source that is on the screen or will be, and its files as they were before it was loaded. None for a file that
@@ -163,7 +177,7 @@ where
     Publish: Fn(Loaded<T>),
 {
     fn run(&mut self, inbox: &Receiver<Message>) {
-        let mut asked: Option<SceneSource> = None;
+        let mut asked: Option<Asked> = None;
         let mut looked = Instant::now();
         loop {
             let watching = self.current.as_ref().is_some_and(|current| !current.seen.is_empty());
@@ -178,11 +192,18 @@ where
                 (None, None) => inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
             };
             match message {
-                Ok(Message::Load(source)) => asked = Some(source),
+                Ok(Message::Load(source)) => asked = Some(Asked::Source(source)),
+                Ok(Message::Again) => asked = asked.or(Some(Asked::Again)),
                 Ok(Message::Changed(file, kind)) => self.changes.note(file, kind, Instant::now()),
                 Ok(Message::End) | Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => match asked.take() {
-                    Some(source) => self.begin(source),
+                    Some(Asked::Source(source)) => self.begin(source),
+                    // Nobody looks at the files for that: what is watched stays watched.
+                    Some(Asked::Again) => {
+                        if let Some(current) = self.current.take() {
+                            self.load(current);
+                        }
+                    }
                     None => {
                         if look.is_some_and(|look| look <= Instant::now()) {
                             looked = Instant::now();

@@ -6,6 +6,7 @@
 mod blend;
 mod content;
 mod debounce;
+mod drafts;
 mod error;
 mod folder;
 mod loader;
@@ -23,7 +24,8 @@ use std::sync::Arc;
 use include_dir::{Dir, include_dir};
 
 pub use blend::{SceneBlend, SeenScene, camera_number};
-pub use error::SceneError;
+pub use drafts::{DraftTexts, Drafts, Findings, Mistake};
+pub use error::{FoundMistakes, SceneError};
 pub(crate) use folder::read_at_most;
 pub use loader::{Loaded, Loader};
 pub use number_edits::NumberEdits;
@@ -134,16 +136,23 @@ impl SceneSource {
     /// # Errors
     /// A file that cannot be read, is too large, or is not text.
     pub fn compile(&self) -> Result<Compiled, SceneError> {
-        self.compile_following(&mut NumberEdits::default())
+        self.compile_following(&mut NumberEdits::default(), &DraftTexts::default())
     }
 
     /// The same for a source of which earlier versions may have been compiled: numbers that are being changed are read
-    /// as inputs.
+    /// as inputs. `drafts` stand in the place of what files hold.
     ///
     /// # Errors
     /// As [`SceneSource::compile`].
-    pub fn compile_following(&self, edits: &mut NumberEdits) -> Result<Compiled, SceneError> {
-        Ok(self.compile_as(&self.text()?, edits))
+    pub fn compile_following(
+        &self,
+        edits: &mut NumberEdits,
+        drafts: &DraftTexts,
+    ) -> Result<Compiled, SceneError> {
+        Ok(match self.file().and_then(|file| Some((file, drafts.of(file)?))) {
+            Some((file, draft)) => self.compile_as(text_of(file, draft)?, edits, drafts),
+            None => self.compile_as(&self.text()?, edits, drafts),
+        })
     }
 
     /// Its text.
@@ -163,11 +172,11 @@ impl SceneSource {
     }
 
     /// Compiles `text` as if it were its own, with what that includes.
-    fn compile_as(&self, text: &str, edits: &mut NumberEdits) -> Compiled {
+    fn compile_as(&self, text: &str, edits: &mut NumberEdits, drafts: &DraftTexts) -> Compiled {
         let name = self.name();
         match self {
             // It stands where the program was started.
-            Self::Formula(_) => lang::compile(&name, text, &mut including(Folder::of(Path::new("")))),
+            Self::Formula(_) => lang::compile(&name, text, &mut including(Folder::of(Path::new("")), drafts)),
             Self::Shipped(_) => {
                 let mut include = |path: &str| {
                     let file = SHIPPED.get_file(path).and_then(|file| file.contents_utf8());
@@ -175,18 +184,32 @@ impl SceneSource {
                 };
                 lang::compile(&name, text, &mut include)
             }
-            Self::Blend(blend) => blend.to.source.compile_as(text, edits),
+            Self::Blend(blend) => blend.to.source.compile_as(text, edits, drafts),
             Self::File(path) => {
-                let changing = edits.follow(self, text);
-                lang::compile_while_changing(&name, text, &mut including(Folder::of(path)), changing)
+                let turning = drafts.turning(path);
+                let changing = edits.follow(self, text, turning.is_some());
+                let mut include = including(Folder::of(path), drafts);
+                lang::compile_while_changing(&name, text, &mut include, changing, turning)
             }
         }
     }
 }
 
-/// What reads the files that a scene of `folder` includes.
-fn including(folder: Folder) -> impl FnMut(&str) -> Result<String, String> {
-    move |path| folder.text(path, FIELD_LIMITS.scene_bytes_max).map_err(|refusal| refusal.to_string())
+/// What reads the files that a scene of `folder` includes, or the drafts that stand in their place.
+fn including(folder: Folder, drafts: &DraftTexts) -> impl FnMut(&str) -> Result<String, String> {
+    move |path| {
+        let text = match drafts.of(&folder.path(path)) {
+            Some(draft) => Folder::text_of(draft.to_vec()),
+            None => folder.text(path, FIELD_LIMITS.scene_bytes_max),
+        };
+        text.map_err(|refusal| refusal.to_string())
+    }
+}
+
+/// A draft of a file as text.
+fn text_of<'a>(file: &Path, draft: &'a [u8]) -> Result<&'a str, SceneError> {
+    std::str::from_utf8(draft)
+        .map_err(|error| SceneError::NotText { path: file.to_owned(), position: error.valid_up_to() })
 }
 
 /// Whether a path is that of a scene, by its ending.

@@ -18,11 +18,16 @@ pub struct NumberEdits {
 }
 
 impl NumberEdits {
-    /// Takes the text of a source as it is now and returns the places of the numbers that are being changed.
-    pub(super) fn follow(&mut self, source: &SceneSource, text: &str) -> &BTreeSet<usize> {
+    /// Takes the text of a source as it is now and returns the places of the numbers that are being changed. While one
+    /// of them `is_turned`, a text that is as it was has not come to rest.
+    pub(super) fn follow(&mut self, source: &SceneSource, text: &str, is_turned: bool) -> &BTreeSet<usize> {
         let before = self.last.take().filter(|(of, _)| of == source).map(|(_, text)| text);
         let is_as_it_was = before.as_deref() == Some(text);
-        self.settled = is_as_it_was && !self.changing.is_empty();
+        self.settled = is_as_it_was && !self.changing.is_empty() && !is_turned;
+        if is_as_it_was && is_turned {
+            self.last = before.map(|text| (source.clone(), text));
+            return &self.changing;
+        }
         match before.filter(|_| !is_as_it_was).and_then(|before| lang::changed_numbers(&before, text)) {
             Some(changed) => self.changing.extend(changed),
             None => self.changing.clear(),
@@ -46,7 +51,7 @@ mod tests {
         let (one, other) = (SceneSource::Formula("one".into()), SceneSource::Formula("other".into()));
         let mut edits = NumberEdits::default();
         let mut follow = |source: &SceneSource, text: &str| {
-            let changing: Vec<usize> = edits.follow(source, text).iter().copied().collect();
+            let changing: Vec<usize> = edits.follow(source, text, false).iter().copied().collect();
             (changing, edits.has_settled())
         };
         assert_eq!(follow(&one, "sphere(p, 1) - 0.5"), (vec![], false));

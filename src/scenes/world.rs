@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::textures::TextureCache;
-use super::{NumberEdits, SceneError, SceneSource};
+use super::{DraftTexts, FoundMistakes, NumberEdits, SceneError, SceneSource};
 use mariana_field::lang::{Compiled, Diagnostic, Scene, render_all};
 use mariana_field::region::RegionPlan;
 use mariana_field::world::{Alignment, BlendError, BlendKind, TapeBuffers, World, WorldError};
@@ -56,7 +56,7 @@ impl SceneSource {
     /// A file that cannot be read, mistakes in the text (with all diagnostics), missing pictures, a scene over the
     /// limits.
     pub fn ready(&self) -> Result<ReadyScene, SceneError> {
-        self.ready_with(&mut TextureCache::default(), &mut NumberEdits::default()).0
+        self.ready_with(&mut TextureCache::default(), &mut NumberEdits::default(), &DraftTexts::default()).0
     }
 
     /// The same as if `text` were its own.
@@ -64,20 +64,23 @@ impl SceneSource {
     /// # Errors
     /// As [`SceneSource::ready`].
     pub fn ready_as(&self, text: &str) -> Result<ReadyScene, SceneError> {
-        self.prepare(self.compile_as(text, &mut NumberEdits::default()), &mut TextureCache::default())
+        let compiled = self.compile_as(text, &mut NumberEdits::default(), &DraftTexts::default());
+        self.prepare(compiled, &mut TextureCache::default())
     }
 
     /// The same with pictures from a cache, and the files that cause it to be repeated when they change, whether it
-    /// worked or not. `edits` tells which numbers of its text are being changed.
+    /// worked or not. `edits` tells which numbers of its text are being changed, and `drafts` stand in the place of
+    /// what files hold.
     pub fn ready_with(
         &self,
         textures: &mut TextureCache,
         edits: &mut NumberEdits,
+        drafts: &DraftTexts,
     ) -> (Result<ReadyScene, SceneError>, Vec<PathBuf>) {
         if let Self::Blend(blend) = self {
-            return blend.ready_with(textures);
+            return blend.ready_with(textures, drafts);
         }
-        match self.compile_following(edits) {
+        match self.compile_following(edits, drafts) {
             Ok(compiled) => {
                 let files = self.files(Some(&compiled));
                 let ready = self.prepare(compiled, textures);
@@ -93,19 +96,31 @@ impl SceneSource {
     /// As [`SceneSource::ready`].
     pub fn checked(&self) -> Result<Scene, SceneError> {
         let mut compiled = self.compile()?;
-        compiled.scene.take().ok_or_else(|| self.mistakes(&compiled.diagnostics, &compiled))
+        match compiled.scene.take() {
+            Some(scene) => Ok(scene),
+            None => {
+                let diagnostics = std::mem::take(&mut compiled.diagnostics);
+                Err(self.mistakes(diagnostics, compiled))
+            }
+        }
     }
 
     fn prepare(&self, mut compiled: Compiled, textures: &mut TextureCache) -> Result<ReadyScene, SceneError> {
         let Some(scene) = compiled.scene.take() else {
-            return Err(self.mistakes(&compiled.diagnostics, &compiled));
+            let diagnostics = std::mem::take(&mut compiled.diagnostics);
+            return Err(self.mistakes(diagnostics, compiled));
         };
-        let pictures = textures.load(self, &scene).map_err(|wrong| self.mistakes(&wrong, &compiled))?;
+        let pictures = match textures.load(self, &scene) {
+            Ok(pictures) => pictures,
+            Err(wrong) => return Err(self.mistakes(wrong, compiled)),
+        };
         Ok(ReadyScene::of(World::new(&self.name(), scene, pictures)?)?)
     }
 
-    fn mistakes(&self, diagnostics: &[Diagnostic], compiled: &Compiled) -> SceneError {
-        let render = |color| render_all(diagnostics, &compiled.sources, color);
-        SceneError::Mistakes { name: self.name(), plain: render(false), colored: render(true) }
+    fn mistakes(&self, diagnostics: Vec<Diagnostic>, compiled: Compiled) -> SceneError {
+        let render = |color| render_all(&diagnostics, &compiled.sources, color);
+        let (plain, colored) = (render(false), render(true));
+        let found = Box::new(FoundMistakes { diagnostics, sources: compiled.sources });
+        SceneError::Mistakes { name: self.name(), plain, colored, found }
     }
 }

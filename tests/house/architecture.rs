@@ -11,6 +11,7 @@ use std::process::Command;
 
 /// What each crate may depend on besides the standard library. None of them knows the program.
 const CRATES: &[(&str, &[&str])] = &[
+    ("editing", &["mariana-field", "thiserror"]),
     ("control", &["midir", "rosc", "serde", "thiserror", "toml", "tracing"]),
     ("field", &["fidget", "image", "multiversion", "naga", "serde", "thiserror"]),
     ("music", &["ebur128", "rustfft", "serde"]),
@@ -49,6 +50,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ending", &[]),
     ("faults", &[]),
     ("demo_track", &[]),
+    ("documents", &["atomic_file", "limits"]),
     ("atomic_file", &["ending"]),
     ("frame", &[]),
     // The letters of captions.
@@ -76,6 +78,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "export",
             "config",
             "demo_track",
+            "documents",
             "flash",
             "program_cache",
             "reading_order",
@@ -114,6 +117,7 @@ const OUTSIDE: &[(&str, &[&str])] = &[
     ("glow", &["gpu"]),
     ("glutin", &["gpu", "app"]),
     ("glutin_winit", &["app"]),
+    ("arboard", &["app"]),
     ("winit", &["app"]),
     ("x11_dl", &["app"]),
     ("x11rb", &["app"]),
@@ -129,7 +133,8 @@ const OUTSIDE: &[(&str, &[&str])] = &[
 ];
 
 /// Folders without I/O, clocks and threads: the same input gives the same output.
-const PURE: &[&str] = &["crates/field/src", "crates/music/src", "src/flash", "src/frame"];
+const PURE: &[&str] =
+    &["crates/editing/src", "crates/field/src", "crates/music/src", "src/flash", "src/frame"];
 const IMPURE: &[&str] = &[
     "std::env",
     "std::fs",

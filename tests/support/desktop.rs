@@ -248,6 +248,8 @@ pub(crate) fn command_in(name: &str, folder: &Path, display: Option<&str>) -> Co
         "WAYLAND_SOCKET",
         "XDG_CONFIG_HOME",
         "XDG_CACHE_HOME",
+        "XDG_DATA_HOME",
+        "XDG_STATE_HOME",
         "DBUS_SESSION_BUS_ADDRESS",
     ] {
         command.env_remove(other);
@@ -287,6 +289,11 @@ impl App<'_> {
     /// The window's number for X11's tools.
     pub(crate) fn window(&self) -> &str {
         &self.window
+    }
+
+    /// The number of its process.
+    pub(crate) fn process_id(&self) -> u32 {
+        self.process.id()
     }
 
     /// The window's title.

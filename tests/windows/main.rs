@@ -7,6 +7,7 @@ mod walls;
 mod window;
 mod window_assisted;
 mod window_changes;
+mod window_editor;
 mod window_hands;
 mod window_live;
 mod window_outputs;

@@ -105,13 +105,18 @@ fn measure(
     Command::new("kill").arg(child.id().to_string()).status()?;
     child.wait()?;
     let log = fs::read_to_string(&log)?;
-    let said = |part: &str| log.lines().rfind(|line| line.contains(part)).unwrap_or_default().to_owned();
-    let words = |line: String| line.rsplit_once("]: ").map_or(line.clone(), |(_, words)| words.to_owned());
+    // The last two lines of the log: of all frames, and of messages.
+    let said = |of_messages: bool| {
+        let is_meant =
+            |line: &&str| line.contains(" frames") && line.contains("from message to frame") == of_messages;
+        let line = log.lines().rfind(is_meant).unwrap_or("  ");
+        line.rsplit_once("app::show: ").map_or(line, |(_, words)| words).to_owned()
+    };
     println!(
         "{what}: memory {before:.1} to {after:.1} MiB, {:.0} % of a processor",
         100.0 * worked / seconds
     );
-    println!("  {}\n  {}", words(said(" frames; ")), words(said("from message to frame")));
+    println!("  {}\n  {}", said(false), said(true));
     Ok(())
 }
 

@@ -39,7 +39,7 @@ const BAR_STEP: f32 = 3.0;
 /// Width of the volume's rail: at least, or there is none, and at most.
 const VOLUME_WIDTH: (f32, f32) = (44.0, 84.0);
 /// Buttons at the right.
-const RIGHT_BUTTONS: f32 = 8.0;
+const RIGHT_BUTTONS: f32 = 9.0;
 /// Height of the line of sections, and size of their letters.
 const SECTION_HEIGHT: f32 = 3.0;
 const LETTER_SIZE: f32 = 9.5;
@@ -268,6 +268,7 @@ fn buttons(ui: &mut Ui, bar: &Bar<'_>, requests: &mut Vec<Request>) {
             key_button(ui, Icon::Keys, Action::ToggleHelp, bar.help, requests);
             panel_button(ui, Icon::Settings, Panel::Settings, bar, requests);
             key_button(ui, Icon::Sliders, Action::ToggleSliders, bar.sliders, requests);
+            panel_button(ui, Icon::Text, Panel::Editor, bar, requests);
             panel_button(ui, Icon::Scenes, Panel::Scenes, bar, requests);
             let source = panel_button(ui, Icon::Source, Panel::Sources, bar, requests);
             // How loud it is, under the sign.

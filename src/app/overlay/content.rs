@@ -7,6 +7,7 @@ use super::bar::Bar;
 use super::tracks::Tracks;
 use super::welcome::Welcome;
 use crate::app::corner_hands::CornerHands;
+use crate::app::editor::Editor;
 use crate::app::file_browser::FileBrowser;
 use crate::app::hands::panel::HandsPanel;
 use crate::app::scene_browser::SceneBrowser;
@@ -42,6 +43,8 @@ pub struct OverlayContent<'a> {
     pub files: Option<&'a FileBrowser>,
     /// The settings.
     pub settings: Option<&'a SettingsPanel>,
+    /// The editor.
+    pub editor: Option<&'a Editor>,
     /// Knobs from outside.
     pub hands: Option<&'a HandsPanel>,
     /// The parameter that a knob is being learned for.
@@ -191,6 +194,7 @@ impl OverlayContent<'_> {
             && self.scenes.is_none()
             && self.files.is_none()
             && self.settings.is_none()
+            && self.editor.is_none()
             && self.hands.is_none()
             && self.corners.is_none()
             && self.welcome.is_none_or(|welcome| welcome.is_gone(now))
@@ -211,6 +215,7 @@ impl OverlayContent<'_> {
             || self.scenes.is_some()
             || self.files.is_some()
             || self.settings.is_some()
+            || self.editor.is_some()
             || self.hands.is_some()
             || self.corners.is_some()
     }
@@ -228,6 +233,7 @@ impl OverlayContent<'_> {
         self.scenes.map(SceneBrowser::revision).hash(&mut hasher);
         self.files.map(FileBrowser::revision).hash(&mut hasher);
         self.settings.map(SettingsPanel::revision).hash(&mut hasher);
+        self.editor.map(Editor::revision).hash(&mut hasher);
         (self.hands.map(HandsPanel::revision), self.learning).hash(&mut hasher);
         self.corners.map(|corners| corners.fingerprint()).hash(&mut hasher);
         self.tracks.map(|tracks| (tracks.list.revision, tracks.present)).hash(&mut hasher);

@@ -26,6 +26,7 @@ pub(super) enum Icon {
     Cross,
     Star,
     Folder,
+    Text,
 }
 
 /// Draws a sign in the middle of `rect`, `size` points high.
@@ -71,6 +72,11 @@ pub(super) fn draw(painter: &Painter, icon: Icon, rect: Rect, size: f32, color: 
                 pen.arc((-0.05, 0.0), 0.45);
                 pen.arc((-0.05, 0.0), 0.85);
             }
+        }
+        Icon::Text => {
+            pen.line(&[(-0.4, -0.6), (-0.9, 0.0), (-0.4, 0.6)]);
+            pen.line(&[(0.4, -0.6), (0.9, 0.0), (0.4, 0.6)]);
+            pen.line(&[(0.15, -0.8), (-0.15, 0.8)]);
         }
         Icon::Tracks => {
             for y in [-0.6, 0.0, 0.6] {

@@ -13,6 +13,7 @@ mod bar;
 mod browser;
 mod content;
 mod corners;
+mod editor;
 mod files;
 mod fonts;
 mod hands;
@@ -127,6 +128,7 @@ impl Overlay {
                 | WindowEvent::MouseInput { .. }
                 | WindowEvent::MouseWheel { .. }
                 | WindowEvent::Touch(_)
+                | WindowEvent::ModifiersChanged(_)
                 | WindowEvent::Focused(_)
         ) {
             let _ = self.input.on_window_event(window, event);
@@ -250,6 +252,7 @@ impl Overlay {
         self.pointer.panels = laid_out.panels.iter().map(|rect| *rect * pixels_per_point).collect();
         let own = now.checked_add(laid_out.repaint_after);
         let fades = content.notice.as_ref().and_then(|notice| notice.next_change(now));
+        let answer = content.editor.and_then(|editor| editor.changes_at());
         let goes = content.welcome.as_ref().and_then(|welcome| welcome.next_change(now));
         self.shown = Some(Shown {
             primitives: self.panels.context().tessellate(output.shapes, pixels_per_point),
@@ -258,7 +261,7 @@ impl Overlay {
             // The sliders may have moved.
             fingerprint: content.fingerprint(now),
             interactive,
-            changes_at: own.into_iter().chain(fades).chain(goes).min(),
+            changes_at: own.into_iter().chain(fades).chain(goes).chain(answer).min(),
         });
         Ok(Painted { params_changed: laid_out.params_changed, requests: laid_out.requests, controls })
     }

@@ -9,8 +9,8 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, corners, files, hands, help, params, problem, settings, sources, style, tracks,
-    welcome,
+    assisted, bar, browser, corners, editor, files, hands, help, params, problem, settings, sources, style,
+    tracks, welcome,
 };
 use crate::system_fonts::SystemFonts;
 
@@ -144,6 +144,11 @@ fn show(
         panels.push(rect);
         changed = moved;
         leave_beside(&mut left, rect);
+    }
+    if let Some(text) = content.editor {
+        let rect = editor::show(context, space, text, requests);
+        panels.push(rect);
+        left.min.x = (rect.right() + style::MARGIN).min(left.right());
     }
     if let Some(list) = &content.tracks {
         let rect = tracks::show(context, space, list, requests);

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::app::editor::EditorRequest;
 use crate::app::hands::panel::HandsRequest;
 use crate::app::keys::Action;
 
@@ -18,6 +19,8 @@ pub enum Panel {
     Files,
     /// What the user chooses for good.
     Settings,
+    /// The text of the scene.
+    Editor,
     /// Knobs from outside.
     Hands,
     /// The corners of the picture.
@@ -27,6 +30,8 @@ pub enum Panel {
 /// What the user asked for with the pointer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Request {
+    /// Something with the text.
+    Editor(EditorRequest),
     /// What a key does, too.
     Act(Action),
     /// To go to this time of the track, in seconds.

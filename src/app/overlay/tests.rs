@@ -278,6 +278,7 @@ fn every_button_of_the_bar_has_words_and_asks_for_something_else() {
         act(Action::TogglePanel(Panel::Tracks)),
         act(Action::TogglePanel(Panel::Sources)),
         act(Action::TogglePanel(Panel::Scenes)),
+        act(Action::TogglePanel(Panel::Editor)),
         act(Action::ToggleSliders),
         act(Action::TogglePanel(Panel::Settings)),
         act(Action::ToggleHelp),

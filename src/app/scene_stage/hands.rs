@@ -202,6 +202,7 @@ impl SceneStage {
                 *number = reading.value;
             }
         }
+        self.turn_in(cast, &mut numbers);
         numbers
     }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::app::corner_hands::CornerHands;
+use crate::app::editor::Editor;
 use crate::app::file_browser::FileBrowser;
 use crate::app::hands::Hands;
 use crate::app::hands::panel::HandsPanel;
@@ -30,6 +31,8 @@ pub(in crate::app) struct Desk {
     pub(super) files: Option<FileBrowser>,
     /// The settings, while they are open.
     pub(super) settings: Option<SettingsPanel>,
+    /// The editor, once it was opened.
+    pub(super) editor: Option<Editor>,
     /// Knobs from outside, while they are open.
     pub(super) hands: Option<HandsPanel>,
     /// The corners of the picture, while they are moved.
@@ -64,6 +67,7 @@ impl Desk {
             browser: None,
             files: None,
             settings: None,
+            editor: None,
             hands: None,
             corners: None,
             clean,
@@ -93,6 +97,10 @@ impl Desk {
         content.scenes = self.browser.as_ref();
         content.files = self.files.as_ref();
         content.settings = self.settings.as_ref();
+        content.editor = self.editor.as_ref().filter(|_| open == Some(Panel::Editor));
+        if content.editor.is_some_and(Editor::tells_mistakes) {
+            content.problem = None;
+        }
         content.hands = self.hands.as_ref();
         content.learning = hands.learning_param(self.placed_scene.as_ref().map(|(scene, _)| scene));
         content.tracks = seen.tracks.as_deref().map(|list| Tracks { list, present: playing.place.0 });

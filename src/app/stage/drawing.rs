@@ -97,11 +97,14 @@ impl Stage {
             return Ok(false);
         }
         Self::show_picture(&mut self.renderer, self.wallpaper.as_ref(), &lay, size)?;
+        let laying_out = Instant::now();
         let painted = self.overlay.paint(self.window.window(), size, content)?;
+        let laid_out = laying_out.elapsed();
         let painting = handing_over.elapsed();
         self.window.swap()?;
         self.show_on_output(&lay, new.is_some() || dims)?;
         let first = self.pace.show(shown);
+        self.typing_times.note_shown(self.scene.shown_id(), new.is_some(), laid_out, Instant::now());
         if let Some(Drawn { spent, .. }) = new {
             let showing = spent + handing_over.elapsed();
             let cost = self.cost(spent + painting, showing);

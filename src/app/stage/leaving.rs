@@ -12,6 +12,9 @@ const LEFT_MIN: f64 = 5.0;
 impl Stage {
     /// Remembers the show for the next one, unless the user wants nothing remembered.
     pub(in crate::app) fn leave_to_the_next(&mut self, settings: &PlaySettings) {
+        if let Some(editor) = &mut self.desk.editor {
+            editor.finish();
+        }
         self.recording.finish(Instant::now());
         if !settings.remembered {
             return;

@@ -39,6 +39,7 @@ use crate::export::print::tell;
 use crate::gpu::background::Sources;
 use crate::gpu::error::GpuError;
 use crate::gpu::renderer::{Counting, Renderer};
+use crate::scenes::Drafts;
 use crate::song_structures::{SongReader, StructureCache};
 use mariana_player::playlist::Opened;
 use mariana_player::{OutputChoice, Player, PlayerOptions, Target};
@@ -64,6 +65,8 @@ pub(in crate::app) struct Opening<'a> {
     pub(in crate::app) first: LoadedScene,
     /// Where screen readers are told what there is.
     pub(in crate::app) controls: ControlsTeller,
+    /// Texts that are edited.
+    pub(in crate::app) drafts: Drafts,
     /// Who opens windows.
     pub(in crate::app) proxy: EventLoopProxy<Told>,
     /// Where pictures are sent.
@@ -76,7 +79,7 @@ impl Opening<'_> {
     /// # Errors
     /// What the driver or the system refuses.
     pub(in crate::app) fn stage(self, window: OpenWindow, waker: &Waker) -> Result<Stage, AppError> {
-        let Self { tracks, settings, scene, memory, loaders, first, controls, proxy, sends } = self;
+        let Self { tracks, settings, scene, memory, loaders, first, controls, drafts, proxy, sends } = self;
         let choices = settings.choices.clone();
         tracing::info!("what holds in this run: {choices:?}");
         // First of all, so that the song is known before its first picture.
@@ -174,6 +177,8 @@ impl Opening<'_> {
             waker: waker.clone(),
             controls,
             desk: Desk::new(!choices.hints),
+            drafts,
+            typing_times: Default::default(),
             choices,
             names_output: settings.device.is_some() || settings.silent,
             chose_output: false,

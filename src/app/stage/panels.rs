@@ -13,7 +13,11 @@ use crate::thumbnails::Thumbnails;
 impl Stage {
     /// Opens a panel instead of the one that is open, or closes it.
     pub(in crate::app) fn toggle_panel(&mut self, panel: Panel) {
+        if panel == Panel::Editor && self.gives_focus_to_editor() {
+            return;
+        }
         self.desk.panels.toggle(panel);
+        self.write_text(self.desk.panels.open() == Some(Panel::Editor));
         if self.desk.panels.open() == Some(Panel::Sources) {
             self.listening.show_sources();
         }
@@ -26,7 +30,7 @@ impl Stage {
 
     /// Whether keys are text at present.
     pub(in crate::app) fn takes_text(&self) -> bool {
-        self.desk.browser.is_some() || self.desk.files.is_some()
+        self.desk.browser.is_some() || self.desk.files.is_some() || self.editor_has_focus()
     }
 
     /// Opens the list of files, or closes it.
@@ -181,6 +185,7 @@ impl Stage {
         self.look_through_scenes(false);
         self.look_through_files(false);
         self.show_settings(false);
+        self.write_text(false);
         self.show_hands(false);
         self.show_corners(false);
     }
@@ -210,6 +215,7 @@ impl Stage {
                 self.with_song(|player| player.move_entry(from, to));
             }
             Request::Listen(place) => self.listening.choose_source(place),
+            Request::Editor(request) => return self.obey_in_editor(request),
             Request::Scenes(request) => return self.obey_in_scenes(request),
             Request::Files(request) => self.obey_in_files(request),
             Request::Settings(request) => self.obey_in_settings(request),

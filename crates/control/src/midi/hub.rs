@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::clock::{Clock, ClockReading};
 use super::device::{Device, Said};
-use super::ports::Ports;
+use super::ports::{Hear, Ports};
 use super::source::KnobMove;
 use crate::Wishes;
 use crate::limits::LIMITS;
@@ -146,7 +146,7 @@ fn look(ports: &mut dyn Ports, open: &mut BTreeMap<String, Box<dyn Any>>, shared
 }
 
 /// What hears one device.
-fn hearing(name: &str, shared: Arc<Shared>) -> Box<dyn FnMut(&[u8]) + Send> {
+fn hearing(name: &str, shared: Arc<Shared>) -> Hear {
     let (name, mut device): (Arc<str>, _) = (name.into(), Device::default());
     Box::new(move |bytes| {
         device.hear(bytes, |said| {
@@ -180,7 +180,6 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use std::sync::mpsc::{Receiver, channel};
 
-    use super::super::ports::Hear;
     use super::*;
 
     /// What a test has of its ports: names to plug in, and what hears them.

@@ -5,6 +5,7 @@
 //! but numbers, the same place means the same number. What a scene's meaning depends on stays a number of the text:
 //! exponents, the bounds of loops, the defaults and ranges of parameters.
 
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 
 use super::diagnostic::Diagnostics;
@@ -14,6 +15,18 @@ use super::symbol::Interner;
 use super::token::{Kind, Token};
 use crate::graph::{FrameInputs, Graph, Input, NodeId, Point};
 use crate::limits::LIMITS;
+
+/// A number of a text that a hand turns: where it stands, and from what to what it may be turned before the text is
+/// read again.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    /// Its place among the numbers of the text, from 0.
+    pub place: usize,
+    /// The least value, finite.
+    pub least: f32,
+    /// The greatest value, finite.
+    pub most: f32,
+}
 
 /// The places of the numbers that differ between two versions of a text, counted from 0; `None` if they differ in
 /// anything else than numbers, blanks and comments.
@@ -41,6 +54,13 @@ pub fn changed_numbers(before: &str, now: &str) -> Option<BTreeSet<usize>> {
     Some(changed)
 }
 
+/// The place among the numbers of a text, from 0, of the one that begins at a byte.
+pub fn number_place(text: &str, offset: usize) -> Option<usize> {
+    let tokens = tokens(text, &mut library::library().names.clone());
+    let mut numbers = tokens.iter().filter(|token| token.kind == Kind::Number);
+    numbers.position(|token| token.span.start as usize == offset)
+}
+
 /// A text's tokens. Mistakes are found when it is compiled.
 fn tokens(text: &str, names: &mut Interner) -> Vec<Token> {
     let mut tokens = Vec::new();
@@ -59,18 +79,41 @@ pub(super) struct ChangingNumbers {
     /// The first input that is a number of the text; those before it are parameters.
     first: usize,
     values: Vec<f32>,
+    /// Where the number begins that is turned, and its range.
+    turning: Option<(u32, Turning)>,
+    /// Inputs whose value the meaning depends on: turned, the text has to be read again.
+    depended_on: RefCell<BTreeSet<u16>>,
+}
+
+/// A number that was read as an input.
+pub(super) struct ChangingNumber {
+    /// Where it begins in the text.
+    pub offset: u32,
+    pub value: f32,
+    /// From what to what a frame may set it.
+    pub range: (f32, f32),
 }
 
 impl ChangingNumbers {
     /// Those of these places among the numbers of `text`, which is the first of the sources.
-    pub(super) fn of(text: &str, places: &BTreeSet<usize>) -> Self {
-        if places.is_empty() {
+    pub(super) fn of(text: &str, places: &BTreeSet<usize>, turning: Option<Turning>) -> Self {
+        if places.is_empty() && turning.is_none() {
             return Self::default();
         }
         let tokens = tokens(text, &mut library::library().names.clone());
         let numbers = tokens.iter().filter(|token| token.kind == Kind::Number).enumerate();
-        let offsets = numbers.filter(|(place, _)| places.contains(place)).map(|(_, token)| token.span.start);
-        Self { offsets: offsets.collect(), ..Self::default() }
+        let is_turned = |place: usize| turning.filter(|turning| turning.place == place);
+        let mut this = Self::default();
+        for (place, token) in numbers {
+            let start = token.span.start;
+            if let Some(turning) = is_turned(place) {
+                this.turning = Some((start, turning));
+            }
+            if places.contains(&place) || is_turned(place).is_some() {
+                this.offsets.push(start);
+            }
+        }
+        this
     }
 
     /// The input that the number beginning at `offset` is read from, if it is being changed. `declared` inputs are
@@ -93,9 +136,15 @@ impl ChangingNumbers {
         Some(Input::Param(number))
     }
 
-    /// Their values, in the order of their inputs.
-    pub(super) fn values(&self) -> &[f32] {
-        &self.values
+    /// Those that occurred, in the order of their inputs.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = ChangingNumber> {
+        let fixed = self.depended_on.borrow().clone();
+        self.inputs.iter().zip(&self.values).map(move |(&(offset, input), &value)| {
+            let turned = self.turning.filter(|(of, _)| *of == offset && !fixed.contains(&input));
+            let range = turned
+                .map_or((value, value), |(_, turning)| (turning.least.min(value), turning.most.max(value)));
+            ChangingNumber { offset, value, range }
+        })
     }
 
     /// The value of an expression of nothing but numbers.
@@ -110,6 +159,11 @@ impl ChangingNumbers {
         if !used.inputs.iter().all(is_number) || !used.tables.is_empty() || !used.textures.is_empty() {
             return None;
         }
+        let numbers = used.inputs.iter().filter_map(|input| match input {
+            Input::Param(number) => Some(*number),
+            _ => None,
+        });
+        self.depended_on.borrow_mut().extend(numbers);
         let mut params = vec![0.0; self.first];
         params.extend(&self.values);
         let frame = FrameInputs { params, ..FrameInputs::default() };
@@ -125,7 +179,7 @@ mod tests {
 
     fn changing(text: &str, places: &[usize]) -> Scene {
         let places = places.iter().copied().collect();
-        let compiled = compile_while_changing("test", text, &mut no_includes, &places);
+        let compiled = compile_while_changing("test", text, &mut no_includes, &places, None);
         compiled.scene.unwrap_or_else(|| panic!("{:?}", compiled.diagnostics))
     }
 
@@ -185,6 +239,34 @@ mod tests {
     }
 
     #[test]
+    fn a_number_that_is_turned_has_a_range_and_its_place_in_the_text() {
+        let text = "param k = 0.5 in 0 .. 1\nsphere(p, k) - 0.25";
+        let turning = Turning { place: 3, least: 0.125, most: 1.0 };
+        let compiled =
+            compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), Some(turning));
+        let scene = compiled.scene.unwrap();
+        let number = scene.params.last().unwrap();
+        assert_eq!((number.is_number, number.default, number.min, number.max), (true, 0.25, 0.125, 1.0));
+        assert_eq!(number.span.start as usize, text.find("0.25").unwrap());
+        let params = vec![0.5, 1.0];
+        let frame = FrameInputs { params, ..FrameInputs::default() };
+        let value = scene.graph.evaluate(&[scene.distance], &Point::at(2.0, 0.0, 0.0), &frame).unwrap();
+        assert_eq!(value, [0.5]);
+    }
+
+    #[test]
+    fn a_number_on_which_the_meaning_depends_has_no_range_when_it_is_turned() {
+        let text = "length(p) - sum(for i in 0..4: 0.1 * i) + x^3";
+        for (place, has_range) in [(1, false), (2, true), (3, false)] {
+            let turning = Turning { place, least: 0.01, most: 9.0 };
+            let compiled =
+                compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), Some(turning));
+            let params = compiled.scene.unwrap().params;
+            assert_eq!(params.iter().any(|param| param.min < param.max), has_range, "{place}");
+        }
+    }
+
+    #[test]
     fn what_the_meaning_depends_on_stays_a_number() {
         // An odd exponent keeps the sign, a power of an unknown exponent does not.
         for text in ["x^3 + y", "fn f(k) = x^(k + 1) + y\nf(2)", "pow(x, 3) + y"] {
@@ -200,7 +282,8 @@ mod tests {
         let at = Point::at(1.0, 2.0, 2.0);
         assert_eq!(distance(&scene, at), distance(&plain, at));
         assert_eq!(scene.params[0].max, 2.0);
-        let mistake = compile_while_changing("test", "length(p) / 0", &mut no_includes, &BTreeSet::from([0]));
+        let zero = BTreeSet::from([0]);
+        let mistake = compile_while_changing("test", "length(p) / 0", &mut no_includes, &zero, None);
         assert!(mistake.scene.is_none() && !mistake.diagnostics.is_empty());
     }
 

@@ -41,12 +41,14 @@ mod symbol;
 mod tests;
 mod token;
 mod value;
+mod words;
 
 pub use about::{About, Way};
-pub use changing::changed_numbers;
+pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
 pub use library::{Accuracy, Entry, entries, inputs};
+pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};
 pub use scene::{Camera, Light, LightKind, Object, Param, Picture, Scene, Sky, TextureRef, ToneMap};
@@ -54,6 +56,7 @@ pub use source::{Place, SourceFile, Sources, Span};
 pub use suggest::nearest;
 #[cfg(test)]
 pub(crate) use tests::SHAPES;
+pub use words::{Word, WordKind, keywords, words};
 
 use std::collections::BTreeSet;
 
@@ -99,15 +102,18 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 }
 
 /// The same for a text in which the numbers of these places are being changed ([`changed_numbers`]): the expressions
-/// read them as inputs of a frame, behind the scene's parameters.
+/// read them as inputs of a frame, behind the scene's parameters. One of them may be `turning`: it gets a range, in
+/// which a frame may set it without the text being read again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,
     resolve: &mut Resolver<'_>,
     changing: &BTreeSet<usize>,
+    turning: Option<Turning>,
 ) -> Compiled {
-    if !changing.is_empty() {
-        let compiled = compile_all(name, text, resolve, &LIMITS, ChangingNumbers::of(text, changing));
+    if !changing.is_empty() || turning.is_some() {
+        let compiled =
+            compile_all(name, text, resolve, &LIMITS, ChangingNumbers::of(text, changing, turning));
         if compiled.scene.is_some() {
             return compiled;
         }

@@ -182,10 +182,10 @@ pub struct Param {
     pub min: f32,
     /// Largest value.
     pub max: f32,
-    /// Whether it is a number of the text that is being changed. Such a parameter has no name and one value, and comes
-    /// behind all others.
+    /// Whether it is a number of the text that is being changed. Such a parameter has no name and comes behind all
+    /// others; it has one value, or a range while it is being turned.
     pub is_number: bool,
-    /// Where it was declared.
+    /// Where it was declared; of a number of the text, where it begins.
     pub span: Span,
 }
 

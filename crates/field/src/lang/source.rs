@@ -102,6 +102,14 @@ impl Sources {
         Some(Place { file, line, column, text, byte })
     }
 
+    /// The file of a span by its place among the files, and the span's bytes in it; `None` if there is no file.
+    pub fn place_in_file(&self, span: Span) -> Option<(usize, std::ops::Range<usize>)> {
+        let index = self.files.partition_point(|file| file.base <= span.start).checked_sub(1)?;
+        let file = self.files.get(index)?;
+        let within = |offset: u32| (offset.saturating_sub(file.base) as usize).min(file.text.len());
+        Some((index, within(span.start)..within(span.end)))
+    }
+
     fn file_at(&self, offset: u32) -> Option<&SourceFile> {
         let index = self.files.partition_point(|file| file.base <= offset);
         self.files.get(index.checked_sub(1)?)

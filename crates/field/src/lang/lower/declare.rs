@@ -94,16 +94,15 @@ impl<'a> Lowering<'a> {
                 ..Light::of(LightKind::Lamp, self.numbers(Light::FIELDS, &Values::default()))
             });
         }
-        for value in self.changing.values() {
-            let of = |value: f32| Param {
+        for number in self.changing.numbers() {
+            self.params.push(Param {
                 name: String::new(),
-                default: value,
-                min: value,
-                max: value,
+                default: number.value,
+                min: number.range.0,
+                max: number.range.1,
                 is_number: true,
-                span: Span::default(),
-            };
-            self.params.push(of(*value));
+                span: Span::new(number.offset, number.offset),
+            });
         }
         let unset = Values::default();
         let camera = parts.camera.unwrap_or_else(|| Camera::of(self.numbers(Camera::FIELDS, &unset)));

@@ -12,6 +12,8 @@ mod lights;
 mod objects;
 mod sections;
 
+pub use sections::section_fields;
+
 use super::ast::{Ast, ExprId, Function, Parameter};
 use super::builtin::{INPUTS, InputValue, uses};
 use super::changing::ChangingNumbers;

@@ -20,14 +20,19 @@ use crate::graph::NodeId;
 
 /// The fields of objects. `objects.rs` makes an object of them, so their defaults are not read.
 const OBJECT: &[Field] = &[
-    of_object("shape", Holds::Number, POINT | FRAME),
-    of_object("material", Holds::Material, NOTHING),
-    of_object("bound", Holds::Number, POINT | FRAME),
-    of_object("melt", Holds::Number, FRAME),
+    of_object("shape", Holds::Number, POINT | FRAME, "the distance from `p` to the object"),
+    of_object("material", Holds::Material, NOTHING, "the name of its material"),
+    of_object(
+        "bound",
+        Holds::Number,
+        POINT | FRAME,
+        "a simpler shape around it, outside of which it is not computed",
+    ),
+    of_object("melt", Holds::Number, FRAME, "how far it melts into what it touches"),
 ];
 
-const fn of_object(name: &'static str, holds: Holds, uses: u8) -> Field {
-    Field { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc: "" }
+const fn of_object(name: &'static str, holds: Holds, uses: u8, doc: &'static str) -> Field {
+    Field { name, holds, uses, default: DefaultValue::Each(0.0), range: None, doc }
 }
 
 fn fields(section: Section) -> &'static [Field] {
@@ -42,11 +47,24 @@ fn fields(section: Section) -> &'static [Field] {
     }
 }
 
+const SECTIONS: [Section; 7] = [
+    Section::Object,
+    Section::Material,
+    Section::Light,
+    Section::Camera,
+    Section::Sky,
+    Section::Picture,
+    Section::About,
+];
+
 /// Whether any section has a field of this name.
 fn is_field(name: &str) -> bool {
-    use Section::{About, Camera, Light, Material, Object, Picture, Sky};
-    let sections = [Object, Material, Light, Camera, Sky, Picture, About];
-    sections.into_iter().flat_map(fields).any(|field| field.name == name)
+    SECTIONS.into_iter().flat_map(fields).any(|field| field.name == name)
+}
+
+/// The fields of each section, with the word that begins it.
+pub fn section_fields() -> impl Iterator<Item = (&'static str, &'static [Field])> {
+    SECTIONS.into_iter().map(|section| (word(section), fields(section)))
 }
 
 /// The word that begins a section.

@@ -26,6 +26,16 @@ const KEYWORDS: &[(&str, Keyword)] = &[
     ("about", Keyword::Section(Section::About)),
 ];
 
+/// Whether a name begins an item.
+pub(crate) fn is_keyword(name: &str) -> bool {
+    keywords().any(|keyword| keyword == name)
+}
+
+/// The names that begin items.
+pub(crate) fn keywords() -> impl Iterator<Item = &'static str> {
+    KEYWORDS.iter().map(|(name, _)| *name)
+}
+
 /// GLSL types that people write out of habit.
 const GLSL_TYPES: &[&str] = &[
     "float", "int", "uint", "bool", "double", "vec2", "vec3", "vec4", "mat2", "mat3", "mat4", "const", "var",

@@ -36,6 +36,8 @@ use super::source::Span;
 use super::symbol::{Interner, Symbol};
 use super::token::{Kind, Token, word};
 
+pub(super) use items::{is_keyword, keywords};
+
 /// Parses the tokens of one file; the last token must be of kind `End`. Expressions are added to `ast`.
 pub(super) fn parse(
     tokens: &[Token],

@@ -1,0 +1,40 @@
+//! What a key costs in a long text, without a window: the change, and the colours of the lines that show.
+
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use mariana_editing::{Colors, Editing, Move, proposals};
+
+/// Lines that show at a time.
+const SHOWN: usize = 50;
+
+/// A text of 400 kB.
+fn long_text() -> Vec<u8> {
+    let line = "object ball { shape = sphere(p - vec3(0, 1.25, 0), 0.5)  material = glow } # one\n";
+    line.repeat(400_000 / line.len() + 1).into_bytes()
+}
+
+fn type_letters(criterion: &mut Criterion) {
+    let mut editing = Editing::new(long_text());
+    let middle = editing.buffer().line_count() / 2;
+    editing.go_to(editing.buffer().line_start(middle), false);
+    let mut colors = Colors::default();
+    criterion.bench_function("a letter in the middle of 400 kB", |bencher| {
+        bencher.iter(|| {
+            editing.insert(b"x").unwrap();
+            colors.forget_behind(middle);
+            let shown: usize =
+                (middle..middle + SHOWN).map(|line| colors.words(editing.buffer(), line).len()).sum();
+            editing.delete(Move::Left);
+            // The loader gets a copy.
+            (shown, editing.buffer().bytes().to_vec())
+        });
+    });
+    criterion.bench_function("what may be written there", |bencher| {
+        editing.insert(b"sph").unwrap();
+        bencher.iter(|| proposals(editing.buffer(), &mut colors, editing.cursor(), false));
+    });
+}
+
+criterion_group!(benches, type_letters);
+criterion_main!(benches);

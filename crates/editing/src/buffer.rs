@@ -1,0 +1,117 @@
+//! A text as bytes, with the places where its lines begin.
+
+use std::ops::Range;
+
+/// See the module. A line ends at `\n`; a `\r` before it belongs to the end.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Buffer {
+    bytes: Vec<u8>,
+    /// Where each line begins; the first is 0.
+    starts: Vec<usize>,
+}
+
+impl Buffer {
+    /// A text.
+    pub fn new(bytes: Vec<u8>) -> Self {
+        let mut starts = vec![0];
+        starts.extend(line_starts(&bytes, 0));
+        Self { bytes, starts }
+    }
+
+    /// All bytes.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The number of bytes.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Whether there is no byte.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// The number of lines, at least 1.
+    pub fn line_count(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// The bytes of a part; what is outside of the text is left out.
+    pub fn slice(&self, range: Range<usize>) -> &[u8] {
+        let end = range.end.min(self.len());
+        self.bytes.get(range.start.min(end)..end).unwrap_or_default()
+    }
+
+    /// Where a line stands, without its end; behind the text if there is no such line.
+    pub fn line_range(&self, line: usize) -> Range<usize> {
+        let start = self.line_start(line);
+        let Some(next) = self.starts.get(line + 1) else { return start..self.len() };
+        let mut end = next - 1;
+        if end > start && self.bytes.get(end - 1) == Some(&b'\r') {
+            end -= 1;
+        }
+        start..end
+    }
+
+    /// The bytes of a line without its end.
+    pub fn line(&self, line: usize) -> &[u8] {
+        self.slice(self.line_range(line))
+    }
+
+    /// Where a line begins; behind the text if there is no such line.
+    pub fn line_start(&self, line: usize) -> usize {
+        self.starts.get(line).copied().unwrap_or(self.len())
+    }
+
+    /// The line in which a byte stands, its end included.
+    pub fn line_of(&self, offset: usize) -> usize {
+        self.starts.partition_point(|start| *start <= offset).saturating_sub(1)
+    }
+
+    /// What ends the lines of this text: what ends the first one.
+    pub fn line_end(&self) -> &'static [u8] {
+        let first = self.starts.get(1).and_then(|next| self.bytes.get(next.checked_sub(2)?));
+        if first == Some(&b'\r') { b"\r\n" } else { b"\n" }
+    }
+
+    /// Puts `new` in the place of a part and gives what stood there. What is outside of the text is left out.
+    pub fn replace(&mut self, range: Range<usize>, new: &[u8]) -> Vec<u8> {
+        let end = range.end.min(self.len());
+        let start = range.start.min(end);
+        let first = self.line_of(start) + 1;
+        let behind = self.starts.partition_point(|line| *line <= end);
+        let added: Vec<usize> = line_starts(new, start).collect();
+        let count = added.len();
+        self.starts.splice(first..behind.max(first), added);
+        for line in self.starts.iter_mut().skip(first + count) {
+            *line = *line - (end - start) + new.len();
+        }
+        self.bytes.splice(start..end, new.iter().copied()).collect()
+    }
+}
+
+/// Where lines begin in `bytes`, of which the first stands at `base`.
+fn line_starts(bytes: &[u8], base: usize) -> impl Iterator<Item = usize> {
+    let ends = bytes.iter().enumerate().filter(|(_, byte)| **byte == b'\n');
+    ends.map(move |(at, _)| base + at + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_have_any_end_and_no_byte_is_lost() {
+        let bytes = b"a\r\n\xff\n\rb\n".to_vec();
+        let buffer = Buffer::new(bytes.clone());
+        let lines: Vec<&[u8]> = (0..buffer.line_count()).map(|line| buffer.line(line)).collect();
+        assert_eq!(lines, [b"a".as_slice(), b"\xff", b"\rb", b""]);
+        assert_eq!(buffer.bytes(), bytes);
+        assert_eq!(buffer.line_end(), b"\r\n");
+        assert_eq!([0, 1, 2, 3, 4, 8, 99].map(|at| buffer.line_of(at)), [0, 0, 0, 1, 1, 3, 3]);
+        assert_eq!((buffer.line(9), buffer.line_start(9)), (b"".as_slice(), buffer.len()));
+        assert_eq!((Buffer::new(vec![]).line_count(), Buffer::new(vec![]).line_end()), (1, b"\n".as_slice()));
+    }
+}

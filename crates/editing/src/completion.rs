@@ -1,0 +1,295 @@
+//! What may be written at a place, and what is written there, with the documentation of the language's tables.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::sync::LazyLock;
+
+use mariana_field::lang::{
+    Accuracy, DefaultValue, Entry, WordKind, entries, inputs, keywords, section_fields,
+};
+
+use crate::buffer::Buffer;
+use crate::colors::Colors;
+use crate::limits::LIMITS;
+
+/// A name with its documentation.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct About {
+    /// How it is written: a function with its parameters.
+    pub head: String,
+    /// What it is; may be empty.
+    pub text: String,
+    /// Whether it is exact or a bound, and where it comes from; may be empty.
+    pub facts: String,
+    /// Whether it is called.
+    pub is_function: bool,
+}
+
+/// A name that may be written.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Proposal {
+    /// The name.
+    pub name: String,
+    /// What it is.
+    pub about: About,
+}
+
+/// Lines that declare names, by the words with which they begin.
+const DECLARING: [&str; 7] = ["fn", "let", "param", "material", "object", "light", "camera"];
+/// Longest head of a declaration, in bytes.
+const HEAD_MAX: usize = 110;
+
+/// All names of the language.
+static LANGUAGE: LazyLock<Vec<Proposal>> = LazyLock::new(|| {
+    let functions =
+        entries().into_iter().map(|entry| Proposal { name: entry.name.to_owned(), about: of_entry(entry) });
+    let plain = |name: &str, head: String, text: &str| Proposal {
+        name: name.to_owned(),
+        about: About { head, text: text.to_owned(), facts: String::new(), is_function: false },
+    };
+    let inputs = inputs().map(|(name, doc)| plain(name, name.to_owned(), doc));
+    let fields = section_fields().flat_map(|(section, fields)| {
+        fields.iter().map(move |field| {
+            let default = match (field.doc, field.default) {
+                (_, DefaultValue::Each(0.0)) | ("", _) => String::new(),
+                (_, default) => format!("; {default} if it is not given"),
+            };
+            let text = format!("{}{default}", field.doc);
+            plain(field.name, format!("{section} {{ {} = }}", field.name), &text)
+        })
+    });
+    let words = keywords().map(|word| plain(word, word.to_owned(), ""));
+    let mut all: Vec<Proposal> = functions.chain(inputs).chain(fields).chain(words).collect();
+    all.sort_by(|a, b| (&a.name, a.about.text.is_empty()).cmp(&(&b.name, b.about.text.is_empty())));
+    all
+});
+
+fn of_entry(entry: Entry) -> About {
+    let accuracy = match entry.accuracy {
+        Some(Accuracy::Exact) => "exact",
+        Some(Accuracy::Bound) => "a bound",
+        None => "",
+    };
+    let facts = [accuracy, &entry.source].into_iter().filter(|fact| !fact.is_empty()).collect::<Vec<_>>();
+    About { head: entry.signature, text: entry.doc, facts: facts.join(" · "), is_function: true }
+}
+
+/// What may be written in the place of the name that ends at `offset`, best first, and where that name stands. Without
+/// a name only what is `asked` for is proposed.
+pub fn proposals(
+    buffer: &Buffer,
+    colors: &mut Colors,
+    offset: usize,
+    asked: bool,
+) -> (Range<usize>, Vec<Proposal>) {
+    let line = buffer.line_of(offset);
+    let start = buffer.line_start(line);
+    let before = buffer.slice(start..offset);
+    let is_letter = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b'_';
+    let from = before.iter().rposition(|byte| !is_letter(byte)).map_or(0, |at| at + 1);
+    let typed = before.get(from..).unwrap_or_default();
+    let range = start + from..offset;
+    let words = colors.words(buffer, line);
+    let inside = words.iter().find(|word| word.start <= from && from < word.end);
+    let is_no_name =
+        inside.is_some_and(|word| matches!(word.kind, WordKind::Comment | WordKind::Text | WordKind::Number));
+    let behind_point = from.checked_sub(1).and_then(|at| before.get(at)) == Some(&b'.');
+    if is_no_name || behind_point || (!asked && typed.len() < 2) {
+        return (range, Vec::new());
+    }
+    let typed = String::from_utf8_lossy(typed).to_lowercase();
+    let rank = |name: &str| {
+        let lower = name.to_lowercase();
+        if lower.starts_with(&typed) {
+            Some(0)
+        } else if typed.len() >= 2 && lower.contains(&typed) {
+            Some(1)
+        } else {
+            None
+        }
+    };
+    let own = own_names(buffer, range.start);
+    let mut found: Vec<(usize, usize, &Proposal)> = own
+        .iter()
+        .map(|one| (0, one))
+        .chain(LANGUAGE.iter().map(|one| (1, one)))
+        .filter_map(|(whose, one)| Some((rank(&one.name)?, whose, one)))
+        .collect();
+    found.sort_by_key(|(rank, whose, one)| (*rank, one.name.len(), *whose));
+    let mut seen = BTreeSet::new();
+    let mut best: Vec<Proposal> = found
+        .into_iter()
+        .map(|(_, _, one)| one.clone())
+        .filter(|one| seen.insert(one.name.clone()))
+        .take(LIMITS.proposals_max)
+        .collect();
+    // What is written already needs no proposal.
+    if !asked && best.first().is_some_and(|one| one.name.to_lowercase() == typed) && best.len() == 1 {
+        best.clear();
+    }
+    (range, best)
+}
+
+/// The names that a text declares. The declaration at `besides` is being written.
+fn own_names(buffer: &Buffer, besides: usize) -> Vec<Proposal> {
+    let mut found = Vec::new();
+    let mut seen = BTreeSet::new();
+    for line in 0..buffer.line_count() {
+        let Some((name, at)) = declared(buffer.line(line)) else { continue };
+        if buffer.line_start(line) + at != besides && seen.insert(name) {
+            found.push(Proposal { name: name.to_owned(), about: declaration(buffer, line) });
+        }
+    }
+    found
+}
+
+/// The name that a line declares, and where in it.
+fn declared(line: &[u8]) -> Option<(&str, usize)> {
+    let indent = line.iter().position(|byte| !byte.is_ascii_whitespace())?;
+    let text = line.get(indent..)?;
+    let word = DECLARING.iter().find(|word| {
+        text.starts_with(word.as_bytes()) && text.get(word.len()).is_some_and(u8::is_ascii_whitespace)
+    })?;
+    let rest = text.get(word.len()..)?;
+    let blanks = rest.iter().position(|byte| !byte.is_ascii_whitespace())?;
+    let name = rest.get(blanks..)?;
+    let length =
+        name.iter().position(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_').unwrap_or(name.len());
+    let name = std::str::from_utf8(name.get(..length)?).ok().filter(|name| !name.is_empty())?;
+    Some((name, indent + word.len() + blanks))
+}
+
+/// What a text says of the name that a line declares: the line, and the comment above it.
+fn declaration(buffer: &Buffer, line: usize) -> About {
+    let text = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
+    let is_function = text.starts_with("fn ");
+    let end = if is_function { text.find(')').map_or(text.len(), |end| end + 1) } else { text.len() };
+    let mut head = text.get(..end).unwrap_or_default().trim_end_matches('{').trim_end().to_owned();
+    if head.len() > HEAD_MAX {
+        let cut = (0..=HEAD_MAX).rev().find(|at| head.is_char_boundary(*at)).unwrap_or(0);
+        head.truncate(cut);
+        head.push('…');
+    }
+    let mut comment = Vec::new();
+    for above in (0..line).rev().take(4) {
+        let text = String::from_utf8_lossy(buffer.line(above)).trim().to_owned();
+        let Some(words) = text.strip_prefix('#') else { break };
+        comment.insert(0, words.trim_start_matches('#').trim().to_owned());
+    }
+    About { head, text: comment.join(" "), facts: "of this text".to_owned(), is_function }
+}
+
+/// What the text says of a name, or else the language.
+pub fn documentation(buffer: &Buffer, name: &str) -> Option<About> {
+    let own = (0..buffer.line_count())
+        .find(|line| declared(buffer.line(*line)).is_some_and(|(own, _)| own == name));
+    if let Some(line) = own {
+        return Some(declaration(buffer, line));
+    }
+    let place = LANGUAGE.partition_point(|one| one.name.as_str() < name);
+    LANGUAGE.get(place).filter(|one| one.name == name).map(|one| one.about.clone())
+}
+
+/// What is known of the name at `offset`, with its place; or of the function whose arguments stand there.
+pub fn about(buffer: &Buffer, colors: &mut Colors, offset: usize) -> Option<(Range<usize>, About)> {
+    let line = buffer.line_of(offset);
+    let (start, text) = (buffer.line_start(line), buffer.line(line));
+    let inside = offset - start;
+    let words = colors.words(buffer, line);
+    let is_name =
+        |kind| matches!(kind, WordKind::Name | WordKind::Function | WordKind::Input | WordKind::Keyword);
+    let of = |word: &mariana_field::lang::Word| {
+        let name = std::str::from_utf8(text.get(word.start..word.end)?).ok()?;
+        let about =
+            documentation(buffer, name).filter(|about| !(about.text.is_empty() && about.facts.is_empty()))?;
+        Some((start + word.start..start + word.end, about))
+    };
+    let here = words.iter().find(|word| is_name(word.kind) && (word.start..=word.end).contains(&inside));
+    if let Some(found) = here.and_then(of) {
+        return Some(found);
+    }
+    let mut closed = 0_usize;
+    let before = words.iter().enumerate().rev().filter(|(_, word)| word.end <= inside);
+    for (index, word) in before {
+        match text.get(word.start..word.end) {
+            Some(b")") => closed += 1,
+            Some(b"(") if closed > 0 => closed -= 1,
+            Some(b"(") => {
+                let name = words.get(index.checked_sub(1)?).filter(|word| is_name(word.kind))?;
+                return of(name).filter(|(_, about)| about.is_function);
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(text: &str, asked: bool) -> Vec<String> {
+        let buffer = Buffer::new(text.as_bytes().to_vec());
+        let (range, found) = proposals(&buffer, &mut Colors::default(), text.len(), asked);
+        assert!(range.end == text.len() && range.start <= range.end);
+        found.into_iter().map(|one| one.name).collect()
+    }
+
+    #[test]
+    fn the_library_is_proposed_by_its_first_letters_and_then_by_others() {
+        let found = names("object o { shape = smooth_u", false);
+        assert_eq!(found.first().map(String::as_str), Some("smooth_union"));
+        let found = names("object o { shape = box", false);
+        assert_eq!(found.first().map(String::as_str), Some("box"));
+        assert!(found.contains(&"round_box".to_owned()), "{found:?}");
+        assert_eq!(names("material m { rough", false), ["roughness"]);
+        assert_eq!(names("x", false), [""; 0], "one letter is not enough unless asked");
+        assert!(names("x", true).contains(&"x".to_owned()));
+        assert_eq!(names("", true).len(), LIMITS.proposals_max);
+    }
+
+    #[test]
+    fn nothing_is_proposed_in_comments_texts_numbers_and_behind_points() {
+        for text in ["# sph", "include \"sph", "1e", "p.xy", "/* sph"] {
+            assert_eq!(names(text, false), [""; 0], "{text}");
+        }
+    }
+
+    #[test]
+    fn own_names_come_first_with_their_line_and_comment() {
+        let text = "# How large it is.\nparam spread = 1 in 0 .. 2\nfn spray(p, amount: number) {\n}\nspr";
+        assert_eq!(names(text, false), ["spray", "spread"]);
+        let buffer = Buffer::new(text.as_bytes().to_vec());
+        let about = documentation(&buffer, "spread").unwrap();
+        assert_eq!(
+            (about.head.as_str(), about.text.as_str()),
+            ("param spread = 1 in 0 .. 2", "How large it is.")
+        );
+        assert_eq!(documentation(&buffer, "spray").unwrap().head, "fn spray(p, amount: number)");
+        assert_eq!(documentation(&buffer, "nowhere"), None);
+        assert_eq!(names("fn own", false), [""; 0], "what is being declared is not proposed");
+    }
+
+    #[test]
+    fn a_name_or_the_call_around_a_place_is_told() {
+        let text = "object o { shape = sphere(p - vec3(0, 1, 0), 0.5) }";
+        let buffer = Buffer::new(text.as_bytes().to_vec());
+        let at = |part: &str| {
+            let found = about(&buffer, &mut Colors::default(), text.find(part).unwrap() + 1);
+            found.map(|(_, about)| about.head)
+        };
+        assert_eq!(at("phere").as_deref(), Some("sphere(p, radius: number)"));
+        assert_eq!(at("0.5").as_deref(), Some("sphere(p, radius: number)"));
+        assert!(at(" 1, 0").is_some_and(|head| head.starts_with("vec3(")));
+        let exact = documentation(&buffer, "sphere").unwrap();
+        assert!(exact.facts.starts_with("exact · "), "{}", exact.facts);
+        assert!(documentation(&buffer, "roughness").is_some_and(|about| !about.text.is_empty()));
+    }
+
+    #[test]
+    fn every_name_of_the_language_is_told_with_words() {
+        for one in LANGUAGE.iter().filter(|one| one.about.is_function || one.about.head.contains('{')) {
+            assert!(!one.about.text.is_empty(), "{} has no documentation", one.name);
+        }
+    }
+}

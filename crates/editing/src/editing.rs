@@ -1,0 +1,510 @@
+//! A text with a cursor, what is selected, and what can be undone.
+
+use std::ops::Range;
+
+use crate::buffer::Buffer;
+use crate::history::{Change, Followed, History, Joins, Step};
+use crate::limits::LIMITS;
+use crate::movement::{self, Move};
+
+/// Blanks of a step of indentation.
+const INDENT: &[u8] = b"  ";
+/// What begins a line that is left out.
+const COMMENT: &[u8] = b"# ";
+
+/// A text that is being edited. Places are bytes from 0.
+#[derive(Debug, Clone)]
+pub struct Editing {
+    buffer: Buffer,
+    cursor: usize,
+    /// The other end of what is selected; the cursor if nothing is.
+    anchor: usize,
+    /// The column that ways up and down keep to.
+    goal: Option<usize>,
+    history: History,
+    followed: Followed,
+    version: u64,
+    /// The first byte that has changed since somebody asked.
+    changed_from: Option<usize>,
+}
+
+/// What cannot be put into a text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("a scene may have {max} bytes, and with these {bytes} it would have more: nothing was put in")]
+pub struct Refused {
+    /// How many bytes were to be put in.
+    pub bytes: usize,
+    /// How many a text may have.
+    pub max: usize,
+}
+
+impl Editing {
+    /// A text as it was read.
+    pub fn new(bytes: Vec<u8>) -> Self {
+        Self {
+            buffer: Buffer::new(bytes),
+            cursor: 0,
+            anchor: 0,
+            goal: None,
+            history: History::default(),
+            followed: Followed::default(),
+            version: 0,
+            changed_from: None,
+        }
+    }
+
+    /// The text.
+    pub fn buffer(&self) -> &Buffer {
+        &self.buffer
+    }
+
+    /// Where the cursor stands.
+    pub fn cursor(&self) -> usize {
+        self.cursor
+    }
+
+    /// What is selected; empty at the cursor if nothing is.
+    pub fn selection(&self) -> Range<usize> {
+        self.cursor.min(self.anchor)..self.cursor.max(self.anchor)
+    }
+
+    /// The bytes that are selected.
+    pub fn selected(&self) -> &[u8] {
+        self.buffer.slice(self.selection())
+    }
+
+    /// A number that grows with every change of the text.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    /// The line from which on the text has changed since the last call; none if it has not.
+    pub fn take_changed_line(&mut self) -> Option<usize> {
+        self.changed_from.take().map(|at| self.buffer.line_of(at))
+    }
+
+    /// Where a part of the text of an earlier version stands now; none if it was changed or nobody knows.
+    pub fn place(&self, version: u64, range: Range<usize>) -> Option<Range<usize>> {
+        self.followed.place(version, self.version, range)
+    }
+
+    /// Puts the cursor at a place; with `select` everything from the anchor on is selected.
+    pub fn go_to(&mut self, offset: usize, select: bool) {
+        self.cursor = offset.min(self.buffer.len());
+        self.goal = None;
+        if !select {
+            self.anchor = self.cursor;
+        }
+        self.history.close();
+    }
+
+    /// Selects a part, with the cursor at its end.
+    pub fn select(&mut self, range: Range<usize>) {
+        self.go_to(range.start, false);
+        self.go_to(range.end, true);
+    }
+
+    /// Selects the word around a place.
+    pub fn select_word(&mut self, offset: usize) {
+        self.select(movement::word_around(&self.buffer, offset));
+    }
+
+    /// Selects a line with its end.
+    pub fn select_line(&mut self, line: usize) {
+        self.select(self.buffer.line_start(line)..self.buffer.line_start(line + 1));
+    }
+
+    /// Moves the cursor.
+    pub fn go(&mut self, way: Move, select: bool) {
+        let selection = self.selection();
+        // What was selected is left by its own end.
+        let (cursor, goal) = match way {
+            Move::Left if !select && !selection.is_empty() => (selection.start, None),
+            Move::Right if !select && !selection.is_empty() => (selection.end, None),
+            _ => movement::follow(&self.buffer, self.cursor, way, self.goal),
+        };
+        self.go_to(cursor, select);
+        self.goal = goal;
+    }
+
+    /// Puts text in the place of what is selected. Its line ends become those of this text.
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing has changed then.
+    pub fn insert(&mut self, text: &[u8]) -> Result<(), Refused> {
+        let typed = text.len() <= 4 && !text.contains(&b'\n') && self.selection().is_empty();
+        let joins = if typed { Joins::Typing } else { Joins::Nothing };
+        let text = self.with_own_line_ends(text);
+        self.replace(self.selection(), &text, joins)?;
+        // Words are undone one by one.
+        if text.iter().all(u8::is_ascii_whitespace) {
+            self.history.close();
+        }
+        Ok(())
+    }
+
+    /// Begins a line as far in as this one.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn insert_line(&mut self) -> Result<(), Refused> {
+        let start = self.selection().start;
+        let line = self.buffer.slice(self.buffer.line_start(self.buffer.line_of(start))..start);
+        let blanks = line.iter().take_while(|byte| matches!(byte, b' ' | b'\t')).count();
+        let mut text = self.buffer.line_end().to_vec();
+        text.extend_from_slice(line.get(..blanks).unwrap_or_default());
+        if line.iter().rev().find(|byte| !byte.is_ascii_whitespace()) == Some(&b'{') {
+            text.extend_from_slice(INDENT);
+        }
+        self.replace(self.selection(), &text, Joins::Nothing)
+    }
+
+    /// Takes away what is selected, or from the cursor to where a way leads.
+    pub fn delete(&mut self, way: Move) {
+        let mut range = self.selection();
+        if range.is_empty() {
+            let (to, _) = movement::follow(&self.buffer, self.cursor, way, None);
+            range = to.min(self.cursor)..to.max(self.cursor);
+        }
+        if !range.is_empty() {
+            // Less text is never refused.
+            let _ = self.replace(range, b"", Joins::Deleting);
+        }
+    }
+
+    /// Puts `new` in the place of a part; what stands around it stays selected as it was, else the cursor is behind it.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn replace_part(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
+        self.replace(range, new, Joins::Nothing)
+    }
+
+    /// Puts others in the place of some parts, from the last to the first, as one change; the cursor stands behind the
+    /// first of them then.
+    ///
+    /// # Errors
+    /// [`Refused`]; nothing has changed then.
+    pub fn replace_parts(&mut self, parts: &[(Range<usize>, Vec<u8>)]) -> Result<(), Refused> {
+        let (max, bytes) = (LIMITS.text_bytes_max, parts.iter().map(|(_, new)| new.len()).sum());
+        if self.buffer.len() + bytes > max {
+            return Err(Refused { bytes, max });
+        }
+        let before = (self.anchor, self.cursor);
+        let mut at = self.cursor;
+        let mut changes = Vec::new();
+        for (range, new) in parts {
+            at = range.start + new.len();
+            changes.push(self.apply(range.clone(), new));
+        }
+        (self.anchor, self.cursor, self.goal) = (at, at, None);
+        self.history.note(Step { changes, before, after: (at, at), joins: Joins::Nothing });
+        Ok(())
+    }
+
+    /// The same for a number that is turned: all of its values are undone together until [`Editing::settle`].
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn turn(&mut self, range: Range<usize>, new: &[u8]) -> Result<(), Refused> {
+        self.replace(range, new, Joins::Turning)
+    }
+
+    /// Selects a number that is being turned, which goes on.
+    pub fn select_turned(&mut self, range: Range<usize>) {
+        let end = range.end.min(self.buffer.len());
+        (self.anchor, self.cursor, self.goal) = (range.start.min(end), end, None);
+    }
+
+    /// What comes next is undone by itself.
+    pub fn settle(&mut self) {
+        self.history.close();
+    }
+
+    /// Puts another text in the place of all, as one change that can be undone.
+    ///
+    /// # Errors
+    /// [`Refused`].
+    pub fn replace_all(&mut self, text: &[u8]) -> Result<(), Refused> {
+        let cursor = self.cursor;
+        self.replace(0..self.buffer.len(), text, Joins::Nothing)?;
+        self.go_to(cursor, false);
+        Ok(())
+    }
+
+    /// Moves the selected lines in or out by a step.
+    pub fn indent(&mut self, deeper: bool) {
+        self.edit_lines(|line| match deeper {
+            true if line.is_empty() => None,
+            true => Some((0, INDENT.to_vec())),
+            false => {
+                let blanks = line.iter().take(INDENT.len()).take_while(|byte| **byte == b' ').count();
+                let count = if line.first() == Some(&b'\t') { 1 } else { blanks };
+                (count > 0).then(|| (count, Vec::new()))
+            }
+        });
+    }
+
+    /// Leaves the selected lines out as comments, or brings them back if all are left out.
+    pub fn toggle_comment(&mut self) {
+        let is_blank = |line: &[u8]| line.iter().all(u8::is_ascii_whitespace);
+        let lines = self.selected_lines();
+        let mut texts = lines.map(|line| self.buffer.line(line)).filter(|line| !is_blank(line));
+        let all = texts.all(|line| line.trim_ascii_start().starts_with(b"#"));
+        self.edit_lines(|line| {
+            if is_blank(line) {
+                return None;
+            }
+            if !all {
+                return Some((0, COMMENT.to_vec()));
+            }
+            let indent = line.len() - line.trim_ascii_start().len();
+            let sign = if line.get(indent + 1) == Some(&b' ') { 2 } else { 1 };
+            Some((indent + sign, line.get(..indent).unwrap_or_default().to_vec()))
+        });
+    }
+
+    /// The lines in which something is selected, or the cursor's.
+    fn selected_lines(&self) -> Range<usize> {
+        let selection = self.selection();
+        let (first, mut last) = (self.buffer.line_of(selection.start), self.buffer.line_of(selection.end));
+        // A line that is only touched is not meant.
+        if last > first && selection.end == self.buffer.line_start(last) {
+            last -= 1;
+        }
+        first..last + 1
+    }
+
+    /// Replaces the beginning of each selected line: so many bytes by others.
+    fn edit_lines(&mut self, edit: impl Fn(&[u8]) -> Option<(usize, Vec<u8>)>) {
+        let lines = self.selected_lines();
+        let before = (self.anchor, self.cursor);
+        let mut changes = Vec::new();
+        let (mut anchor, mut cursor) = before;
+        for line in lines {
+            let Some((count, new)) = edit(self.buffer.line(line)) else { continue };
+            let start = self.buffer.line_start(line);
+            if self.buffer.len() + new.len() > LIMITS.text_bytes_max + count {
+                break;
+            }
+            for place in [&mut anchor, &mut cursor] {
+                if *place >= start {
+                    *place = (*place).max(start + count) - count + new.len();
+                }
+            }
+            changes.push(self.apply(start..start + count, &new));
+        }
+        if changes.is_empty() {
+            return;
+        }
+        (self.anchor, self.cursor, self.goal) = (anchor, cursor, None);
+        self.history.note(Step { changes, before, after: (anchor, cursor), joins: Joins::Nothing });
+    }
+
+    /// Takes the last step back. Returns whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let Some(step) = self.history.undo() else { return false };
+        for change in step.changes.iter().rev() {
+            self.apply(change.at..change.at + change.inserted.len(), &change.removed);
+        }
+        ((self.anchor, self.cursor), self.goal) = (step.before, None);
+        true
+    }
+
+    /// Does again what was taken back. Returns whether there was something.
+    pub fn redo(&mut self) -> bool {
+        let Some(step) = self.history.redo() else { return false };
+        for change in &step.changes {
+            self.apply(change.at..change.at + change.removed.len(), &change.inserted);
+        }
+        ((self.anchor, self.cursor), self.goal) = (step.after, None);
+        true
+    }
+
+    fn replace(&mut self, range: Range<usize>, new: &[u8], joins: Joins) -> Result<(), Refused> {
+        let end = range.end.min(self.buffer.len());
+        let range = range.start.min(end)..end;
+        let (max, bytes) = (LIMITS.text_bytes_max, new.len());
+        if self.buffer.len() - range.len() + bytes > max && bytes > range.len() {
+            return Err(Refused { bytes, max });
+        }
+        let before = (self.anchor, self.cursor);
+        let at = range.start + bytes;
+        let change = self.apply(range, new);
+        (self.anchor, self.cursor, self.goal) = (at, at, None);
+        self.history.note(Step { changes: vec![change], before, after: (at, at), joins });
+        Ok(())
+    }
+
+    fn apply(&mut self, range: Range<usize>, new: &[u8]) -> Change {
+        let at = range.start;
+        let change = Change { at, removed: self.buffer.replace(range, new), inserted: new.to_vec() };
+        self.version += 1;
+        self.changed_from = Some(self.changed_from.map_or(at, |from| from.min(at)));
+        self.followed.note(self.version, &change);
+        change
+    }
+
+    fn with_own_line_ends(&self, text: &[u8]) -> Vec<u8> {
+        let mut own = Vec::with_capacity(text.len());
+        let mut rest = text;
+        while let Some(end) = rest.iter().position(|byte| *byte == b'\n') {
+            let line = rest.get(..end).unwrap_or_default();
+            own.extend_from_slice(line.strip_suffix(b"\r").unwrap_or(line));
+            own.extend_from_slice(self.buffer.line_end());
+            rest = rest.get(end + 1..).unwrap_or_default();
+        }
+        own.extend_from_slice(rest);
+        own
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with_cursor(text: &str) -> Editing {
+        let at = text.find('|').unwrap();
+        let mut editing = Editing::new(text.replacen('|', "", 1).into_bytes());
+        editing.go_to(at, false);
+        editing
+    }
+
+    fn shown(editing: &Editing) -> String {
+        let mut bytes = editing.buffer().bytes().to_vec();
+        bytes.insert(editing.cursor(), b'|');
+        String::from_utf8(bytes).unwrap()
+    }
+
+    #[test]
+    fn words_are_undone_one_by_one_and_letters_of_a_word_together() {
+        let mut editing = with_cursor("|");
+        for letter in "ab cd".chars() {
+            editing.insert(letter.to_string().as_bytes()).unwrap();
+        }
+        assert!(editing.undo());
+        assert_eq!(shown(&editing), "ab |");
+        assert!(editing.undo() && !editing.undo());
+        assert_eq!(shown(&editing), "|");
+        assert!(editing.redo() && editing.redo() && !editing.redo());
+        assert_eq!(shown(&editing), "ab cd|");
+        editing.go(Move::Left, false);
+        editing.delete(Move::Left);
+        editing.delete(Move::Left);
+        assert_eq!(shown(&editing), "ab|d");
+        assert!(editing.undo());
+        assert_eq!(shown(&editing), "ab c|d");
+    }
+
+    #[test]
+    fn a_number_that_is_turned_is_undone_at_once() {
+        let mut editing = Editing::new(b"a 0.5 b".to_vec());
+        for (end, new) in [(5, "0.75"), (6, "1"), (3, "12.5")] {
+            editing.turn(2..end, new.as_bytes()).unwrap();
+        }
+        assert_eq!(editing.buffer().bytes(), b"a 12.5 b");
+        assert_eq!(editing.history.len(), 1);
+        editing.settle();
+        editing.turn(2..6, b"3").unwrap();
+        assert!(editing.undo());
+        assert_eq!(editing.buffer().bytes(), b"a 12.5 b");
+        assert!(editing.undo());
+        assert_eq!(editing.buffer().bytes(), b"a 0.5 b");
+    }
+
+    #[test]
+    fn a_new_line_begins_where_this_one_does_and_ends_as_the_others() {
+        let mut editing = with_cursor("object o {|\r\n}");
+        editing.insert_line().unwrap();
+        assert_eq!(shown(&editing), "object o {\r\n  |\r\n}");
+        editing.insert(b"a\nb\r\nc").unwrap();
+        assert_eq!(shown(&editing), "object o {\r\n  a\r\nb\r\nc|\r\n}");
+    }
+
+    #[test]
+    fn ten_megabytes_are_refused_and_change_nothing() {
+        let mut editing = Editing::new(b"y".to_vec());
+        let refused = editing.insert(&vec![b'x'; 10 << 20]).unwrap_err();
+        assert_eq!((refused.bytes, refused.max), (10 << 20, LIMITS.text_bytes_max));
+        assert_eq!((editing.buffer().bytes(), editing.version()), (b"y".as_slice(), 0));
+        // Up to the limit it is taken.
+        editing.insert(&vec![b'x'; LIMITS.text_bytes_max - 1]).unwrap();
+        assert!(editing.insert(b"z").is_err());
+        editing.delete(Move::Left);
+        editing.insert(b"z").unwrap();
+    }
+
+    #[test]
+    fn what_is_undone_has_a_limit_and_the_last_step_always_can_be() {
+        let mut editing = Editing::new(Vec::new());
+        let much = vec![b'x'; LIMITS.text_bytes_max];
+        for _ in 0..2 * LIMITS.undo_bytes_max / LIMITS.text_bytes_max {
+            editing.replace_all(&much).unwrap();
+            editing.replace_all(b"").unwrap();
+        }
+        let kept = editing.history.len();
+        assert!(kept * LIMITS.text_bytes_max <= LIMITS.undo_bytes_max && kept > 1, "{kept}");
+        assert!(editing.undo());
+    }
+
+    #[test]
+    fn ways_lead_over_words_lines_and_wide_letters() {
+        let mut editing = with_cursor("  let r| = 5\n球球球球 end\n");
+        editing.go(Move::LineStart, false);
+        assert_eq!(shown(&editing), "  |let r = 5\n球球球球 end\n");
+        editing.go(Move::LineStart, false);
+        editing.go(Move::WordRight, false);
+        editing.go(Move::WordRight, false);
+        assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
+        // Column 7 lies in the fourth letter; on the way back it is kept.
+        editing.go(Move::Down(1), false);
+        assert_eq!(shown(&editing), "  let r = 5\n球球球球| end\n");
+        editing.go(Move::Down(1), false);
+        editing.go(Move::Up(2), false);
+        assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
+        editing.go(Move::End, true);
+        assert_eq!(editing.selected(), " = 5\n球球球球 end\n".as_bytes());
+        editing.go(Move::Left, false);
+        assert_eq!(shown(&editing), "  let r| = 5\n球球球球 end\n");
+        editing.select_word(3);
+        assert_eq!(editing.selected(), b"let");
+        editing.delete(Move::Right);
+        editing.delete(Move::WordRight);
+        assert_eq!(shown(&editing), "  | = 5\n球球球球 end\n");
+    }
+
+    #[test]
+    fn lines_are_moved_in_and_left_out_together() {
+        let mut editing = Editing::new(b"a\n\n  b\nc".to_vec());
+        editing.select(0..7);
+        editing.indent(true);
+        assert_eq!(editing.buffer().bytes(), b"  a\n\n    b\nc");
+        editing.indent(false);
+        editing.indent(false);
+        assert_eq!(editing.buffer().bytes(), b"a\n\nb\nc");
+        editing.toggle_comment();
+        assert_eq!(editing.buffer().bytes(), b"# a\n\n# b\nc");
+        assert!(editing.undo());
+        editing.toggle_comment();
+        editing.toggle_comment();
+        assert_eq!(editing.buffer().bytes(), b"a\n\nb\nc");
+    }
+
+    #[test]
+    fn places_of_earlier_versions_are_found_again() {
+        let mut editing = Editing::new(b"one two three".to_vec());
+        let version = editing.version();
+        editing.go_to(0, false);
+        editing.insert(b">> ").unwrap();
+        assert_eq!(editing.place(version, 4..7), Some(7..10));
+        editing.replace_part(8..9, b"OO").unwrap();
+        assert_eq!(editing.place(version, 4..7), Some(7..11));
+        assert_eq!(editing.place(editing.version(), 4..7), Some(4..7));
+        editing.replace_part(6..12, b"").unwrap();
+        assert_eq!(editing.place(version, 4..7), None);
+        for _ in 0..LIMITS.followed_changes_max {
+            editing.insert(b"x").unwrap();
+        }
+        assert_eq!(editing.place(version, 0..1), None, "nobody knows any more");
+    }
+}

@@ -1,0 +1,146 @@
+//! Where the cursor goes.
+
+use crate::buffer::Buffer;
+use crate::columns::{cells, column_of, offset_of};
+
+/// A way of the cursor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Move {
+    /// To the letter before.
+    Left,
+    /// To the next letter.
+    Right,
+    /// To the beginning of a word before.
+    WordLeft,
+    /// To the end of a word behind.
+    WordRight,
+    /// Up by so many lines.
+    Up(usize),
+    /// Down by so many lines.
+    Down(usize),
+    /// To the first letter of the line that is no blank; from there to the line's beginning.
+    LineStart,
+    /// To the end of the line.
+    LineEnd,
+    /// To the beginning of the text.
+    Start,
+    /// To the end of the text.
+    End,
+}
+
+/// The place before `offset`.
+pub(crate) fn before(buffer: &Buffer, offset: usize) -> usize {
+    let line = buffer.line_of(offset);
+    let range = buffer.line_range(line);
+    if offset <= range.start {
+        return if line == 0 { 0 } else { buffer.line_range(line - 1).end };
+    }
+    // The cell that ends there, or in which it stands.
+    let inside = offset.min(range.end) - range.start;
+    let mut last = 0;
+    for cell in cells(buffer.line(line)) {
+        if cell.start >= inside {
+            break;
+        }
+        last = cell.start;
+    }
+    if offset > range.end { range.end } else { range.start + last }
+}
+
+/// The place behind `offset`.
+pub(crate) fn behind(buffer: &Buffer, offset: usize) -> usize {
+    let line = buffer.line_of(offset);
+    let range = buffer.line_range(line);
+    if offset >= range.end {
+        return if line + 1 < buffer.line_count() { buffer.line_start(line + 1) } else { buffer.len() };
+    }
+    let inside = offset - range.start;
+    let next = cells(buffer.line(line)).find(|cell| cell.end > inside);
+    next.map_or(range.end, |cell| range.start + cell.end)
+}
+
+/// What belongs to a word. Bytes beyond ASCII do.
+fn in_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_' || byte >= 0x80
+}
+
+/// The beginning of the word before `offset`.
+pub(crate) fn word_before(buffer: &Buffer, offset: usize) -> usize {
+    let at = |place: usize| buffer.bytes().get(place).copied().unwrap_or(b' ');
+    let mut place = offset.min(buffer.len());
+    while place > 0 && at(place - 1).is_ascii_whitespace() {
+        place -= 1;
+    }
+    let Some(last) = place.checked_sub(1) else { return 0 };
+    let is_word = in_word(at(last));
+    while place > 0 && in_word(at(place - 1)) == is_word && !at(place - 1).is_ascii_whitespace() {
+        place -= 1;
+    }
+    place
+}
+
+/// The end of the word behind `offset`.
+pub(crate) fn word_behind(buffer: &Buffer, offset: usize) -> usize {
+    let at = |place: usize| buffer.bytes().get(place).copied();
+    let mut place = offset;
+    while at(place).is_some_and(|byte| byte.is_ascii_whitespace()) {
+        place += 1;
+    }
+    let Some(first) = at(place) else { return buffer.len() };
+    let is_word = in_word(first);
+    while at(place).is_some_and(|byte| in_word(byte) == is_word && !byte.is_ascii_whitespace()) {
+        place += 1;
+    }
+    place
+}
+
+/// The word around `offset`: what a double click selects.
+pub(crate) fn word_around(buffer: &Buffer, offset: usize) -> std::ops::Range<usize> {
+    let range = buffer.line_range(buffer.line_of(offset));
+    let line = buffer.slice(range.clone());
+    let inside = offset.min(range.end) - range.start;
+    let class = |byte: &u8| (in_word(*byte), byte.is_ascii_whitespace());
+    let Some(here) = line.get(inside).or_else(|| line.get(inside.checked_sub(1)?)).map(class) else {
+        return range.start..range.start;
+    };
+    let before = line.get(..inside).unwrap_or_default();
+    let start = before.iter().rposition(|byte| class(byte) != here).map_or(0, |at| at + 1);
+    let rest = line.get(inside..).unwrap_or_default();
+    let end = rest.iter().position(|byte| class(byte) != here).map_or(line.len(), |at| inside + at);
+    range.start + start..range.start + end
+}
+
+/// Where a way leads from `offset`, and the column that further ways up and down keep to.
+pub(crate) fn follow(
+    buffer: &Buffer,
+    offset: usize,
+    way: Move,
+    goal: Option<usize>,
+) -> (usize, Option<usize>) {
+    let line = buffer.line_of(offset);
+    let range = buffer.line_range(line);
+    let column = || goal.unwrap_or_else(|| column_of(buffer.line(line), offset - range.start));
+    let in_line =
+        |line: usize, column: usize| buffer.line_start(line) + offset_of(buffer.line(line), column as f32);
+    let place = match way {
+        Move::Left => before(buffer, offset),
+        Move::Right => behind(buffer, offset),
+        Move::WordLeft => word_before(buffer, offset),
+        Move::WordRight => word_behind(buffer, offset),
+        Move::Up(_) if line == 0 => return (0, Some(column())),
+        Move::Up(count) => return (in_line(line.saturating_sub(count), column()), Some(column())),
+        Move::Down(_) if line + 1 >= buffer.line_count() => return (buffer.len(), Some(column())),
+        Move::Down(count) => {
+            return (in_line((line + count).min(buffer.line_count() - 1), column()), Some(column()));
+        }
+        Move::LineStart => {
+            let text = buffer.line(line);
+            let indent = text.iter().position(|byte| !matches!(byte, b' ' | b'\t')).unwrap_or(text.len());
+            if offset == range.start + indent { range.start } else { range.start + indent }
+        }
+        Move::LineEnd => range.end,
+        Move::Start => 0,
+        Move::End => buffer.len(),
+    };
+    (place, None)
+}

@@ -1,0 +1,223 @@
+//! Numbers of a text that are turned like knobs.
+
+use std::ops::Range;
+
+use mariana_field::lang::{Word, WordKind, number_place};
+
+/// How far a number is turned by a movement of the hand: a factor, and how finely it is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TurnSpeed {
+    /// A tenth of the usual.
+    Fine,
+    /// A hundred points of the hand are two steps of the number's first digit.
+    #[default]
+    Usual,
+    /// Ten times the usual.
+    Coarse,
+}
+
+/// A number as it is written, with its sign if that belongs to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Number {
+    /// Where it stands in its line.
+    pub range: Range<usize>,
+    /// Where its digits begin in its line: behind its sign.
+    pub digits: usize,
+    /// Its value.
+    pub value: f64,
+    /// Digits behind the point.
+    decimals: usize,
+    /// Whether it counts something, so that it stays whole.
+    whole: bool,
+}
+
+/// Share of the number's decade that a point of the hand is.
+const SHARE_OF_POINT: f64 = 0.02;
+/// Points of the hand for a step of a number that stays whole.
+const POINTS_OF_STEP: f64 = 12.0;
+/// Most digits behind the point.
+const DECIMALS_MAX: usize = 6;
+/// Largest magnitude that a number is turned to.
+const LARGEST: f64 = 1e6;
+
+impl TurnSpeed {
+    /// Points of the usual hand for a point of this one.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Fine => 0.1,
+            Self::Usual => 1.0,
+            Self::Coarse => 10.0,
+        }
+    }
+}
+
+impl Number {
+    /// The number at a byte of a line, or that ends there, by the line's words.
+    pub fn at(line: &[u8], words: &[Word], at: usize) -> Option<Self> {
+        let index = words
+            .iter()
+            .position(|word| word.kind == WordKind::Number && (word.start..=word.end).contains(&at))?;
+        let word = words.get(index)?;
+        let text = std::str::from_utf8(line.get(word.start..word.end)?).ok()?;
+        let value = text.parse::<f64>().ok().filter(|value| value.is_finite() && value.abs() <= LARGEST)?;
+        let text_of = |index: Option<usize>| {
+            let word = words.get(index?)?;
+            Some((word.kind, line.get(word.start..word.end)?, word.end))
+        };
+        let before = text_of(index.checked_sub(1));
+        // A sign is the number's own where nothing stands from which it would be taken away.
+        let is_sign = before.is_some_and(|(_, text, end)| text == b"-" && end == word.start)
+            && match text_of(index.checked_sub(2)) {
+                None => true,
+                Some((WordKind::Sign, text, _)) => !matches!(text, b")" | b"}"),
+                Some((kind, _, _)) => kind == WordKind::Keyword,
+            };
+        let counts = |neighbour: Option<(WordKind, &[u8], usize)>| {
+            neighbour.is_some_and(|(_, text, _)| text == b".." || text == b"^")
+        };
+        let of_band = before.is_some_and(|(_, text, _)| text == b"(")
+            && text_of(index.checked_sub(2)).is_some_and(|(_, text, _)| matches!(text, b"band" | b"chroma"));
+        let decimals =
+            text.split_once('.').map_or(0, |(_, rest)| rest.bytes().take_while(u8::is_ascii_digit).count());
+        let is_plain = !text.contains(['.', 'e', 'E']);
+        Some(Self {
+            range: word.start - usize::from(is_sign)..word.end,
+            digits: word.start,
+            value: if is_sign { -value } else { value },
+            decimals: decimals.min(DECIMALS_MAX),
+            whole: is_plain && (of_band || counts(before) || counts(text_of(Some(index + 1)))),
+        })
+    }
+
+    /// Its value when the hand has moved by so many points to the right ([`TurnSpeed::factor`]).
+    pub fn turned(&self, points: f64, speed: TurnSpeed) -> f64 {
+        if self.whole {
+            return (self.value + (points / POINTS_OF_STEP).round()).clamp(0.0, LARGEST);
+        }
+        let turned = self.value + points * SHARE_OF_POINT * self.decade();
+        let grain = 10_f64.powi(-(self.decimals_at(speed) as i32));
+        ((turned / grain).round() * grain).clamp(-LARGEST, LARGEST)
+    }
+
+    /// A value as it is written in its place.
+    pub fn written(&self, value: f64, speed: TurnSpeed) -> String {
+        if self.whole {
+            return format!("{value:.0}");
+        }
+        let mut text = format!("{value:.*}", self.decimals_at(speed));
+        let least = text.find('.').map_or(text.len(), |point| point + 1 + self.decimals);
+        while text.len() > least && text.ends_with('0') && text.contains('.') {
+            text.pop();
+        }
+        let text = text.trim_end_matches('.');
+        if text.trim_start_matches('-').trim_matches(['0', '.']).is_empty() {
+            return text.trim_start_matches('-').to_owned();
+        }
+        text.to_owned()
+    }
+
+    /// From what to what the digits may be turned before the text is read again: never over 0, so that what is divided
+    /// by them stays finite.
+    pub fn room(digits: f32) -> (f32, f32) {
+        if digits == 0.0 {
+            return (-1.0, 1.0);
+        }
+        let ends = (digits / 8.0, digits * 4.0);
+        (ends.0.min(ends.1), ends.0.max(ends.1))
+    }
+
+    /// The power of ten of its first digit.
+    fn decade(&self) -> f64 {
+        let of_digits = 10_f64.powi(-(self.decimals as i32));
+        if self.value == 0.0 {
+            return of_digits.max(0.1);
+        }
+        10_f64.powf(self.value.abs().log10().floor()).max(1e-4)
+    }
+
+    fn decimals_at(&self, speed: TurnSpeed) -> usize {
+        let of_step = 2.0 - self.decade().log10().round() + if speed == TurnSpeed::Fine { 1.0 } else { 0.0 };
+        self.decimals.max(of_step.clamp(0.0, DECIMALS_MAX as f64) as usize)
+    }
+}
+
+/// The place among the numbers of a text, from 0, of the one whose digits begin at a byte.
+pub fn numbers_before(text: &[u8], digits: usize) -> Option<usize> {
+    number_place(std::str::from_utf8(text).ok()?, digits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mariana_field::lang::words;
+
+    fn number(line: &str, text: &str) -> Option<Number> {
+        let at = line.find(text)?;
+        Number::at(line.as_bytes(), &words(line, false).0, at)
+    }
+
+    #[test]
+    fn numbers_are_turned_in_steps_of_their_size() {
+        let turned = |text: &str, points: f64, speed: TurnSpeed| {
+            let number = number(text, text).unwrap();
+            number.written(number.turned(points * speed.factor(), speed), speed)
+        };
+        use TurnSpeed::{Coarse, Fine, Usual};
+        assert_eq!(turned("0.5", 100.0, Usual), "0.7");
+        assert_eq!(turned("0.5", 100.0, Fine), "0.52");
+        assert_eq!(turned("0.5", 1.0, Usual), "0.502");
+        assert_eq!(turned("0.50", 0.0, Usual), "0.50");
+        assert_eq!(turned("1", 10.0, Usual), "1.2");
+        assert_eq!(turned("1", 5.0, Coarse), "2");
+        assert_eq!(turned("12", -10.0, Usual), "10");
+        assert_eq!(turned("0", 50.0, Usual), "1");
+        assert_eq!(turned("0.2", -100.0, Usual), "0.0");
+        assert_eq!(turned("0.2", -150.0, Usual), "-0.1");
+    }
+
+    #[test]
+    fn what_counts_stays_whole_and_signs_belong_to_numbers_or_not() {
+        let of = |line, text| number(line, text).unwrap();
+        for (line, text) in [("for i in 0..32: i", "32"), ("x^3", "3"), ("band(4)", "4")] {
+            let number = of(line, text);
+            assert_eq!(
+                number.written(number.turned(24.0, TurnSpeed::Usual), TurnSpeed::Usual),
+                (number.value + 2.0).to_string()
+            );
+        }
+        for (line, range, value) in [
+            ("vec3(-0.5, 1, 2)", 5..9, -0.5),
+            ("p - 0.5", 4..7, 0.5),
+            ("p -0.5", 3..6, 0.5),
+            ("-0.5", 0..4, -0.5),
+            ("f(x) -0.5", 6..9, 0.5),
+            ("k = -0.5", 4..8, -0.5),
+            ("if a then -0.5 else 1", 10..14, -0.5),
+        ] {
+            let found = of(line, "0.5");
+            assert_eq!((found.range.clone(), found.value), (range, value), "{line}");
+        }
+        assert_eq!(number("a + b", "a"), None);
+        assert_eq!(number("1e30", "1"), None, "nobody turns that");
+    }
+
+    #[test]
+    fn no_number_is_turned_over_nothing_without_being_read_again() {
+        for digits in [0.5_f32, -2.0, 1e-3, 4e5] {
+            let (least, most) = Number::room(digits);
+            assert!(least < digits && digits < most && least * most > 0.0, "{digits}: {least} .. {most}");
+        }
+        assert_eq!(Number::room(0.0), (-1.0, 1.0));
+    }
+
+    #[test]
+    fn numbers_are_counted_as_the_language_counts_them() {
+        let text = "let a = 1 # 2\n/* 3 */ b(4.5, \"6\") - 7";
+        let place = |number: &str| numbers_before(text.as_bytes(), text.find(number).unwrap());
+        assert_eq!(
+            ["1", "2", "3", "4.5", "6", "7"].map(place),
+            [Some(0), None, None, Some(1), None, Some(2)]
+        );
+        assert_eq!(numbers_before(b"\xff 1", 2), None);
+    }
+}

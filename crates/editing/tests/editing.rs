@@ -1,0 +1,155 @@
+//! Whatever is done to a text: its bytes are those of a plain model, its lines are those of its bytes, and all of it can
+//! be undone and done again.
+
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use mariana_editing::{Buffer, Colors, Editing, Move, cells, column_of, offset_of, width};
+use proptest::prelude::*;
+
+#[derive(Debug, Clone)]
+enum Deed {
+    Insert(Vec<u8>),
+    Line,
+    Delete(Move),
+    Go(Move, bool),
+    GoTo(usize, bool),
+    Indent(bool),
+    Comment,
+    Turn(usize, Vec<u8>),
+}
+
+fn ways() -> impl Strategy<Value = Move> {
+    prop_oneof![
+        Just(Move::Left),
+        Just(Move::Right),
+        Just(Move::WordLeft),
+        Just(Move::WordRight),
+        (1_usize..4).prop_map(Move::Up),
+        (1_usize..4).prop_map(Move::Down),
+        Just(Move::LineStart),
+        Just(Move::LineEnd),
+        Just(Move::Start),
+        Just(Move::End),
+    ]
+}
+
+/// Pieces with every kind of trouble: both line ends, tabs, wide letters, accents, and bytes that are no letters.
+fn text() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        Just(b"a".to_vec()),
+        Just(b"let x = 0.5".to_vec()),
+        Just(b"\n".to_vec()),
+        Just(b"\r\n".to_vec()),
+        Just(b"\r".to_vec()),
+        Just(b"\t".to_vec()),
+        Just(b"/* ".to_vec()),
+        Just(b" */".to_vec()),
+        Just("球".as_bytes().to_vec()),
+        Just("e\u{301}".as_bytes().to_vec()),
+        Just(vec![0xff]),
+        Just(vec![0xe7, 0x90]),
+        any::<u8>().prop_map(|byte| vec![byte]),
+    ];
+    prop::collection::vec(piece, 0..12).prop_map(|pieces| pieces.concat())
+}
+
+fn deeds() -> impl Strategy<Value = Vec<Deed>> {
+    let deed = prop_oneof![
+        text().prop_map(Deed::Insert),
+        Just(Deed::Line),
+        ways().prop_map(Deed::Delete),
+        (ways(), any::<bool>()).prop_map(|(way, select)| Deed::Go(way, select)),
+        (0_usize..80, any::<bool>()).prop_map(|(place, select)| Deed::GoTo(place, select)),
+        any::<bool>().prop_map(Deed::Indent),
+        Just(Deed::Comment),
+        (0_usize..40, text()).prop_map(|(place, text)| Deed::Turn(place, text)),
+    ];
+    prop::collection::vec(deed, 1..40)
+}
+
+fn act(editing: &mut Editing, deed: &Deed) {
+    match deed {
+        Deed::Insert(text) => editing.insert(text).unwrap(),
+        Deed::Line => editing.insert_line().unwrap(),
+        Deed::Delete(way) => editing.delete(*way),
+        Deed::Go(way, select) => editing.go(*way, *select),
+        Deed::GoTo(place, select) => editing.go_to(*place, *select),
+        Deed::Indent(deeper) => editing.indent(*deeper),
+        Deed::Comment => editing.toggle_comment(),
+        Deed::Turn(place, text) => editing.turn(*place..*place + 2, text).unwrap(),
+    }
+}
+
+proptest! {
+    #[test]
+    fn all_that_is_done_is_undone_and_done_again(begin in text(), deeds in deeds()) {
+        let mut editing = Editing::new(begin.clone());
+        for deed in &deeds {
+            act(&mut editing, deed);
+            // The lines are those of the bytes, and the cursor stands in the text.
+            prop_assert_eq!(editing.buffer(), &Buffer::new(editing.buffer().bytes().to_vec()));
+            prop_assert!(editing.cursor() <= editing.buffer().len());
+            prop_assert!(editing.selection().end <= editing.buffer().len());
+        }
+        let end = editing.buffer().bytes().to_vec();
+        while editing.undo() {}
+        prop_assert_eq!(editing.buffer().bytes(), begin);
+        while editing.redo() {}
+        prop_assert_eq!(editing.buffer().bytes(), end);
+    }
+
+    #[test]
+    fn replacing_is_what_it_is_in_a_plain_text(begin in text(), new in text(), from in 0_usize..40, length in 0_usize..9) {
+        let (mut buffer, mut model) = (Buffer::new(begin.clone()), begin);
+        let (start, end) = (from.min(model.len()), (from + length).min(model.len()));
+        let removed: Vec<u8> = model.splice(start..end, new.iter().copied()).collect();
+        prop_assert_eq!(buffer.replace(from..from + length, &new), removed);
+        prop_assert_eq!(&buffer, &Buffer::new(model));
+    }
+
+    #[test]
+    fn cells_cover_a_line_without_a_gap(line in text()) {
+        let (mut at, mut column) = (0, 0);
+        for cell in cells(&line) {
+            prop_assert_eq!((cell.start, cell.column), (at, column));
+            prop_assert!(cell.end > cell.start);
+            prop_assert_eq!(column_of(&line, cell.start), column);
+            if cell.width > 0 {
+                prop_assert_eq!(offset_of(&line, column as f32), cell.start);
+            }
+            (at, column) = (cell.end, column + cell.width);
+        }
+        prop_assert_eq!((at, width(&line)), (line.len(), column));
+    }
+
+    #[test]
+    fn walking_to_the_right_and_back_meets_the_same_places(begin in text()) {
+        let mut editing = Editing::new(begin);
+        let mut met = vec![0];
+        while editing.cursor() < editing.buffer().len() {
+            editing.go(Move::Right, false);
+            prop_assert!(Some(&editing.cursor()) > met.last());
+            met.push(editing.cursor());
+        }
+        while let Some(place) = met.pop() {
+            prop_assert_eq!(editing.cursor(), place);
+            editing.go(Move::Left, false);
+        }
+    }
+
+    #[test]
+    fn colours_after_a_change_are_those_of_the_new_text(begin in text(), new in text(), from in 0_usize..40) {
+        let mut buffer = Buffer::new(begin);
+        let mut colors = Colors::default();
+        let last = |buffer: &Buffer| buffer.line_count() - 1;
+        let _ = colors.words(&buffer, last(&buffer));
+        let line = buffer.line_of(from.min(buffer.len()));
+        buffer.replace(from..from, &new);
+        colors.forget_behind(line);
+        for line in 0..=last(&buffer) {
+            let words = colors.words(&buffer, line);
+            prop_assert_eq!(&words, &Colors::default().words(&buffer, line));
+            prop_assert!(words.iter().all(|word| word.start <= word.end && word.end <= buffer.line(line).len()));
+        }
+    }
+}

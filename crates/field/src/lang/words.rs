@@ -1,0 +1,178 @@
+//! The words of a line of a scene's text, for whoever shows it in colours.
+//!
+//! They come from the lexer that compiles, a line at a time, so that an editor looks at the lines that it shows and at
+//! nothing else. Only a comment between `/*` and `*/` reaches over the end of a line.
+
+use super::diagnostic::Diagnostics;
+use super::lexer;
+use super::library;
+use super::parser;
+use super::symbol::Interner;
+use super::token::{Kind, Token};
+
+/// What a word is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum WordKind {
+    /// A number, without a sign before it.
+    Number,
+    /// A word that the language keeps for itself, or one that begins a part of a scene.
+    Keyword,
+    /// A function of the library.
+    Function,
+    /// An input, such as `p` or `volume`.
+    Input,
+    /// Any other name.
+    Name,
+    /// A text in quotes.
+    Text,
+    /// A comment.
+    Comment,
+    /// A sign or a bracket.
+    Sign,
+    /// Characters without a meaning.
+    Unknown,
+}
+
+/// A word of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Word {
+    /// What it is.
+    pub kind: WordKind,
+    /// Its first byte in the line.
+    pub start: usize,
+    /// The byte behind its last one.
+    pub end: usize,
+}
+
+/// The words of `line` in their order, and whether a comment is open at its end. `in_comment` says whether one is open
+/// at its beginning. Blanks are no words.
+pub fn words(line: &str, in_comment: bool) -> (Vec<Word>, bool) {
+    let mut found = Vec::new();
+    let mut begin = 0;
+    if in_comment {
+        let Some(end) = line.find("*/") else {
+            found.push(Word { kind: WordKind::Comment, start: 0, end: line.len() });
+            return (found, true);
+        };
+        begin = end + 2;
+        found.push(Word { kind: WordKind::Comment, start: 0, end: begin });
+    }
+    let rest = line.get(begin..).unwrap_or_default();
+    let (mut names, mut tokens, mut mistakes) = (Interner::default(), Vec::new(), Diagnostics::new(1));
+    lexer::tokenize(rest, 0, rest.len(), &mut names, &mut tokens, &mut mistakes);
+    let mut at = 0;
+    let mut open = false;
+    for token in &tokens {
+        let (start, end) = (token.span.start as usize, token.span.end as usize);
+        open = comments(rest, at, start, begin, &mut found);
+        if token.kind != Kind::End {
+            let kind = kind_of(*token, rest.get(start..end).unwrap_or_default());
+            found.push(Word { kind, start: begin + start, end: begin + end });
+        }
+        at = end;
+    }
+    (found, open)
+}
+
+/// Adds the comments between two tokens; returns whether the last one is open.
+fn comments(text: &str, from: usize, to: usize, begin: usize, found: &mut Vec<Word>) -> bool {
+    let mut at = from;
+    while let Some(gap) = text.get(at..to) {
+        let Some(blank) = gap.find(|c: char| !c.is_whitespace() && c != '\u{feff}') else { break };
+        let (start, rest) = (at + blank, gap.get(blank..).unwrap_or_default());
+        let closed =
+            rest.strip_prefix("/*").map(|inner| inner.find("*/").map(|length| start + 2 + length + 2));
+        let end = closed.unwrap_or(Some(to));
+        found.push(Word { kind: WordKind::Comment, start: begin + start, end: begin + end.unwrap_or(to) });
+        match end {
+            None => return true,
+            Some(end) => at = end,
+        }
+    }
+    false
+}
+
+fn kind_of(token: Token, text: &str) -> WordKind {
+    match token.kind {
+        Kind::Number => WordKind::Number,
+        Kind::Text => WordKind::Text,
+        // A text that is not closed yet.
+        Kind::Unknown if text.starts_with('"') => WordKind::Text,
+        Kind::Unknown => WordKind::Unknown,
+        Kind::Name => kind_of_name(text),
+        _ => WordKind::Sign,
+    }
+}
+
+fn kind_of_name(name: &str) -> WordKind {
+    let library = library::library();
+    if super::token::RESERVED.contains(&name) || parser::is_keyword(name) {
+        return WordKind::Keyword;
+    }
+    let Some(symbol) = library.names.get(name) else { return WordKind::Name };
+    if library::input_index(symbol).is_some() {
+        WordKind::Input
+    } else if library::builtin_index(symbol).is_some()
+        || library.by_symbol.get(symbol.index()).is_some_and(|function| *function != 0)
+    {
+        WordKind::Function
+    } else {
+        WordKind::Name
+    }
+}
+
+/// The words that begin a part of a scene, and those that the language keeps for itself.
+pub fn keywords() -> impl Iterator<Item = &'static str> {
+    parser::keywords().chain(super::token::RESERVED.iter().copied())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(line: &str, in_comment: bool) -> (Vec<(WordKind, &str)>, bool) {
+        let (words, open) = words(line, in_comment);
+        (words.into_iter().map(|word| (word.kind, &line[word.start..word.end])).collect(), open)
+    }
+
+    #[test]
+    fn every_kind_of_word_is_told_apart() {
+        use WordKind::{Comment, Function, Input, Keyword, Name, Number, Sign, Text, Unknown};
+        let line = "let r = sphere(p, 1.5e2) # ball";
+        let expected = [
+            (Keyword, "let"),
+            (Name, "r"),
+            (Sign, "="),
+            (Function, "sphere"),
+            (Sign, "("),
+            (Input, "p"),
+            (Sign, ","),
+            (Number, "1.5e2"),
+            (Sign, ")"),
+            (Comment, "# ball"),
+        ];
+        assert_eq!(seen(line, false), (expected.to_vec(), false));
+        assert_eq!(
+            seen("include \"a b.scene\" $ max", false).0,
+            [(Keyword, "include"), (Text, "\"a b.scene\""), (Unknown, "$"), (Function, "max")]
+        );
+    }
+
+    #[test]
+    fn comments_reach_over_lines_until_they_are_closed() {
+        use WordKind::{Comment, Name, Number};
+        assert_eq!(seen("a /* b */ c /* d", false).0.last(), Some(&(Comment, "/* d")));
+        assert!(seen("a /* b */ c /* d", false).1);
+        assert_eq!(seen("still", true), (vec![(Comment, "still")], true));
+        assert_eq!(
+            seen("end */ 5 // x", true),
+            (vec![(Comment, "end */"), (Number, "5"), (Comment, "// x")], false)
+        );
+        assert_eq!(
+            seen("/* a *//* b */q", false),
+            (vec![(Comment, "/* a */"), (Comment, "/* b */"), (Name, "q")], false)
+        );
+        assert_eq!(seen("", false), (vec![], false));
+        assert_eq!(seen("# /* not open", false), (vec![(Comment, "# /* not open")], false));
+    }
+}

@@ -1,0 +1,254 @@
+//! What keys do while they are text: one table, from which the handling and the page about the editor are made.
+
+use winit::keyboard::{Key, KeyCode, ModifiersState, NamedKey, PhysicalKey};
+
+use mariana_editing::Move;
+
+/// What a key or a click asks of the editor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Command {
+    /// To save the text; a text without a file is copied to the user's folder.
+    Save,
+    /// To take the last change back.
+    Undo,
+    /// To do it again.
+    Redo,
+    /// To copy what is selected.
+    Copy,
+    /// To cut it out.
+    Cut,
+    /// To put in what was copied.
+    Paste,
+    /// To select all.
+    SelectAll,
+    /// To find something.
+    Find,
+    /// To go to the next place of what is looked for, or to the one before.
+    FindNext {
+        /// Whether it is the next.
+        forward: bool,
+    },
+    /// To leave lines out as comments, or to bring them back.
+    ToggleComment,
+    /// To propose what may be written.
+    Propose,
+    /// To make a parameter of the number at the cursor.
+    MakeParam,
+    /// To turn the number at the cursor.
+    TurnNumber {
+        /// Whether it becomes more.
+        up: bool,
+    },
+    /// To begin a new scene.
+    New,
+    /// To go to the next text of the scene: those that it includes.
+    NextText,
+    /// To go to the next mistake.
+    NextMistake,
+    /// To answer what is asked about the text.
+    Answer {
+        /// Whether the first answer is given.
+        first: bool,
+    },
+    /// To close what is open, and then the editor.
+    Leave,
+}
+
+/// A row of the table.
+pub struct Row {
+    /// The key, letters in lower case.
+    key: Key<&'static str>,
+    /// What is held with it.
+    held: ModifiersState,
+    /// The key as people write it.
+    pub written: &'static str,
+    /// What it does.
+    pub command: Command,
+    /// The same in words.
+    pub meaning: &'static str,
+}
+
+const CTRL: ModifiersState = ModifiersState::CONTROL;
+const ALT: ModifiersState = ModifiersState::ALT;
+const NONE: ModifiersState = ModifiersState::empty();
+
+const fn letter(letter: &'static str, written: &'static str, command: Command, meaning: &'static str) -> Row {
+    Row { key: Key::Character(letter), held: CTRL, written, command, meaning }
+}
+
+const fn named(
+    key: NamedKey,
+    held: ModifiersState,
+    written: &'static str,
+    command: Command,
+    meaning: &'static str,
+) -> Row {
+    Row { key: Key::Named(key), held, written, command, meaning }
+}
+
+/// Every key with a meaning of its own. Shift turns finding around, and undoing into doing again.
+pub const ROWS: &[Row] = &[
+    letter("s", "Ctrl+S", Command::Save, "save; a shipped scene is copied to your folder"),
+    letter("z", "Ctrl+Z", Command::Undo, "take back"),
+    letter("y", "Ctrl+Y or Ctrl+Shift+Z", Command::Redo, "do again"),
+    letter("c", "Ctrl+C", Command::Copy, "copy"),
+    letter("x", "Ctrl+X", Command::Cut, "cut"),
+    letter("v", "Ctrl+V", Command::Paste, "paste"),
+    letter("a", "Ctrl+A", Command::SelectAll, "select all"),
+    letter("f", "Ctrl+F", Command::Find, "find; Enter goes to the next place, Shift+Enter to the one before"),
+    letter(
+        "g",
+        "Ctrl+G or F3",
+        Command::FindNext { forward: true },
+        "find the next one; with Shift the one before",
+    ),
+    named(NamedKey::F3, NONE, "", Command::FindNext { forward: true }, ""),
+    letter("/", "Ctrl+/", Command::ToggleComment, "leave lines out as comments, or bring them back"),
+    named(NamedKey::Space, CTRL, "Ctrl+Space", Command::Propose, "propose what may be written; Tab takes it"),
+    letter("p", "Ctrl+P", Command::MakeParam, "make a parameter with a slider of the number at the cursor"),
+    named(
+        NamedKey::ArrowUp,
+        ALT,
+        "Alt+Up, Alt+Down",
+        Command::TurnNumber { up: true },
+        "turn the number at the cursor; with Shift finely. Dragging its grip, or it with Alt, does the same",
+    ),
+    named(NamedKey::ArrowDown, ALT, "", Command::TurnNumber { up: false }, ""),
+    letter("e", "Ctrl+E or F8", Command::NextMistake, "go to the next mistake"),
+    named(NamedKey::F8, NONE, "", Command::NextMistake, ""),
+    named(
+        NamedKey::Tab,
+        CTRL,
+        "Ctrl+Tab",
+        Command::NextText,
+        "the next text of this scene: those that it includes",
+    ),
+    letter(
+        "1",
+        "Ctrl+1",
+        Command::Answer { first: true },
+        "the first answer to what is asked above the text",
+    ),
+    letter("2", "Ctrl+2", Command::Answer { first: false }, "the second answer"),
+    letter("n", "Ctrl+N", Command::New, "begin a new scene"),
+    named(
+        NamedKey::Escape,
+        NONE,
+        "Esc",
+        Command::Leave,
+        "close what is open, then the editor; nothing is lost",
+    ),
+];
+
+/// The rows of the table that people read: the written key and its meaning.
+pub fn written_rows() -> impl Iterator<Item = &'static Row> {
+    ROWS.iter().filter(|row| !row.written.is_empty())
+}
+
+/// What a key asks for with what is held, if it has a meaning of its own. Where the keyboard has other letters, the
+/// key's place counts.
+pub(super) fn command_of(key: &Key, physical: PhysicalKey, held: ModifiersState) -> Option<Command> {
+    let shift = held.shift_key();
+    let mut held = held - ModifiersState::SHIFT;
+    // What Ctrl does elsewhere, Command does on a Mac.
+    if held == ModifiersState::SUPER && cfg!(target_os = "macos") {
+        held = CTRL;
+    }
+    let lower = match key {
+        Key::Character(text) => text.to_lowercase(),
+        _ => String::new(),
+    };
+    let latin = if lower.is_ascii() { None } else { letter_at(physical) };
+    let letter = latin.unwrap_or(&lower);
+    let row = ROWS.iter().find(|row| {
+        row.held == held
+            && match (&row.key, key) {
+                (Key::Character(wanted), Key::Character(_)) => *wanted == letter,
+                (Key::Named(wanted), Key::Named(pressed)) => wanted == pressed,
+                _ => false,
+            }
+    })?;
+    Some(match (row.command, shift) {
+        (Command::Undo, true) => Command::Redo,
+        (Command::FindNext { .. }, true) => Command::FindNext { forward: false },
+        (command, _) => command,
+    })
+}
+
+/// The letter that a key has on a keyboard with Latin letters.
+fn letter_at(physical: PhysicalKey) -> Option<&'static str> {
+    let PhysicalKey::Code(code) = physical else { return None };
+    let keys = [
+        (KeyCode::KeyS, "s"),
+        (KeyCode::KeyZ, "z"),
+        (KeyCode::KeyY, "y"),
+        (KeyCode::KeyC, "c"),
+        (KeyCode::KeyX, "x"),
+        (KeyCode::KeyV, "v"),
+        (KeyCode::KeyA, "a"),
+        (KeyCode::KeyF, "f"),
+        (KeyCode::KeyG, "g"),
+        (KeyCode::KeyP, "p"),
+        (KeyCode::KeyE, "e"),
+        (KeyCode::KeyN, "n"),
+        (KeyCode::Slash, "/"),
+    ];
+    keys.into_iter().find(|(known, _)| *known == code).map(|(_, letter)| letter)
+}
+
+/// Where a key moves the cursor; `rows` lines are a page.
+pub(super) fn way_of(key: &Key, held: ModifiersState, rows: usize) -> Option<Move> {
+    let (Key::Named(named), word) = (key, held.control_key()) else { return None };
+    Some(match named {
+        NamedKey::ArrowLeft if word => Move::WordLeft,
+        NamedKey::ArrowRight if word => Move::WordRight,
+        NamedKey::ArrowLeft => Move::Left,
+        NamedKey::ArrowRight => Move::Right,
+        NamedKey::ArrowUp => Move::Up(1),
+        NamedKey::ArrowDown => Move::Down(1),
+        NamedKey::PageUp => Move::Up(rows.max(2) - 1),
+        NamedKey::PageDown => Move::Down(rows.max(2) - 1),
+        NamedKey::Home if word => Move::Start,
+        NamedKey::End if word => Move::End,
+        NamedKey::Home => Move::LineStart,
+        NamedKey::End => Move::LineEnd,
+        _ => return None,
+    })
+}
+
+/// The table for the page about the editor.
+pub fn markdown_table() -> String {
+    let rows = written_rows().map(|row| format!("| {} | {} |\n", row.written, row.meaning));
+    format!("| key | what it does |\n|---|---|\n{}", rows.collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_key_has_two_meanings() {
+        for (index, row) in ROWS.iter().enumerate() {
+            let same = |other: &Row| (&other.key, other.held) == (&row.key, row.held);
+            assert!(!ROWS[..index].iter().any(same), "{:?} stands twice", row.key);
+        }
+    }
+
+    #[test]
+    fn letters_of_other_keyboards_are_taken_by_their_place() {
+        let key = |text: &str| Key::Character(text.into());
+        let at = |code| PhysicalKey::Code(code);
+        assert_eq!(command_of(&key("s"), at(KeyCode::KeyO), CTRL), Some(Command::Save));
+        assert_eq!(command_of(&key("ы"), at(KeyCode::KeyS), CTRL), Some(Command::Save));
+        assert_eq!(command_of(&key("S"), at(KeyCode::KeyS), NONE), None);
+        let shift = CTRL | ModifiersState::SHIFT;
+        assert_eq!(command_of(&key("Z"), at(KeyCode::KeyZ), shift), Some(Command::Redo));
+        assert_eq!(command_of(&key("s"), at(KeyCode::KeyS), CTRL | ALT), None);
+    }
+
+    #[test]
+    fn the_page_about_the_editor_has_the_table() {
+        let page = include_str!("../../../docs/editor.md").replace("\r\n", "\n");
+        assert!(page.contains(&markdown_table()), "put this into docs/editor.md:\n{}", markdown_table());
+    }
+}

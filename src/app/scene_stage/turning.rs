@@ -1,0 +1,59 @@
+//! A number of the scene's text that a hand turns: its value goes into the frame, and nothing is read or compiled.
+
+use std::path::{Path, PathBuf};
+
+use super::{Cast, SceneStage};
+use crate::scenes::SceneSource;
+
+/// A number of a file's text, by where its digits begin in the text that was loaded.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TurnedNumber {
+    file: PathBuf,
+    digits: usize,
+    value: f32,
+}
+
+impl SceneStage {
+    /// What was asked for last: shown, or on its way.
+    pub(crate) fn wanted_source(&self) -> &SceneSource {
+        &self.source
+    }
+
+    /// The number of the scene on the stage: another one for each version of its text.
+    pub(crate) fn shown_id(&self) -> Option<u64> {
+        self.on_stage.as_ref().map(|cast| cast.id)
+    }
+
+    /// Loads the scene again, because its text has changed without its file.
+    pub(crate) fn load_again(&mut self) {
+        tracing::debug!("{} is loaded again for its draft", self.source.title());
+        self.loader.load_again();
+    }
+
+    /// Notes whether somebody writes the scene's text.
+    pub(crate) fn set_written(&mut self, written: bool) {
+        self.is_written = written;
+    }
+
+    /// Gives a number of a text a value, in a scene in which it has a range.
+    pub(crate) fn turn_number(&mut self, file: &Path, digits: usize, value: f32) {
+        self.turned = Some(TurnedNumber { file: file.to_owned(), digits, value });
+        self.revision += 1;
+    }
+
+    /// Puts the value of the number that a hand turns among the parameters of a scene, if it is one of them.
+    pub(super) fn turn_in(&self, cast: &Cast, numbers: &mut [f32]) {
+        let world = cast.resources.world();
+        let Some(turned) = &self.turned else { return };
+        if world.blended.is_some() || cast.source.file() != Some(&turned.file) {
+            return;
+        }
+        // Once the hand has let go, the number has no range.
+        let place = world.scene.params.iter().position(|param| {
+            param.is_number && param.span.start as usize == turned.digits && param.min < param.max
+        });
+        if let Some(number) = place.and_then(|place| numbers.get_mut(place)) {
+            *number = turned.value;
+        }
+    }
+}

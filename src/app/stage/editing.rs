@@ -1,0 +1,136 @@
+//! The editor of the scene on the stage: opened and closed, its keys, and what it wants of the show.
+
+use std::time::Instant;
+
+use winit::event::{ElementState, Ime, KeyEvent, WindowEvent};
+
+use super::Stage;
+use crate::app::editor::{Editor, EditorRequest, Effect, Press};
+use crate::app::overlay::Panel;
+use crate::documents::KeptTexts;
+
+impl Stage {
+    /// Whether keys are text of the scene.
+    pub(super) fn editor_has_focus(&self) -> bool {
+        self.is_edited() && self.desk.editor.as_ref().is_some_and(Editor::has_focus)
+    }
+
+    fn is_edited(&self) -> bool {
+        self.desk.panels.open() == Some(Panel::Editor)
+    }
+
+    /// Gives keys to an editor that is open without them; whether there is one.
+    pub(super) fn gives_focus_to_editor(&mut self) -> bool {
+        let waits = self.is_edited() && !self.editor_has_focus();
+        if waits {
+            self.write_text(true);
+        }
+        waits
+    }
+
+    /// Opens the editor on the scene's text, or notes that it is closed.
+    pub(super) fn write_text(&mut self, open: bool) {
+        if open && self.desk.editor.is_none() {
+            let waker = self.waker.clone();
+            match Editor::start(self.drafts.clone(), KeptTexts::of_user(), move || waker.wake()) {
+                Ok(editor) => self.desk.editor = Some(editor),
+                Err(error) => self.reports.answer(format!("there is no editor: {error}")),
+            }
+        }
+        self.scene.set_written(open);
+        self.window.window().set_ime_allowed(open);
+        let Some(editor) = &mut self.desk.editor else { return };
+        editor.set_focus(open);
+        if open {
+            editor.show_scene(self.scene.wanted_source());
+        }
+        self.follow_editor();
+    }
+
+    /// Takes an event for the editor. Returns whether it was meant for the text.
+    pub(super) fn take_for_editor(&mut self, event: &WindowEvent) -> bool {
+        if !self.is_edited() {
+            return false;
+        }
+        let (held, begun) = (self.input.held(), Instant::now());
+        let Some(editor) = &mut self.desk.editor else { return false };
+        let taken = match event {
+            // The overlay takes those on the editor.
+            WindowEvent::MouseInput { state: ElementState::Pressed, .. } => {
+                editor.set_focus(false);
+                false
+            }
+            WindowEvent::Ime(Ime::Commit(text)) if editor.has_focus() => {
+                editor.type_text(text);
+                true
+            }
+            WindowEvent::KeyboardInput {
+                event: KeyEvent { logical_key, physical_key, text, state: ElementState::Pressed, repeat, .. },
+                is_synthetic: false,
+                ..
+            } if editor.has_focus() => editor.take_key(&Press {
+                key: logical_key,
+                physical: *physical_key,
+                text: text.as_deref(),
+                held,
+                repeat: *repeat,
+            }),
+            _ => return false,
+        };
+        self.follow_editor();
+        self.typing_times.note_taken(begun.elapsed());
+        taken
+    }
+
+    /// Does what the pointer asked of the editor.
+    pub(super) fn obey_in_editor(&mut self, request: EditorRequest) {
+        if let Some(editor) = &mut self.desk.editor {
+            editor.obey(request);
+        }
+        self.follow_editor();
+    }
+
+    /// Takes in what other threads have for the editor, and shows it the scene on the stage.
+    pub(super) fn update_editor(&mut self) {
+        let open = self.is_edited();
+        let Some(editor) = &mut self.desk.editor else { return };
+        editor.update();
+        if editor.tells_mistakes() {
+            self.typing_times.note_mistake();
+        }
+        if open {
+            editor.show_scene(self.scene.wanted_source());
+        }
+        self.follow_editor();
+    }
+
+    /// Does what the editor wants of the show.
+    pub(in crate::app) fn follow_editor(&mut self) {
+        let Some(editor) = &mut self.desk.editor else { return };
+        let effects = editor.take_effects();
+        // However many keys have come, the text is loaded once.
+        if effects.contains(&Effect::Reload) {
+            self.typing_times.note_key(self.scene.shown_id(), Instant::now());
+            self.scene.load_again();
+        }
+        for effect in effects {
+            match effect {
+                Effect::Reload => {}
+                Effect::Show(source) => {
+                    self.scene.show_source(source);
+                    if let Some(editor) =
+                        self.desk.editor.as_mut().filter(|_| self.desk.panels.open() == Some(Panel::Editor))
+                    {
+                        editor.show_scene(self.scene.wanted_source());
+                    }
+                }
+                Effect::Turn { file, digits, value } => self.scene.turn_number(&file, digits, value),
+                Effect::Close => {
+                    if self.is_edited() {
+                        self.toggle_panel(Panel::Editor);
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The editor in the window as a user meets it: what is typed shows, a mistake leaves the picture, texts are saved and
+//! not lost, numbers are dragged.
+
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::Duration;
+
+use crate::support::desktop::{App, Desktop};
+use image::RgbaImage;
+use mariana_testing::process::{output_of, wait_until};
+use mariana_testing::wave::write_wav;
+
+/// Wide enough that the editor leaves some of the picture.
+const SIZE: &str = "760x420";
+/// Colours of the overlay: what is wrong, and numbers of a text.
+const ERROR: [u8; 3] = [255, 128, 112];
+const NUMBER: [u8; 3] = [244, 190, 120];
+/// That of what the pointer would take.
+const GRIP: [u8; 3] = [130, 204, 232];
+
+/// A wall that fills the picture and shines by itself, in one line.
+fn wall(emission: &str) -> String {
+    format!(
+        "material m {{ color = 0  roughness = 1  emission = {emission} }} object w {{ shape = 5 - p.z  material = m }} \
+         light n {{ direction = vec3(0, -1, 0)  color = 0 }} camera {{ position = vec3(0)  target = vec3(0, 0, 5) }} \
+         sky {{ color = 0  ambient = 0 }}"
+    )
+}
+
+struct Place {
+    desktop: Desktop,
+    song: PathBuf,
+}
+
+impl Place {
+    fn new(text: &str) -> Self {
+        let desktop = Desktop::start();
+        let song = desktop.folder().join("quiet.wav");
+        write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 60));
+        fs::create_dir(desktop.folder().join("scenes")).unwrap();
+        let place = Self { desktop, song };
+        fs::write(place.file(), text).unwrap();
+        place
+    }
+
+    fn file(&self) -> PathBuf {
+        self.desktop.folder().join("scenes/main.scene")
+    }
+
+    fn saved(&self) -> String {
+        fs::read_to_string(self.file()).unwrap_or_default()
+    }
+
+    fn open(&self, options: &[&str]) -> App<'_> {
+        self.open_scene(self.file().to_str().unwrap(), options)
+    }
+
+    fn open_scene(&self, scene: &str, options: &[&str]) -> App<'_> {
+        let all = [&["--silent", "--size", SIZE, "--sdf", "interpreted", "--scene", scene], options].concat();
+        let mut app = self.desktop.open(&self.song, &all);
+        app.wait_for_title("a scene", |title| title.contains(" - Mariana ("));
+        app
+    }
+}
+
+/// Which channels the picture has at its right, where no editor is.
+fn color(app: &App) -> [bool; 3] {
+    let picture = app.picture();
+    let right = picture.enumerate_pixels().filter(|(x, _, _)| 20 * x > 19 * picture.width());
+    let right: Vec<_> = right.map(|(_, _, pixel)| pixel.0).collect();
+    [0, 1, 2].map(|channel| 2 * right.iter().filter(|pixel| pixel[channel] > 120).count() > right.len())
+}
+
+const RED: [bool; 3] = [true, false, false];
+const GREEN: [bool; 3] = [false, true, false];
+
+fn wait_for_color(app: &App, what: &str, wanted: [bool; 3]) {
+    wait_until(what, || color(app) == wanted);
+}
+
+/// Where pixels of a colour are: left, top, right, bottom of the first group from the top; none if there is none.
+fn group(picture: &RgbaImage, wanted: [u8; 3]) -> Option<(u32, u32, u32, u32)> {
+    let is = |x: u32, y: u32| {
+        let pixel = picture.get_pixel(x, y).0;
+        (0..3).all(|channel| pixel[channel].abs_diff(wanted[channel]) < 24)
+    };
+    let row = |y: u32| (0..picture.width()).filter(move |x| is(*x, y));
+    let top = (0..picture.height()).find(|y| row(*y).next().is_some())?;
+    let bottom = (top..picture.height()).take_while(|y| row(*y).next().is_some()).last()?;
+    let xs = (top..=bottom).flat_map(row);
+    let (left, right) = xs.fold((u32::MAX, 0), |(left, right), x| (left.min(x), right.max(x)));
+    Some((left, top, right, bottom))
+}
+
+fn wait_for_group(app: &App, what: &str, wanted: [u8; 3]) -> (u32, u32, u32, u32) {
+    let mut found = None;
+    wait_until(what, || {
+        found = group(&app.picture(), wanted);
+        found.is_some()
+    });
+    found.unwrap()
+}
+
+fn wait_until_gone(app: &App, what: &str, wanted: [u8; 3]) {
+    wait_until(what, || group(&app.picture(), wanted).is_none());
+}
+
+/// Opens the editor on a text with numbers.
+fn write(app: &App) {
+    app.press(&["e"]);
+    wait_for_group(app, "the text in its colours", NUMBER);
+}
+
+fn type_text(app: &App, text: &str) {
+    app.xdotool(&["type", "--delay", "15", text]);
+}
+
+fn quit(app: App) {
+    app.press(&["Escape"]);
+    wait_until_gone(&app, "the picture without the editor", NUMBER);
+    app.press(&["q"]);
+    let (status, told) = app.wait_for_end(Duration::from_secs(60));
+    assert!(status.success(), "{status}: {told}");
+    assert!(!told.contains("panicked"), "{told}");
+}
+
+#[test]
+fn what_is_typed_shows_in_the_picture_and_a_mistake_leaves_it() {
+    let place = Place::new(&wall("vec3(1, 0, 0)"));
+    let app = place.open(&[]);
+    wait_for_color(&app, "a red wall", RED);
+    write(&app);
+    app.press(&["ctrl+a"]);
+    type_text(&app, &wall("vec3(0, 1, 0)"));
+    wait_for_color(&app, "a green wall", GREEN);
+    assert_eq!(place.saved(), wall("vec3(1, 0, 0)"), "nobody has saved");
+    // What is wrong is said, and the picture stays.
+    type_text(&app, " $");
+    wait_for_group(&app, "a mark at the mistake", ERROR);
+    assert_eq!(color(&app), GREEN);
+    app.press(&["BackSpace", "BackSpace"]);
+    wait_until_gone(&app, "the text without a mark", ERROR);
+    app.press(&["ctrl+s"]);
+    wait_until("the saved file", || place.saved() == wall("vec3(0, 1, 0)"));
+    quit(app);
+}
+
+#[test]
+fn keys_are_text_in_the_editor_and_the_shows_beside_it() {
+    let place = Place::new(&wall("vec3(1, 0, 0)"));
+    let mut app = place.open(&[]);
+    write(&app);
+    app.press(&["ctrl+End"]);
+    type_text(&app, " # quit, not");
+    app.press(&["ctrl+s"]);
+    wait_until("the letters in the file", || place.saved().ends_with(" # quit, not"));
+    assert!(app.runs(), "a letter has ended it");
+    // On the picture, a click gives the keys back to the show.
+    app.xdotool(&["mousemove", "--window", app.window(), "745", "400", "click", "1"]);
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    assert!(place.saved().ends_with(" # quit, not"));
+    app.press(&["e"]);
+    app.press(&["x", "ctrl+s"]);
+    wait_until("one more letter", || place.saved().ends_with(" # quit, notx"));
+    quit(app);
+}
+
+#[test]
+fn another_programs_save_is_asked_about_and_nothing_is_lost() {
+    let place = Place::new(&wall("vec3(1, 0, 0)"));
+    let app = place.open(&[]);
+    write(&app);
+    app.press(&["ctrl+a"]);
+    type_text(&app, &wall("vec3(0, 1, 0)"));
+    wait_for_color(&app, "a green wall", GREEN);
+    let theirs = wall("vec3(0, 0, 1)");
+    fs::write(place.file(), &theirs).unwrap();
+    app.press(&["ctrl+s"]);
+    wait_for_group(&app, "the question", ERROR);
+    assert_eq!((place.saved(), color(&app)), (theirs, GREEN));
+    app.press(&["ctrl+1"]);
+    wait_until("my text in the file", || place.saved() == wall("vec3(0, 1, 0)"));
+    quit(app);
+}
+
+#[test]
+fn what_was_typed_comes_back_after_the_program_was_killed() {
+    let place = Place::new(&wall("vec3(1, 0, 0)"));
+    {
+        let mut app = place.open(&[]);
+        write(&app);
+        app.press(&["ctrl+a"]);
+        type_text(&app, &wall("vec3(0, 1, 0)"));
+        wait_for_color(&app, "a green wall", GREEN);
+        let kept = place.desktop.folder().join(".local/state/mariana/unsaved");
+        wait_until("the kept text", || {
+            // What is being written beside it is not kept yet.
+            let files = fs::read_dir(&kept).into_iter().flatten().flatten();
+            let files = files.filter(|file| !file.file_name().as_encoded_bytes().starts_with(b"."));
+            files
+                .map(|file| fs::read(file.path()).unwrap_or_default())
+                .any(|text| String::from_utf8_lossy(&text).ends_with(&wall("vec3(0, 1, 0)")))
+        });
+        let id = app.process_id().to_string();
+        output_of(Command::new("kill").args(["-KILL", &id]), "procps").unwrap();
+        wait_until("its end", || !app.runs());
+    }
+    assert_eq!(place.saved(), wall("vec3(1, 0, 0)"));
+    let app = place.open(&[]);
+    wait_for_color(&app, "the saved wall", RED);
+    write(&app);
+    wait_for_group(&app, "the question", ERROR);
+    app.press(&["ctrl+1"]);
+    wait_until_gone(&app, "the text without a question", ERROR);
+    wait_for_color(&app, "what was typed", GREEN);
+    quit(app);
+}
+
+#[test]
+fn a_number_is_dragged_and_no_text_is_read_meanwhile() {
+    let place = Place::new(&format!("let level = 1\n{}", wall("level * vec3(0, 0.1, 0)")));
+    let mut app = place.open(&["-vv"]);
+    wait_until("a dark wall", || color(&app) == [false; 3]);
+    write(&app);
+    // The first number from the top.
+    let (left, _, right, bottom) = wait_for_group(&app, "the number", NUMBER);
+    let loads = |app: &App| app.told().matches("is loaded again for its draft").count();
+    let at = |x: u32, y: u32| [x.to_string(), y.to_string()];
+    let [x, y] = at((left + right) / 2, bottom + 7);
+    app.xdotool(&["mousemove", "--window", app.window(), &x, &y]);
+    let before = loads(&app);
+    // The grip is shown where the pointer is.
+    let (grip_x, grip_y) = ((left + right) / 2, bottom + 7);
+    wait_until("the grip", || {
+        let picture = app.picture();
+        let near = image::imageops::crop_imm(&picture, grip_x - 6, grip_y - 4, 12, 8).to_image();
+        group(&near, GRIP).is_some()
+    });
+    app.xdotool(&["mousedown", "1"]);
+    wait_until("the number as an input", || loads(&app) == before + 1);
+    let mut moved = 0;
+    wait_until("a bright wall", || {
+        // By hand it takes some steps; within the room of the number.
+        if moved < 100 {
+            app.xdotool(&["mousemove_relative", "4", "0"]);
+            moved += 4;
+        }
+        color(&app) == GREEN
+    });
+    assert_eq!(loads(&app), before + 1, "the picture came without a reading of the text");
+    app.xdotool(&["mouseup", "1"]);
+    wait_until("the text that holds", || loads(&app) == before + 2);
+    app.press(&["ctrl+s"]);
+    wait_until("the number in the file", || {
+        !place.saved().is_empty() && !place.saved().starts_with("let level = 1\n")
+    });
+    assert!(place.saved().starts_with("let level = "), "{}", place.saved());
+    assert_eq!(color(&app), GREEN);
+    app.wait_for_title("the scene", |title| title.contains("main"));
+    quit(app);
+}
+
+#[test]
+fn a_shipped_scene_is_copied_by_one_key_and_the_copy_is_written() {
+    let place = Place::new("y");
+    let mut app = place.open_scene("heart", &[]);
+    write(&app);
+    app.press(&["ctrl+s"]);
+    let copy = place.desktop.folder().join(".local/share/mariana/scenes/heart.scene");
+    wait_until("the copy", || copy.is_file());
+    app.wait_for_title("its title", |title| title.contains("heart"));
+    // As soon as the copy is read, keys are its text.
+    wait_until("a letter in the copy", || {
+        app.press(&["ctrl+End", "numbersign", "ctrl+s"]);
+        fs::read_to_string(&copy).is_ok_and(|text| text.trim_end().ends_with('#'))
+    });
+    quit(app);
+}
