@@ -7,6 +7,7 @@ use egui::{Id, Order, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::requests::Request;
 use super::{assisted, icons, style};
+use crate::app::editor::keys::written_rows;
 use crate::app::editor::{Command, Document, Editor, EditorRequest, Owner, Question};
 
 /// Share of the window's width that the editor takes, and its least and greatest width in points.
@@ -70,10 +71,10 @@ fn header(
         (_, true) => Some("save"),
         _ => None,
     };
-    for (words, command) in
-        [save.map(|words| (words, Command::Save)), Some(("new", Command::New))].into_iter().flatten()
-    {
-        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, true);
+    let save = save.map(|words| (words, Command::Save));
+    for (words, command) in [save, Some(("new", Command::New))].into_iter().flatten() {
+        let key = written_key(command);
+        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key);
         right = rect.left() - 6.0;
         if clicked {
             ask(EditorRequest::Do(command));
@@ -124,7 +125,8 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
     let line = Rect::from_min_size(space.min, vec2(space.width(), LINE));
     let mut right = line.right();
     for (words, is_first) in [(second, false), (first, true)] {
-        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, true);
+        let key = written_key(Command::Answer { first: is_first });
+        let (rect, clicked) = word(ui, pos2(right, line.center().y), words, key);
         right = rect.left() - 6.0;
         if clicked {
             ask(EditorRequest::Answer { first: is_first });
@@ -136,9 +138,14 @@ fn question(ui: &Ui, space: Rect, document: &Document, ask: &mut impl FnMut(Edit
     line.bottom() + 4.0
 }
 
-/// A button with a word whose right edge is at a place; returns where it is and whether it was clicked.
-fn word(ui: &Ui, right_center: egui::Pos2, words: &str, lit: bool) -> (Rect, bool) {
-    let color = if lit { style::ACCENT } else { style::DIM };
+/// The key for a command, as people write it.
+fn written_key(command: Command) -> &'static str {
+    written_rows().find(|row| row.command == command).map_or("", |row| row.written)
+}
+
+/// A button with a word, for which there is a key, too, whose right edge is at a place; returns where it is and whether it was clicked.
+fn word(ui: &Ui, right_center: egui::Pos2, words: &str, key: &str) -> (Rect, bool) {
+    let color = style::ACCENT;
     let galley = style::line(ui.painter(), words, style::proportional(style::SMALL_SIZE), color, f32::MAX);
     let size = vec2(galley.size().x + 14.0, LINE - 4.0);
     let rect = Rect::from_min_size(right_center - vec2(size.x, 0.5 * size.y), size);
@@ -147,7 +154,9 @@ fn word(ui: &Ui, right_center: egui::Pos2, words: &str, lit: bool) -> (Rect, boo
     ui.painter().rect_filled(rect, 4.0, style::RAIL);
     ui.painter().galley_with_override_text_color(rect.center() - 0.5 * galley.size(), galley, color);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, words));
-    (rect, response.clicked())
+    let clicked = response.clicked();
+    response.on_hover_text(format!("{words} ({key})"));
+    (rect, clicked)
 }
 
 /// What is to be told, at the bottom: what is wrong or what stands at the cursor, then the answer to the last key, or
