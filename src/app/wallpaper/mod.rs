@@ -154,11 +154,14 @@ fn are_covered(monitors: &[Rect], windows: &[Rect]) -> bool {
         && monitors.iter().all(|monitor| windows.iter().any(|window| covers(window, monitor)))
 }
 
-/// The window that a screen saver's program is to draw into, and its size, if there is one.
+/// A window of another program: its number, and its size in pixels.
+type OtherWindow = (u32, (u32, u32));
+
+/// The window that a screen saver's program is to draw into, if there is one.
 ///
 /// # Errors
 /// The variable names no window.
-pub(super) fn of_screen_saver() -> Result<Option<(u32, (u32, u32))>, String> {
+pub(super) fn of_screen_saver() -> Result<Option<OtherWindow>, String> {
     const NAME: &str = "XSCREENSAVER_WINDOW";
     let Ok(text) = std::env::var(NAME) else { return Ok(None) };
     let refused = || format!("the variable {NAME} is '{text}', which is no window: unset it");

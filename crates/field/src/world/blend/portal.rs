@@ -149,6 +149,9 @@ fn portal(
     })
 }
 
+/// Planes, the rest, and the numbers of the material.
+type Through = (Vec<NodeId>, Option<Steps>, Vec<NodeId>);
+
 /// The first scene outside of the portal, the second one inside: planes that both share, the rest, and the material.
 /// `to` is the second scene with how many pictures and parameters come before its own.
 ///
@@ -161,7 +164,7 @@ pub(super) fn through(
     to: (&Scene, (usize, usize)),
     camera: &Camera,
     s: NodeId,
-) -> Result<(Vec<NodeId>, Option<Steps>, Vec<NodeId>), GraphError> {
+) -> Result<Through, GraphError> {
     let portal = portal(graph, shape, to, camera, s)?;
     // A plane of both goes through the portal as it is.
     let (planes, [a_rest, b_rest]) = if a.planes == b.planes {
