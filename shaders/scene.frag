@@ -92,8 +92,8 @@ const int SURFACES_MAX = 1;
 // A path ends where less than this share of its light would reach the eye; at the lowest quality the share is larger.
 const float SHARE_MIN = 0.004;
 const float SHARE_MIN_LEAST = 0.06;
-// The reflectance of water looked at straight on.
-const float WATER = 0.02;
+// Between two scenes, what mirrors less than this, looked at straight on, mirrors less at all angles.
+const float FAINT = 0.02;
 
 #ifdef BLUR
 // Two numbers of 0..1 for a surface of the path. Those of a pixel come from a hash (pcg3d, Jarzynski and Olano 2020)
@@ -160,9 +160,11 @@ vec3 scene_color(vec3 origin, vec3 direction) {
             // Schlick's approximation of Fresnel's reflectance; a rough mirror reflects less of it at grazing angles.
             float grazing = pow(1.0 - clamp(-dot(direction, s.normal), 0.0, 1.0), 5.0);
             float most = max(1.0 - m.blur, m.reflect);
-            // What mirrors less than water does so at no angle at once, or a mirror that fades would end in bright rims.
-            grazing *= min(m.reflect * (1.0 / WATER), 1.0);
-            float reflectance = m.reflect + (most - m.reflect) * grazing;
+#ifdef BLEND
+            // Else a mirror that fades would end in bright rims.
+            grazing *= min(m.reflect * (1.0 / FAINT), 1.0);
+#endif
+            float reflectance = m.reflect > 0.0 ? m.reflect + (most - m.reflect) * grazing : 0.0;
             if (max(kept.r, max(kept.g, kept.b)) > share_min) color += kept * (1.0 - reflectance) * shade(s, p, direction, cone);
             // Metals tint what they mirror.
             throughput = kept * reflectance * mix(vec3(1.0), m.color, m.metalness);

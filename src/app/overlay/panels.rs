@@ -184,9 +184,18 @@ fn show(
         welcome::draw(&back, left, words, now);
     }
     let mut below = space;
+    let has_heading = content.scenes.is_some()
+        || content.files.is_some()
+        || content.settings.is_some()
+        || content.hands.is_some();
+    if has_heading {
+        // The heading of what is open in the middle, with its cross, is not covered by what goes by itself.
+        let sentences = u8::from(content.hint.is_some()) + u8::from(content.notice.is_some());
+        below.min.y = (space.max.y - f32::from(sentences) * NOTICE_HEIGHT).max(space.min.y);
+    }
     if let Some(text) = content.hint {
         assisted::text(context, "hint", text, true);
-        below.min.y = draw_sentence(&front, space, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
+        below.min.y = draw_sentence(&front, below, text, style::ACCENT).bottom() + 0.5 * style::MARGIN;
     }
     if let Some(notice) = &content.notice {
         assisted::text(context, "notice", notice.text, true);
@@ -197,6 +206,9 @@ fn show(
     }
     changed
 }
+
+/// Room for a sentence below a panel's heading, in points.
+const NOTICE_HEIGHT: f32 = 60.0;
 
 /// Leaves out of `left` what a panel at the right covers, if enough is left.
 fn leave_beside(left: &mut Rect, panel: Rect) {

@@ -344,6 +344,26 @@ fn settings_are_inside_the_window_and_a_click_chooses() {
 }
 
 #[test]
+fn a_notice_covered_the_heading_of_a_panel() {
+    use crate::app::settings_panel::tests::panel;
+    let rows = panel(&Choices::default(), None);
+    for screen in [SCREEN, Vec2::new(560.0, 315.0)] {
+        let mut stage = Stage::new(screen);
+        let notice = Some(Notice { text: "orb is being prepared", share: None, since: Instant::now() });
+        let content =
+            || OverlayContent { settings: Some(&rows), notice, hint: Some("press D"), ..Default::default() };
+        stage.frame(Vec::new(), content());
+        let laid_out = stage.frame(Vec::new(), content());
+        let (bounds, texts) = drawn(&laid_out);
+        assert!(stage.screen.contains_rect(bounds), "{screen:?}: {bounds:?}");
+        let heading = place_of(&texts, "Settings");
+        for words in ["orb is being prepared", "press D"] {
+            assert!(place_of(&texts, words).top() > heading.bottom() + 12.0, "{screen:?}: {texts:?}");
+        }
+    }
+}
+
+#[test]
 fn the_selected_setting_is_seen_however_small_the_window_is() {
     use crate::app::settings_panel::tests::panel;
     use winit::keyboard::{Key, NamedKey};
