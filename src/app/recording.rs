@@ -9,28 +9,26 @@ use super::direction::OfTrack;
 use crate::config::PerformanceFiles;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::SceneSource;
-use crate::show::{Entrance, Move, OnStage, Performance, Turned, print};
+use crate::show::{Entrance, Move, OnStage, Performance, Turned, name_of, print};
 use mariana_field::lang::Way;
 
 /// How often a performance is written while it goes on.
 const KEPT_EVERY: Duration = Duration::from_secs(10);
 
 /// What the stage shows at a moment.
-pub(super) struct Performed {
+pub(super) struct Performed<'a> {
     /// What it comes from.
-    pub source: SceneSource,
-    /// What shows call it.
-    pub scene: String,
+    pub source: &'a SceneSource,
     /// One of its cameras.
-    pub camera: Option<String>,
+    pub camera: Option<&'a str>,
     /// How it came and when that began, in seconds of the song, where a show says so.
     pub directed: Option<(Entrance, f64)>,
     /// How many seconds a change takes that no show makes.
     pub fade: f64,
-    /// Its parameters with their values, those of its text, and whether a show moves them.
-    pub params: Vec<(String, f32, f32, bool)>,
+    /// Its parameters.
+    pub params: Vec<Turned<'a>>,
     /// What a show does with them.
-    pub moves: Vec<Move>,
+    pub moves: &'a [Move],
     /// How the camera is moved by hand.
     pub hand: OrbitControls,
 }
@@ -51,6 +49,8 @@ struct Take {
 /// What is on.
 struct Showing {
     source: SceneSource,
+    /// What shows call it.
+    scene: String,
     entrance: Entrance,
     /// Since when, in seconds of the song.
     start: f64,
@@ -99,7 +99,7 @@ impl Recording {
         &mut self,
         (track, title): (OfTrack, &str),
         time: f64,
-        seen: &Performed,
+        seen: Performed<'_>,
         now: Instant,
     ) -> Option<&'static str> {
         if !self.is_on || track.is_none() {
@@ -140,21 +140,21 @@ impl Recording {
 }
 
 impl Take {
-    fn note(&mut self, time: f64, seen: &Performed) {
+    fn note(&mut self, time: f64, seen: Performed<'_>) {
         let changes = |fade: f64| match fade > 0.0 {
             true => Entrance::new(Way::Fade, fade),
             false => Entrance::CUT,
         };
         let (entrance, start) = match (&self.shown, seen.directed) {
             // What nobody directs any more stays as it is.
-            (Some(shown), None) if shown.source == seen.source && shown.start <= time => {
+            (Some(shown), None) if shown.source == *seen.source && shown.start <= time => {
                 (shown.entrance, shown.start)
             }
             (None, None) => (Entrance::CUT, time),
             (Some(_), None) => (changes(seen.fade), time),
             // The show takes over in the middle of a scene.
             (Some(shown), Some((_, start))) if start < shown.start => {
-                if shown.source == seen.source {
+                if shown.source == *seen.source {
                     (shown.entrance, shown.start)
                 } else {
                     (changes(seen.fade), time)
@@ -162,13 +162,26 @@ impl Take {
             }
             (_, Some(directed)) => directed,
         };
-        self.shown = Some(Showing { source: seen.source.clone(), entrance, start });
-        let params =
-            seen.params.iter().map(|&(ref name, value, own, is_shown)| Turned { name, value, own, is_shown });
-        let params = params.collect();
-        let (scene, camera) = (seen.scene.as_str(), seen.camera.as_deref());
-        let (moves, turns) = (&seen.moves[..], seen.hand.turns());
-        self.performance.note(time, &OnStage { scene, camera, entrance, start, params, moves, turns });
+        let scene = match self.shown.take().filter(|shown| shown.source == *seen.source) {
+            Some(shown) => shown.scene,
+            None => named(seen.source),
+        };
+        let Performed { source, camera, params, moves, hand, .. } = seen;
+        let turns = hand.turns();
+        let on_stage = OnStage { scene: &scene, camera, entrance, start, params, moves, turns };
+        self.performance.note(time, &on_stage);
+        self.shown = Some(Showing { source: source.clone(), scene, entrance, start });
+    }
+}
+
+/// What shows call a scene, wherever they are.
+fn named(source: &SceneSource) -> String {
+    match source {
+        SceneSource::File(path) => {
+            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+            name_of(&SceneSource::File(path))
+        }
+        source => name_of(source),
     }
 }
 
@@ -181,7 +194,9 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
         format!("What was played to {}.", take.title),
         "`mariana video SONG --show` and this file renders it.".to_owned(),
     ];
-    if !files.keep(take.number, &take.title, print(&take.performance.script(), &comments)) {
+    // A long performance is a long text: it is written out where no picture waits.
+    let performance = take.performance.clone();
+    if !files.keep(take.number, &take.title, move || print(&performance.script(), &comments)) {
         tracing::warn!("there is no folder for performances");
     }
 }
@@ -190,15 +205,14 @@ fn keep(files: &PerformanceFiles, take: &mut Take, now: Instant) {
 mod tests {
     use super::*;
 
-    fn seen(scene: &str, directed: Option<(Entrance, f64)>) -> Performed {
+    fn seen(source: &SceneSource, directed: Option<(Entrance, f64)>) -> Performed<'_> {
         Performed {
-            source: SceneSource::Shipped(scene.to_owned()),
-            scene: scene.to_owned(),
+            source,
             camera: None,
             directed,
             fade: 0.5,
             params: Vec::new(),
-            moves: Vec::new(),
+            moves: &[],
             hand: OrbitControls::OFF,
         }
     }
@@ -208,15 +222,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut recording = Recording::new(PerformanceFiles::in_folder(Some(folder.path().to_owned())));
         let now = Instant::now();
-        recording.note((Some(0), "one"), 1.0, &seen("orb", None), now);
+        let [orb, city, heart] = ["orb", "city", "heart"].map(|name| SceneSource::Shipped(name.to_owned()));
+        recording.note((Some(0), "one"), 1.0, seen(&orb, None), now);
         assert!(recording.take.is_none(), "nobody asked for it");
         assert!(recording.toggle(now));
-        for (time, scene) in [(2.0, "orb"), (3.0, "orb"), (4.0, "city"), (5.0, "city")] {
-            recording.note((Some(0), "one"), time, &seen(scene, None), now);
+        for (time, scene) in [(2.0, &orb), (3.0, &orb), (4.0, &city), (5.0, &city)] {
+            recording.note((Some(0), "one"), time, seen(scene, None), now);
         }
         let melt = (Entrance::new(Way::Melt, 2.0), 0.5);
-        recording.note((Some(1), "two"), 1.5, &seen("heart", Some(melt)), now);
-        recording.note((None, "an input"), 9.0, &seen("city", None), now);
+        recording.note((Some(1), "two"), 1.5, seen(&heart, Some(melt)), now);
+        recording.note((None, "an input"), 9.0, seen(&city, None), now);
         assert!(!recording.toggle(now));
         drop(recording);
         let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();

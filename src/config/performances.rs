@@ -27,7 +27,7 @@ pub struct PerformanceFiles {
 struct Job {
     number: u64,
     title: String,
-    text: String,
+    text: Box<dyn FnOnce() -> String + Send>,
 }
 
 impl PerformanceFiles {
@@ -46,7 +46,7 @@ impl PerformanceFiles {
             let mut paths = HashMap::new();
             for Job { number, title, text } in inbox {
                 let path = paths.entry(number).or_insert_with(|| free_path(&folder, &title));
-                let _ = told.send(write(path, &text));
+                let _ = told.send(write(path, &text()));
             }
         };
         let start = |folder| {
@@ -56,10 +56,10 @@ impl PerformanceFiles {
         Self { jobs: thread.is_some().then_some(jobs), kept, thread }
     }
 
-    /// Writes a performance to music of this title. One that was written before under the same number is replaced.
-    /// Returns whether there is anywhere to write it.
-    pub fn keep(&self, number: u64, title: &str, text: String) -> bool {
-        let job = Job { number, title: title.to_owned(), text };
+    /// Writes a performance to music of this title; `text` is called on the thread. One that was written before under the
+    /// same number is replaced. Returns whether there is anywhere to write it.
+    pub fn keep(&self, number: u64, title: &str, text: impl FnOnce() -> String + Send + 'static) -> bool {
+        let job = Job { number, title: title.to_owned(), text: Box::new(text) };
         self.jobs.as_ref().is_some_and(|jobs| jobs.send(job).is_ok())
     }
 
@@ -109,14 +109,14 @@ mod tests {
         let place = folder.path().join("data/performances");
         for (first, name) in [("one", "AC_DC_ Live.show"), ("other", "AC_DC_ Live 2.show")] {
             let files = PerformanceFiles::in_folder(Some(place.clone()));
-            assert!(files.keep(7, "AC/DC: Live", first.to_owned()));
-            assert!(files.keep(7, "AC/DC: Live", format!("{first}, longer")));
+            assert!(files.keep(7, "AC/DC: Live", || first.to_owned()));
+            assert!(files.keep(7, "AC/DC: Live", move || format!("{first}, longer")));
             drop(files);
             assert_eq!(std::fs::read_to_string(place.join(name)).unwrap(), format!("{first}, longer"));
         }
         let files = PerformanceFiles::in_folder(Some(place.clone()));
-        files.keep(1, "../..", "nowhere else".to_owned());
-        files.keep(2, "", "nameless".to_owned());
+        files.keep(1, "../..", || "nowhere else".to_owned());
+        files.keep(2, "", || "nameless".to_owned());
         drop(files);
         assert_eq!(std::fs::read_dir(&place).unwrap().count(), 4, "each in that folder");
         assert_eq!(std::fs::read_to_string(place.join("performance.show")).unwrap(), "nameless");
@@ -128,9 +128,9 @@ mod tests {
         let place = folder.path().join("a file");
         std::fs::write(&place, "where the folder should be").unwrap();
         let files = PerformanceFiles::in_folder(Some(place.clone()));
-        assert!(files.keep(1, "song", "at start orb".to_owned()));
+        assert!(files.keep(1, "song", || "at start orb".to_owned()));
         let told = files.kept.recv().unwrap().unwrap_err().to_string();
         assert!(told.contains("a file"), "{told}");
-        assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new()));
+        assert!(!PerformanceFiles::in_folder(None).keep(1, "song", String::new));
     }
 }

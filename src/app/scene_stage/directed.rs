@@ -11,7 +11,7 @@ use super::{Cast, SceneStage};
 use crate::app::recording::Performed;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::scenes::{SceneSource, camera_number};
-use crate::show::{Programme, Stay, blend_kind, name_of};
+use crate::show::{Programme, Stay, Turned, blend_kind};
 use mariana_control::Hand;
 
 /// A scene that comes so much later than the show has it, in seconds, still comes as the show says.
@@ -205,13 +205,16 @@ impl SceneStage {
     }
 
     /// What is on the stage at `time` seconds of the song, to be recorded.
-    pub(in crate::app) fn performed(&self, time: f64) -> Option<Performed> {
+    pub(in crate::app) fn performed(&self, time: f64) -> Option<Performed<'_>> {
         let cast = self.on_stage.as_ref()?;
         let (stays, _) = self.stays(cast, time);
         let split = cast.resources.world().blended.unwrap_or(0);
         let params = cast.sliders.iter().zip(&cast.knobs).filter(|(_, knob)| knob.place >= split);
-        let params = params.map(|(slider, _)| {
-            (slider.name.clone(), slider.value, slider.default, slider.hand == Hand::Show)
+        let params = params.map(|(slider, _)| Turned {
+            name: &slider.name,
+            value: slider.value,
+            own: slider.default,
+            is_shown: slider.hand == Hand::Show,
         });
         let source = match &cast.source {
             SceneSource::Blend(blend) => &blend.to.source,
@@ -220,13 +223,12 @@ impl SceneStage {
         let overruled = self.directed.entered.is_some_and(|(index, _)| self.directed.is_overruled(index));
         let stay = stays.second.or(stays.first).filter(|_| !overruled && !self.directed.is_locked);
         Some(Performed {
-            source: source.clone(),
-            scene: named(source),
-            camera: stay.and_then(|stay| stay.camera.clone()),
+            source,
+            camera: stay.and_then(|stay| stay.camera.as_deref()),
             directed: stay.map(|stay| (stay.entrance, stay.start)),
             fade: self.fading.seconds(),
             params: params.collect(),
-            moves: stay.map(|stay| stay.moves.clone()).unwrap_or_default(),
+            moves: stay.map_or(&[], |stay| &stay.moves),
             hand: self.hand_at(time),
         })
     }
@@ -257,17 +259,6 @@ impl SceneStage {
         let of_blend =
             self.on_stage.as_ref().is_some_and(|cast| matches!(cast.source, SceneSource::Blend(_)));
         of_blend || self.directed.programme.is_some()
-    }
-}
-
-/// What shows call a scene, wherever they are.
-fn named(source: &SceneSource) -> String {
-    match source {
-        SceneSource::File(path) => {
-            let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
-            name_of(&SceneSource::File(path))
-        }
-        source => name_of(source),
     }
 }
 

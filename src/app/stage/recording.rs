@@ -34,7 +34,7 @@ impl Stage {
         let now = self.listening.now().filter(|_| !self.scene.moves_by_itself());
         let time = now.map_or(moment.song_time, |now| now.song_time);
         let of = (track, self.reports.playing().title.as_str());
-        if let Some(words) = self.recording.note(of, time, &performed, Instant::now()) {
+        if let Some(words) = self.recording.note(of, time, performed, Instant::now()) {
             self.reports.answer(words.to_owned());
         }
     }

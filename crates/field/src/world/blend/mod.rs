@@ -10,8 +10,8 @@
 //!
 //! **Order of parameters.** Those of the first scene, those of the second, the share: [`blended_params`].
 //!
-//! **What is mixed.** In both kinds lights and light from nearby shine with their side's share, and sky, reach, picture
-//! and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of the first
+//! **What is mixed.** In both kinds light from nearby shines with its side's share, lights change in the middle half, and
+//! sky, reach, picture and camera are mixed. The tone map is a name and changes at the middle. A surface has the material of the first
 //! scene's nearest object and that of the second's, mixed in a melt, chosen by the side in a portal.
 
 mod alignment;
