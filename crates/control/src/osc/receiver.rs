@@ -237,6 +237,7 @@ mod tests {
             params: vec![param],
             switches: vec![("pause", true)],
             tempo: 120.0,
+            ..Present::default()
         });
         Hearing { deeds: DEEDS, wishes: Wishes::new(|| {}), board }
     }
