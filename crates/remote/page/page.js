@@ -5,6 +5,7 @@
 const NEWS_LOST = 12000;     // Milliseconds without a sign of life after which nobody is there.
 const AGAIN = [300, 600, 1200, 2500, 5000];
 const SAY_INTERVAL = 33;     // Between two places of a slider that is moved.
+const CLICK_LATE = 700;      // How long after a finger a browser may make a click of it.
 const TOUCH_SLACK = 6;       // Pixels sideways after which a finger moves a slider instead of the page.
 
 const at = (id) => document.getElementById(id);
@@ -19,6 +20,27 @@ function make(kind, name, text) {
   element.className = name || "";
   if (text !== undefined) element.textContent = text;
   return element;
+}
+
+// Browsers make no clicks of a second finger while the first one holds a slider, so fingers are followed here; clicks are
+// those of keyboards and readers of the screen.
+function press(button, act, early) {
+  let finger = null, acted = -Infinity;
+  const actOnce = () => { acted = performance.now(); act(); };
+  button.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    finger = event.pointerId;
+    if (early) actOnce();
+  });
+  button.addEventListener("pointercancel", () => { finger = null; });
+  button.addEventListener("pointerup", (event) => {
+    if (event.pointerId !== finger) return;
+    finger = null;
+    const box = button.getBoundingClientRect();
+    const inside = event.clientX >= box.left && event.clientX <= box.right && event.clientY >= box.top && event.clientY <= box.bottom;
+    if (inside && !early) actOnce();
+  });
+  button.addEventListener("click", () => { if (performance.now() - acted > CLICK_LATE) act(); });
 }
 
 // ---- The line ----
@@ -142,7 +164,7 @@ function showScenes() {
   if (is.length !== show.scenes.length || is.some((name, place) => name !== show.scenes[place])) {
     grid.replaceChildren(...show.scenes.map((name) => {
       const button = make("button", "", name);
-      button.onclick = () => say({ do: "scene", with: name });
+      press(button, () => say({ do: "scene", with: name }));
       return button;
     }));
   }
@@ -206,7 +228,7 @@ function slider(root, key, about) {
     mark.style.left = 100 * share(about.usual) + "%";
     rail.append(mark);
     back.setAttribute("aria-label", about.name + ": as the scene has it");
-    back.onclick = () => { draw(about.usual); say(about.say(about.usual)); };
+    press(back, () => { draw(about.usual); say(about.say(about.usual)); });
     way.append(back);
   }
   function draw(to) {
@@ -284,12 +306,7 @@ for (const button of document.querySelectorAll("[data-do]")) {
   const name = button.dataset.do;
   const act = () => say(button.classList.contains("switch") ? { do: name, with: !show.switches[name] } : { do: name });
   // A tempo is tapped when the finger comes, not when it goes.
-  if (name === "beat") {
-    button.onpointerdown = act;
-    button.onkeydown = (event) => { if (!event.repeat && (event.key === "Enter" || event.key === " ")) act(); };
-  } else {
-    button.onclick = act;
-  }
+  press(button, act, name === "beat");
 }
 
 connect();

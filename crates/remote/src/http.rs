@@ -176,7 +176,8 @@ mod tests {
 
     use super::*;
 
-    const BOUNDS: HeadBounds = HeadBounds { bytes_max: 200, fields_max: 4, time_max: Duration::from_secs(60) };
+    const BOUNDS: HeadBounds =
+        HeadBounds { bytes_max: 200, fields_max: 4, time_max: Duration::from_secs(60) };
 
     /// What is read of what is sent, in pieces.
     fn read(pieces: &[&[u8]]) -> Result<(Head, Vec<u8>), HeadError> {

@@ -42,10 +42,13 @@ impl Refusal {
         match self {
             Self::Method => ("405 Method Not Allowed", "this page can only be read: ask with GET"),
             Self::Host => ("403 Forbidden", "ask by the address that Mariana's window shows, not by a name"),
-            Self::Nothing => ("404 Not Found", "nothing is here: open the address that Mariana's window shows"),
-            Self::Guess => {
-                ("403 Forbidden", "this address is not valid any more: open the one that Mariana's window shows")
+            Self::Nothing => {
+                ("404 Not Found", "nothing is here: open the address that Mariana's window shows")
             }
+            Self::Guess => (
+                "403 Forbidden",
+                "this address is not valid any more: open the one that Mariana's window shows",
+            ),
             Self::Origin => ("403 Forbidden", "another page has no business here"),
             Self::TalkOnly => ("426 Upgrade Required", "only a WebSocket is here"),
             Self::Upgrade => ("400 Bad Request", "this begins no WebSocket of version 13"),
@@ -193,12 +196,20 @@ mod tests {
         let token = Token::new().unwrap();
         let path = format!("/{}/", token.as_str());
         let ask = |host: &str| judged("GET", &path, &format!("Host: {host}\r\n"), &token);
-        for host in ["127.0.0.1", "10.0.0.1:80", "localhost:9", "[fe80::1]:8080", "[::1]", "Studio.local:8080"] {
+        for host in
+            ["127.0.0.1", "10.0.0.1:80", "localhost:9", "[fe80::1]:8080", "[::1]", "Studio.local:8080"]
+        {
             assert!(ask(host).is_ok(), "{host}");
         }
-        for host in
-            ["example.org", "127.0.0.1.example.org", "localhost.example.org:80", "", "10.0.0.1:", "[x]", "::1"]
-        {
+        for host in [
+            "example.org",
+            "127.0.0.1.example.org",
+            "localhost.example.org:80",
+            "",
+            "10.0.0.1:",
+            "[x]",
+            "::1",
+        ] {
             assert_eq!(ask(host), Err(Refusal::Host), "{host}");
         }
         assert_eq!(judged("GET", &path, "", &token), Err(Refusal::Host), "none is named");
@@ -213,9 +224,14 @@ mod tests {
         let ask = |fields: &str| judged("GET", &path, fields, &token);
         let own = format!("http://{HOST}");
         assert_eq!(ask(&upgrade(HOST, &own)), Ok(Wanted::Talk("dGhlIHNhbXBsZSBub25jZQ==".to_owned())));
-        for origin in
-            ["http://example.org", "null", "", "http://192.168.0.7", "http://192.168.0.7:80801", "https://192.168.0.7:8080"]
-        {
+        for origin in [
+            "http://example.org",
+            "null",
+            "",
+            "http://192.168.0.7",
+            "http://192.168.0.7:80801",
+            "https://192.168.0.7:8080",
+        ] {
             assert_eq!(ask(&upgrade(HOST, origin)), Err(Refusal::Origin), "{origin}");
         }
         let whole = upgrade(HOST, &own);

@@ -123,12 +123,8 @@ mod tests {
 
     #[test]
     fn sliders_and_actions_are_understood() {
-        let wish = ParamWish {
-            name: "größe".to_owned(),
-            to: Amount::Value(1.5),
-            seconds: 0.0,
-            hand: Hand::Phone,
-        };
+        let wish =
+            ParamWish { name: "größe".to_owned(), to: Amount::Value(1.5), seconds: 0.0, hand: Hand::Phone };
         assert_eq!(ask(r#"{"turn":"größe","to":1.5}"#), Ok(Asked::Turn(wish)));
         assert_eq!(ask(r#"{"do":"next"}"#), act("next", Given::Nothing));
         assert_eq!(ask(r#"{"do":"next","with":0}"#), Ok(Asked::Nothing));
@@ -172,7 +168,9 @@ mod tests {
         let long = "x".repeat(CONTROL_LIMITS.name_bytes_max + 1);
         assert_eq!(ask(&format!(r#"{{"turn":"{long}","to":1}}"#)), Err(Refused::Unknown));
         assert_eq!(ask(&format!(r#"{{"do":"scene","with":"{long}"}}"#)), Err(Refused::Unknown));
-        for text in [r#"{"do":"quit"}"#, r#"{"do":""}"#, r#"{"do":"volume"}"#, r#"{"do":"pause","with":"on"}"#] {
+        for text in
+            [r#"{"do":"quit"}"#, r#"{"do":""}"#, r#"{"do":"volume"}"#, r#"{"do":"pause","with":"on"}"#]
+        {
             assert_eq!(ask(text), Err(Refused::Unknown), "{text}");
         }
     }

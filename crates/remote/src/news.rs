@@ -72,7 +72,8 @@ fn news<'a>(before: Option<&Present>, now: &'a Present) -> News<'a> {
     let known = |name: &str| before?.params.iter().find(|param| param.name == name).map(value);
     let values = now.params.iter().map(|param| (&*param.name, value(param)));
     let switches = now.switches.iter().filter(|one| !was_there(before, |before| &before.switches, *one));
-    let position = |present: &Present, share: f32| (f64::from(share) * present.length / POSITION_STEP).floor();
+    let position =
+        |present: &Present, share: f32| (f64::from(share) * present.length / POSITION_STEP).floor();
     let is_level_known = |level: &&(&'static str, f32)| match before {
         Some(before) if level.0 == POSITION && before.length == now.length && now.length > 0.0 => {
             let known = before.levels.iter().find(|known| known.0 == POSITION);
@@ -124,8 +125,14 @@ mod tests {
     use mariana_control::Hand;
 
     fn present() -> Present {
-        let param =
-            PresentParam { name: "size".into(), value: 1.5, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
+        let param = PresentParam {
+            name: "size".into(),
+            value: 1.5,
+            min: 0.0,
+            max: 4.0,
+            default: 1.0,
+            hand: Hand::Midi,
+        };
         Present {
             scene: "orb".into(),
             scenes: vec!["city".into(), "orb".into()],
@@ -174,19 +181,13 @@ mod tests {
             |now| now.params[0].max = 8.0,
             r#"{"params":[{"name":"size","min":0.0,"max":8.0,"default":1.0}],"values":{"size":[1.5,"MIDI"]}}"#,
         );
-        is(
-            |now| (now.scene, now.params) = ("city".into(), Vec::new()),
-            r#"{"scene":"city","params":[]}"#,
-        );
+        is(|now| (now.scene, now.params) = ("city".into(), Vec::new()), r#"{"scene":"city","params":[]}"#);
     }
 
     #[test]
     fn what_hardly_differs_is_not_told() {
         assert_eq!(told(|now| now.tempo = 120.02), None);
         assert_eq!(told(|now| now.levels[1].1 = 0.501), None, "a tenth of a second later");
-        assert_eq!(
-            told(|now| now.levels[1].1 = 0.505).as_deref(),
-            Some(r#"{"levels":{"position":0.505}}"#)
-        );
+        assert_eq!(told(|now| now.levels[1].1 = 0.505).as_deref(), Some(r#"{"levels":{"position":0.505}}"#));
     }
 }

@@ -52,7 +52,11 @@ mod tests {
         }
         let page = page_text();
         assert_eq!(page.matches("<script").count(), 1);
-        assert!(page.contains("<script src=\"page.js\"") && !page.contains("style=\"") && !page.contains(" onclick"));
+        assert!(
+            page.contains("<script src=\"page.js\"")
+                && !page.contains("style=\"")
+                && !page.contains(" onclick")
+        );
         for path in ["style.css", "page.js"] {
             assert!(page.contains(&format!("\"{path}\"")) && asset(path).is_some());
         }

@@ -64,7 +64,10 @@ mod tests {
         let at = |seconds| start + Duration::from_secs(seconds);
         let mut pulse = Pulse::new(LIMITS, start);
         assert_eq!(pulse.due(at(4)), Due::Nothing);
-        assert_eq!([pulse.due(at(5)), pulse.due(at(6)), pulse.due(at(10))], [Due::Ask, Due::Nothing, Due::Ask]);
+        assert_eq!(
+            [pulse.due(at(5)), pulse.due(at(6)), pulse.due(at(10))],
+            [Due::Ask, Due::Nothing, Due::Ask]
+        );
         pulse.note_heard(at(10));
         assert_eq!(pulse.due(at(39)), Due::Ask);
         assert_eq!(pulse.due(at(40)), Due::GiveUp);

@@ -255,7 +255,8 @@ impl Shared {
             }
             Ok(Wanted::Slash) => {
                 let to = format!("/{}/", self.token.as_str());
-                let fields = [("Location", &*to), ("Cache-Control", "no-store"), ("Referrer-Policy", "no-referrer")];
+                let fields =
+                    [("Location", &*to), ("Cache-Control", "no-store"), ("Referrer-Policy", "no-referrer")];
                 http::answer(&stream, "308 Permanent Redirect", &fields, b"", within);
             }
             Ok(Wanted::Talk(key)) => self.talk(stream, &key, rest),

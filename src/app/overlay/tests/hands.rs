@@ -37,6 +37,7 @@ fn panel() -> HandsPanel {
         scene: "orb".to_owned(),
         sliders: &[slider],
         osc: Some("heard on 127.0.0.1:9000".to_owned()),
+        phone: None,
         midi: Some(MidiState { devices: vec!["desk".to_owned()], is_known: true, ..MidiState::default() }),
         clock: true,
         clock_tempo: None,
