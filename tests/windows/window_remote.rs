@@ -23,6 +23,11 @@ const WALL: &str = "param red = 0 in 0 .. 2\nparam green = 1 in 0 .. 1\n\
 
 /// The program with a wall, a song and a page for phones; and the page's address.
 fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
+    open_at(desktop, "127.0.0.1:0", options)
+}
+
+/// The same with the page at a place.
+fn open_at<'d>(desktop: &'d Desktop, place: &str, options: &[&str]) -> (App<'d>, String) {
     let song = desktop.folder().join("quiet.wav");
     write_wav(&song, 8_000, 2, std::iter::repeat_n(0.0, 2 * 8_000 * 100));
     let scene = desktop.folder().join("wall.scene");
@@ -30,7 +35,7 @@ fn open<'d>(desktop: &'d Desktop, options: &[&str]) -> (App<'d>, String) {
     fs::write(desktop.folder().join("wool.scene"), WALL.replace("vec3(red, green, 0)", "vec3(0, 0, 1)"))
         .unwrap();
     let own = ["--silent", "--midi", "off", "--blackout-fade", "0", "--fade", "0", "--scene"];
-    let all = [&own[..], &[scene.to_str().unwrap(), "--remote", "127.0.0.1:0"], options].concat();
+    let all = [&own[..], &[scene.to_str().unwrap(), "--remote", place], options].concat();
     let mut app = desktop.open(&song, &all);
     app.wait_until_told("a phone can open http://127.0.0.1:");
     let url = url_in(&app.told());
@@ -149,7 +154,7 @@ fn what_is_done_in_the_window_shows_on_the_phone_and_its_scenes_and_song_are_ste
 }
 
 #[test]
-fn the_code_in_the_window_is_the_address_and_a_phone_with_an_older_one_is_told() {
+fn the_code_in_the_window_is_the_address_and_a_page_of_an_earlier_start_asks_once_and_no_more() {
     let desktop = Desktop::start();
     let (app, url) = open(&desktop, &["--size", "640x360"]);
     app.press(&["j"]);
@@ -168,16 +173,23 @@ fn the_code_in_the_window_is_the_address_and_a_phone_with_an_older_one_is_told()
     assert_eq!(read, url);
     let browser = Browser::start();
     let mut page = phone(&browser, &url);
-    // The address is the same, the token another, as when the program was started again.
-    page.value("history.replaceState(null, '', '/' + '0'.repeat(26) + '/'); socket.close()");
+    // The page stays open while the program is started again, with the same port and another token.
+    quit(app);
+    page.wait_until("the end", "document.getElementById('status').textContent.startsWith('Connection lost')");
+    let port = url.split(['/', ':']).nth(4).unwrap();
+    let (app, newer) = open_at(&desktop, &format!("127.0.0.1:{port}"), &["--size", "160x90"]);
+    assert_ne!(newer, url);
     page.wait_until(
         "what is wrong with it",
         "document.getElementById('status').textContent.startsWith('This address is not valid any more')",
     );
-    // Guesses are slowed down, and who is connected already is not.
-    let old = url_in(&page.value("location.href").as_str().unwrap().replace("/0", "/1"));
-    page = browser.open(&old);
-    page.wait_until("the refusal", "document.body?.textContent.startsWith('too many wrong addresses')");
+    // It has asked once and asks no more, so the newer address is soon answered there.
+    wait_until("the newer page", || {
+        page = browser.open(&newer);
+        page.wait_until("an answer", "document.readyState === 'complete' && document.body !== null");
+        page.value("document.querySelector('h1') !== null") == true
+    });
+    page.wait_for_text("#scene", "wall");
     quit(app);
 }
 

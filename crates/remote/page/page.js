@@ -4,6 +4,7 @@
 
 const NEWS_LOST = 12000;     // Milliseconds without a sign of life after which nobody is there.
 const AGAIN = [300, 600, 1200, 2500, 5000];
+const ASK_TIME = 4000;       // How long an answer is waited for.
 const SAY_INTERVAL = 33;     // Between two places of a slider that is moved.
 const CLICK_LATE = 700;      // How long after a finger a browser may make a click of it.
 const TOUCH_SLACK = 6;       // Pixels sideways after which a finger moves a slider instead of the page.
@@ -78,11 +79,10 @@ function alive() {
 
 function later(milliseconds) {
   clearTimeout(retry);
-  retry = setTimeout(connect, milliseconds);
+  retry = setTimeout(ask, milliseconds);
 }
 
-// Why it is lost cannot be told from a WebSocket: the same address answers a plain question.
-async function lost(event) {
+function lost(event) {
   socket = null;
   clearTimeout(watch);
   unsaid.clear();
@@ -91,30 +91,38 @@ async function lost(event) {
     return;
   }
   tell("Connection lost. Trying again …");
-  const wait = AGAIN[Math.min(tries++, AGAIN.length - 1)];
+  later(AGAIN[Math.min(tries++, AGAIN.length - 1)]);
+}
+
+// A WebSocket does not tell why it is refused, so the same address is asked a plain question before. Each wrong one costs
+// this phone time, so there is only one.
+async function ask() {
+  clearTimeout(retry);
+  const patience = new AbortController();
+  setTimeout(() => patience.abort(), ASK_TIME);
+  let answer;
   try {
-    const answer = await fetch(location.pathname + "hands", { cache: "no-store", signal: AbortSignal.timeout(3000) });
-    if (answer.status === 403) {
-      tell("This address is not valid any more: Mariana was started again. Press J in its window and scan the code.");
-      return;
-    }
-    if (answer.status === 429) {
-      const seconds = Number(answer.headers.get("Retry-After")) || 5;
-      tell("Too many wrong addresses were asked for from here. Trying again in " + seconds + " s.");
-      later(1000 * seconds);
-      return;
-    }
-    if (answer.status === 503) {
-      tell("As many phones as there may be are here already: close the page on one of them.");
-      later(AGAIN[AGAIN.length - 1]);
-      return;
-    }
-  } catch { /* Nobody is there. */ }
-  later(wait);
+    answer = await fetch(location.pathname + "hands", { cache: "no-store", signal: patience.signal });
+  } catch {
+    later(AGAIN[Math.min(tries++, AGAIN.length - 1)]);
+    return;
+  }
+  if (answer.status === 403) {
+    tell("This address is not valid any more: Mariana was started again. Press J in its window and scan the code.");
+  } else if (answer.status === 429) {
+    const seconds = Number(answer.headers.get("Retry-After")) || 5;
+    tell("Too many wrong addresses were asked for from here. Trying again in " + seconds + " s.");
+    later(1000 * seconds);
+  } else if (answer.status === 503) {
+    tell("As many phones as there may be are here already: close the page on one of them.");
+    later(AGAIN[AGAIN.length - 1]);
+  } else {
+    connect();
+  }
 }
 
 document.addEventListener("visibilitychange", () => {
-  if (document.visibilityState === "visible" && !socket && at("status").textContent.startsWith("Connection")) connect();
+  if (document.visibilityState === "visible" && !socket && at("status").textContent.startsWith("Connection")) later(0);
 });
 
 function say(message) {
