@@ -242,7 +242,7 @@ function slider(root, key, about) {
   function draw(to) {
     seen = to;
     fill.style.transform = "scaleX(" + share(to) + ")";
-    knob.style.left = 100 * share(to) + "%";
+    knob.style.left = "calc(" + 100 * share(to) + "% - " + 6 * share(to) + "px)";
     value.textContent = about.words(to);
     rail.setAttribute("aria-valuenow", to);
     rail.setAttribute("aria-valuetext", value.textContent);

@@ -9,6 +9,8 @@ use mariana_remote::{Code, Invitation};
 /// Widest code with its white edge, in points, and as a share of the panel.
 const SIDE_MAX: f32 = 190.0;
 const SHARE_MAX: f32 = 0.45;
+/// Height of the words, where there is no code.
+const LINES_HEIGHT: f32 = 90.0;
 /// Between the code and the words.
 const GAP: f32 = 14.0;
 /// Around the whole.
@@ -17,14 +19,14 @@ const AROUND: f32 = 6.0;
 /// Draws an invitation over the whole width.
 pub(super) fn show(ui: &mut Ui, invitation: &Invitation, about: &str) -> Response {
     let width = ui.available_width();
-    let side = SIDE_MAX.min(SHARE_MAX * width);
+    let pixel = 1.0 / ui.pixels_per_point();
+    let square =
+        invitation.code.as_ref().map_or(0.0, |code| square(code, SIDE_MAX.min(SHARE_MAX * width), pixel));
+    let side = invitation.code.as_ref().map_or(LINES_HEIGHT, |code| square * squares(code) as f32);
     let height = side + 2.0 * AROUND;
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::hover());
     let drawn = match &invitation.code {
-        Some(code) => {
-            let pixel = 1.0 / ui.pixels_per_point();
-            draw_code(ui.painter(), code, rect.min + vec2(0.0, AROUND), side, pixel)
-        }
+        Some(code) => draw_code(ui.painter(), code, rect.min + vec2(0.0, AROUND), square, pixel),
         None => Rect::from_min_size(rect.min, vec2(0.0, 0.0)),
     };
     let left = drawn.right() + GAP;
@@ -60,16 +62,24 @@ fn wrapped(
     painter.layout_job(job)
 }
 
-/// Draws a code of whole pixels to a square in at most `side` points, where a camera wants it: dark on white.
-fn draw_code(painter: &Painter, code: &Code, from: Pos2, side: f32, pixel: f32) -> Rect {
-    let squares = code.side() + 2 * Code::EDGE;
-    let square = (side / squares as f32 / pixel).floor().max(1.0) * pixel;
+/// How many squares a code has to a side, with its white edge.
+fn squares(code: &Code) -> usize {
+    code.side() + 2 * Code::EDGE
+}
+
+/// Points to a square of a code in at most `side` of them: whole pixels.
+fn square(code: &Code, side: f32, pixel: f32) -> f32 {
+    (side / squares(code) as f32 / pixel).floor().max(1.0) * pixel
+}
+
+/// Draws a code as a camera wants it: dark on white.
+fn draw_code(painter: &Painter, code: &Code, from: Pos2, square: f32, pixel: f32) -> Rect {
     let from = pos2((from.x / pixel).round() * pixel, (from.y / pixel).round() * pixel);
     let place = |(x, y): (usize, usize)| {
         let at = from + square * vec2((x + Code::EDGE) as f32, (y + Code::EDGE) as f32);
         Rect::from_min_size(at, vec2(square, square))
     };
-    let ground = Rect::from_min_size(from, vec2(square, square) * squares as f32);
+    let ground = Rect::from_min_size(from, vec2(square, square) * squares(code) as f32);
     let mut mesh = Mesh::default();
     mesh.add_colored_rect(ground, Color32::WHITE);
     for dark in code.dark() {
