@@ -24,6 +24,8 @@ const BOUNDARY: &str = "mariana-picture";
 const QUALITY: u8 = 90;
 /// How long a reader may take for its question.
 const QUESTION_TIME: Duration = Duration::from_secs(5);
+/// How long nobody is answered after the system could not give a connection.
+const AGAIN: Duration = Duration::from_millis(200);
 /// A reader that takes nothing of a picture for this long is left.
 const ANSWER_TIME: Duration = Duration::from_secs(30);
 
@@ -56,7 +58,7 @@ fn accept(listener: &TcpListener, newest: &Arc<Newest>) {
         }
         let Ok(stream) = stream else {
             // Such as too many open files: asked again at once, the system would say it again at once.
-            newest.rest(PARTING_TIME);
+            newest.rest(AGAIN);
             continue;
         };
         // Counted here, so that no more threads are started than there may be readers.
