@@ -130,9 +130,10 @@ fn the_code_of_the_address_is_drawn_in_whole_pixels_at_any_scale() {
         // A new scale counts from the second picture on.
         let mut shapes = Vec::new();
         for _ in 0..2 {
-            let output = context.run_ui(input.clone(), |ui| {
+            let mut output = context.run_ui(input.clone(), |ui| {
                 super::super::invitation::show(ui, &invitation, "about");
             });
+            output.textures_delta.clear();
             shapes = output.shapes;
         }
         let mesh = shapes.iter().find_map(|shape| match &shape.shape {
