@@ -63,7 +63,7 @@ function connect() {
     take(JSON.parse(message.data));
     tell("");
   };
-  line.onclose = (event) => { if (line === socket) lost(event); };
+  line.onclose = () => { if (line === socket) lost(); };
   alive();
 }
 
@@ -73,7 +73,7 @@ function alive() {
     const line = socket;
     socket = null;
     if (line) line.close();
-    lost({ code: 0 });
+    lost();
   }, NEWS_LOST);
 }
 
@@ -82,14 +82,10 @@ function later(milliseconds) {
   retry = setTimeout(ask, milliseconds);
 }
 
-function lost(event) {
+function lost() {
   socket = null;
   clearTimeout(watch);
   unsaid.clear();
-  if (event.code === 1008) {
-    tell("Mariana has ended this connection" + (event.reason ? ": " + event.reason : "") + ". Reload the page to go on.");
-    return;
-  }
   tell("Connection lost. Trying again …");
   later(AGAIN[Math.min(tries++, AGAIN.length - 1)]);
 }

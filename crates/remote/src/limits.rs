@@ -22,8 +22,10 @@ pub struct Limits {
     pub phones_max: usize,
     /// Most bytes of a message of a phone.
     pub message_bytes_max: usize,
-    /// Most messages of one phone in a second; one that sends more is sent away.
+    /// Most messages of one phone in a second, for longer than a moment; one that sends more is sent away.
     pub messages_per_second_max: u32,
+    /// Most messages that come at once, after the network has held them up.
+    pub messages_at_once_max: u32,
     /// A phone of which nothing is heard for this long is gone; it is asked for a sign of life before.
     pub silence_max: Duration,
     /// A phone that takes nothing of what it is told for this long is gone.
@@ -50,6 +52,7 @@ pub const LIMITS: Limits = Limits {
     phones_max: 8,
     message_bytes_max: 1 << 10,
     messages_per_second_max: 600,
+    messages_at_once_max: 3_000,
     silence_max: Duration::from_secs(30),
     unread_time_max: Duration::from_secs(10),
     news_interval: Duration::from_millis(50),

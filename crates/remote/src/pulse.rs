@@ -1,6 +1,6 @@
 //! When a phone is asked for a sign of life, when it is given up, and how many messages it may send. Reads no clock.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::limits::Limits;
 
@@ -10,8 +10,8 @@ pub(crate) struct Pulse {
     limits: Limits,
     heard: Instant,
     asked: Instant,
-    /// The second that messages are counted in, and how many there were.
-    second: (Instant, u32),
+    /// How many messages may come now, and since when that has not grown.
+    allowance: (f64, Instant),
 }
 
 /// What is to be done now.
@@ -26,17 +26,18 @@ pub(crate) enum Due {
 
 impl Pulse {
     pub(crate) fn new(limits: Limits, now: Instant) -> Self {
-        Self { limits, heard: now, asked: now, second: (now, 0) }
+        Self { limits, heard: now, asked: now, allowance: (f64::from(limits.messages_at_once_max), now) }
     }
 
     /// Something was heard. Returns whether that is not too much.
     pub(crate) fn note_heard(&mut self, now: Instant) -> bool {
         self.heard = now;
-        if now.saturating_duration_since(self.second.0) >= Duration::from_secs(1) {
-            self.second = (now, 0);
-        }
-        self.second.1 = self.second.1.saturating_add(1);
-        self.second.1 <= self.limits.messages_per_second_max
+        let (left, since) = self.allowance;
+        let grown = f64::from(self.limits.messages_per_second_max)
+            * now.saturating_duration_since(since).as_secs_f64();
+        let left = (left + grown).min(f64::from(self.limits.messages_at_once_max)) - 1.0;
+        self.allowance = (left, now);
+        left >= 0.0
     }
 
     /// What is to be done. It is asked several times before it is given up.
@@ -55,6 +56,8 @@ impl Pulse {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
     use crate::limits::LIMITS;
 
@@ -74,12 +77,26 @@ mod tests {
     }
 
     #[test]
-    fn one_message_more_than_the_limit_in_a_second_is_too_much() {
+    fn one_message_more_than_what_a_network_holds_up_is_too_much() {
         let start = Instant::now();
         let mut pulse = Pulse::new(LIMITS, start);
-        let most = LIMITS.messages_per_second_max;
-        assert!((0..most).all(|_| pulse.note_heard(start)));
-        assert!(!pulse.note_heard(start + Duration::from_millis(999)));
-        assert!(pulse.note_heard(start + Duration::from_secs(1)), "the next second");
+        assert!((0..LIMITS.messages_at_once_max).all(|_| pulse.note_heard(start)));
+        assert!(!pulse.note_heard(start));
+        // As many as grow in a second, and what was too much is paid for.
+        let later = start + Duration::from_secs(1);
+        assert!((1..LIMITS.messages_per_second_max).all(|_| pulse.note_heard(later)));
+        assert!(!pulse.note_heard(later));
+        // However long nothing comes, no more come at once.
+        let later = start + Duration::from_secs(1_000);
+        assert!((0..LIMITS.messages_at_once_max).all(|_| pulse.note_heard(later)));
+        assert!(!pulse.note_heard(later));
+    }
+
+    #[test]
+    fn a_steady_stream_of_the_limit_goes_on() {
+        let start = Instant::now();
+        let mut pulse = Pulse::new(LIMITS, start);
+        let at = |number: u32| start + Duration::from_secs(1) * number / LIMITS.messages_per_second_max;
+        assert!((0..20 * LIMITS.messages_at_once_max).all(|number| pulse.note_heard(at(number))));
     }
 }
