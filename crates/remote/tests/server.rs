@@ -5,7 +5,7 @@
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use mariana_control::deed::{DeedRow, Given, Takes};
 use mariana_control::{Amount, Board, Hand, Present, PresentParam, Wishes};
@@ -109,9 +109,9 @@ impl Place {
 
     /// Waits until as many messages were counted, and until those that were refused are as many.
     fn wait_for_counts(&self, messages: u64, refused: u64) {
-        let end = std::time::Instant::now() + PATIENCE;
+        let end = Instant::now() + PATIENCE;
         while (self.wishes.counts().0, self.wishes.counts().1.count()) != (messages, refused) {
-            assert!(std::time::Instant::now() < end, "{:?}", self.wishes.counts());
+            assert!(Instant::now() < end, "{:?}", self.wishes.counts());
             std::thread::sleep(Duration::from_millis(2));
         }
     }
@@ -137,7 +137,9 @@ impl Phone {
 
     /// The next news in which something stands.
     fn news_with(&mut self, part: &str) -> String {
+        let limit = Instant::now() + PATIENCE;
         loop {
+            assert!(Instant::now() < limit, "nothing is told of {part}");
             if let Message::Text(text) = self.0.read().unwrap()
                 && text.contains(part)
             {
@@ -148,7 +150,9 @@ impl Phone {
 
     /// With what it is sent away.
     fn end(&mut self) -> Option<CloseCode> {
+        let limit = Instant::now() + PATIENCE;
         loop {
+            assert!(Instant::now() < limit, "it is not sent away");
             match self.0.read() {
                 Ok(Message::Close(frame)) => return frame.map(|frame| frame.code),
                 Ok(_) => {}
@@ -351,6 +355,30 @@ fn who_reads_nothing_is_given_up_and_holds_nobody() {
     assert_eq!(place.remote.phones(), 1);
     place.board.put(present(2.0));
     phone.news_with(r#""size":[2.0"#);
+}
+
+#[test]
+fn who_reads_late_gets_the_newest_and_not_all_that_was() {
+    let limits = Limits {
+        news_interval: Duration::from_millis(5),
+        unread_time_max: PATIENCE,
+        silence_max: PATIENCE,
+        ..LIMITS
+    };
+    let place = Place::within(limits);
+    let (mut late, mut phone) = (place.phone(), place.phone());
+    // Half a megabyte each: a network holds some twenty of them for who does not read.
+    let states = 120;
+    for number in 1..=states {
+        let scenes = (0..20_000).map(|name| format!("scene {name} of {number}")).collect();
+        place.board.put(Present { scenes, ..present(1.0) });
+        phone.news_with(&format!("scene 19999 of {number}\""));
+    }
+    let mut count = 0;
+    while !late.news_with("scene 19999 of").contains(&format!("scene 19999 of {states}\"")) {
+        count += 1;
+    }
+    assert!(count < states / 4, "it was told {count} states");
 }
 
 #[test]
