@@ -19,6 +19,7 @@ mod hands;
 mod kept;
 mod mixing;
 mod requests;
+mod scenery;
 mod told;
 mod turning;
 mod universal;
@@ -46,6 +47,7 @@ use super::edits::Edits;
 use super::overlay::Slider;
 use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
+use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::background::{BackgroundCompiler, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
@@ -142,6 +144,10 @@ pub(super) struct SceneStage {
     is_written: bool,
     /// The number of a text that a hand turns.
     turned: Option<TurnedNumber>,
+    /// The frame of the picture that was begun last, and of the one that shows, each with its scene.
+    begun_frame: Option<(u64, Frame)>,
+    seen_frame: Option<(u64, Frame)>,
+    pictures_seen: u64,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
     /// Counts the changes that make the same moment look different.
@@ -204,6 +210,9 @@ impl SceneStage {
             awaited: None,
             is_written: false,
             turned: None,
+            begun_frame: None,
+            seen_frame: None,
+            pictures_seen: 0,
             pictured: None,
             revision: 0,
             announced: None,

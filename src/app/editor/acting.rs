@@ -154,6 +154,14 @@ impl Editor {
             }
             EditorRequest::Do(command) => self.act_with(command, false),
             EditorRequest::ShowText(number) => self.show_text(number),
+            EditorRequest::GoToProbed => self.go_to_probed(true),
+            EditorRequest::CloseProbed => {
+                self.close_probed();
+            }
+            EditorRequest::GoTo { text, byte } => {
+                self.set_focus(true);
+                self.go_to_place(text, byte..byte);
+            }
             EditorRequest::Take(number) => self.take_proposal(number),
             EditorRequest::Answer { first } => self.take_answer(first),
         }
@@ -196,8 +204,10 @@ impl Editor {
             Command::New => self.begin_scene(),
             Command::NextText => self.next_text(),
             Command::NextMistake => self.next_mistake(),
+            Command::Light => self.toggle_light(),
+            Command::Profile => self.toggle_profile(),
             Command::Leave => {
-                let small = self.find.is_some();
+                let small = self.close_probed() || self.find.is_some();
                 self.close_small();
                 self.answer = None;
                 if !small {

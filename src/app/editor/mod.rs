@@ -8,6 +8,7 @@ mod acting;
 mod document;
 mod files;
 pub mod keys;
+mod probed;
 mod proposing;
 #[cfg(test)]
 mod tests;
@@ -22,6 +23,7 @@ pub(crate) use acting::Press;
 pub(crate) use document::{Document, Marked, Owner, Question};
 pub use keys::Command;
 use mariana_editing::{About, TurnSpeed};
+pub(crate) use probed::Light;
 pub(crate) use proposing::Proposing;
 use turning::Turn;
 
@@ -97,6 +99,17 @@ pub enum EditorRequest {
     Do(Command),
     /// To show another text of the scene.
     ShowText(usize),
+    /// To go to what made the point of the picture that was clicked.
+    GoToProbed,
+    /// To close what is told of it.
+    CloseProbed,
+    /// To go to a byte of one of the scene's texts, as they were loaded.
+    GoTo {
+        /// The text.
+        text: usize,
+        /// The byte.
+        byte: usize,
+    },
     /// To take a proposal.
     Take(usize),
     /// An answer to what is asked about the text.
@@ -134,6 +147,8 @@ pub struct Editor {
     find: Option<Find>,
     proposing: Option<Proposing>,
     turn: Option<Turn>,
+    /// What it knows of the picture.
+    picture: probed::Picture,
     effects: Vec<Effect>,
     answer: Option<(String, Instant)>,
     /// Lines and columns that show.
@@ -174,6 +189,7 @@ impl Editor {
             find: None,
             proposing: None,
             turn: None,
+            picture: probed::Picture::default(),
             effects: Vec::new(),
             answer: None,
             rows: 20,
@@ -194,6 +210,7 @@ impl Editor {
         }
         self.let_go();
         self.close_small();
+        self.forget_picture();
         self.source = Some(source.clone());
         self.others.extend(self.findings.take());
         let known = self.others.iter().position(|found| found.source == *source);
@@ -252,6 +269,9 @@ impl Editor {
         for (number, file) in findings.texts.iter().enumerate() {
             if let Some(document) = self.documents.iter_mut().find(|one| one.file() == Some(file)) {
                 document.take_mistakes(findings.version, of_text(number));
+                if findings.mistakes.is_empty() {
+                    document.note_shown();
+                }
             }
         }
         if findings.texts.is_empty()

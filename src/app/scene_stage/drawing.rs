@@ -113,6 +113,8 @@ impl SceneStage {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
+        self.seen_frame = self.begun_frame.take();
+        self.pictures_seen += 1;
         if self.fading.goes_on() {
             self.revision += 1;
         }
@@ -178,7 +180,8 @@ impl SceneStage {
             Some(under) => renderer.set_fade(Some(under.share)),
             None => self.fading.begin_picture(renderer, Instant::now()),
         }
-        Ok(match self.views.program(cast, mode) {
+        let id = cast.id;
+        let begun = match self.views.program(cast, mode) {
             None => {
                 renderer.begin(&frame, &cast.resources)?;
                 cast.program(mode).cloned().map(making)
@@ -187,7 +190,9 @@ impl SceneStage {
                 let legend = self.views.begin(renderer, &frame, (cast, mode), view)?;
                 Some(Making { legend, ..making(program) })
             }
-        })
+        };
+        self.begun_frame = Some((id, frame));
+        Ok(begun)
     }
 
     /// Whether a picture was begun and is not finished.

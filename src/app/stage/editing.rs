@@ -15,7 +15,7 @@ impl Stage {
         self.is_edited() && self.desk.editor.as_ref().is_some_and(Editor::has_focus)
     }
 
-    fn is_edited(&self) -> bool {
+    pub(super) fn is_edited(&self) -> bool {
         self.desk.panels.open() == Some(Panel::Editor)
     }
 
