@@ -17,7 +17,7 @@ use mariana_field::world::World;
 /// How long an answer may take: then the scene is too large for it.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Rays of a survey side by side.
-const COLUMNS: usize = 128;
+const COLUMNS: usize = 160;
 /// Share of a pixel that the ray of a probe is wide.
 const PROBE_WIDTH: f64 = 0.05;
 
@@ -246,13 +246,36 @@ fn survey_of(scenery: &Scenery, is_wanted: &(dyn Fn() -> bool + Sync)) -> Option
 }
 
 #[cfg(test)]
+pub(super) mod testing {
+    use super::*;
+    use mariana_field::region::RegionOptions;
+    use mariana_music::Features;
+
+    /// A picture of a scene after a second of silence, twice as wide as it is high.
+    pub(in crate::app) fn scenery_of(source: SceneSource) -> Scenery {
+        let ready = source.ready().unwrap();
+        let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
+        let maker = RegionMaker { plan: ready.plan, buffers: ready.buffers, last: None };
+        let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
+        Scenery { source, world: ready.world, frame, maker, request }
+    }
+
+    /// What is at a point of it.
+    pub(in crate::app) fn probed_at(scenery: &Scenery, at: [f64; 2]) -> Probed {
+        probe(scenery, at, &|| true).unwrap()
+    }
+
+    /// What a grid over it shows.
+    pub(in crate::app) fn surveyed(scenery: &Scenery) -> Survey {
+        survey_of(scenery, &|| true).unwrap()
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use std::sync::mpsc::channel;
 
     use super::*;
-    use crate::scenes::SceneSource;
-    use mariana_field::region::RegionOptions;
-    use mariana_music::Features;
 
     const BALLS: &str = "\
 object near {
@@ -262,12 +285,7 @@ object floor { shape = y + 1 }
 camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
 
     fn scenery(text: &str) -> Scenery {
-        let source = SceneSource::Formula(text.to_owned());
-        let ready = source.ready().unwrap();
-        let frame = Frame::new(&ready.world, 1.0, Features::SILENCE, (200, 100));
-        let maker = RegionMaker { plan: ready.plan, buffers: ready.buffers, last: None };
-        let request = RegionRequest::of(&maker.plan, &frame, RegionOptions::default());
-        Scenery { source, world: ready.world, frame, maker, request }
+        testing::scenery_of(SceneSource::Formula(text.to_owned()))
     }
 
     fn asked(scenery: &Scenery, ask: impl Fn(&Prober, Scenery)) -> Answer {

@@ -39,7 +39,7 @@ use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
-use turning::TurnedNumber;
+use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
 
@@ -142,8 +142,8 @@ pub(super) struct SceneStage {
     awaited: Option<String>,
     /// Whether somebody writes its text, so that mistakes come and go.
     is_written: bool,
-    /// The number of a text that a hand turns.
-    turned: Option<TurnedNumber>,
+    /// The numbers of a text that a hand turns.
+    turned: Option<TurnedNumbers>,
     /// The frame of the picture that was begun last, and of the one that shows, each with its scene.
     begun_frame: Option<(u64, Frame)>,
     seen_frame: Option<(u64, Frame)>,

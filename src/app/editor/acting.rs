@@ -143,6 +143,12 @@ impl Editor {
             EditorRequest::Grab(at) => self.grab(at),
             EditorRequest::Turn { points, speed } => self.turn(f64::from(points), speed),
             EditorRequest::LetGo => self.let_go(),
+            EditorRequest::PickColor(at) => self.pick_color(at),
+            EditorRequest::ClosePicker => {
+                self.close_picker();
+            }
+            EditorRequest::SetColor(color) => self.set_color(color),
+            EditorRequest::MovePlace(way) => self.move_place(way),
             EditorRequest::Scroll { lines, columns } => self.scroll(lines, columns),
             EditorRequest::Drawn { rows, columns } => {
                 let is_first = self.rows != rows || self.columns != columns;
@@ -207,7 +213,7 @@ impl Editor {
             Command::Light => self.toggle_light(),
             Command::Profile => self.toggle_profile(),
             Command::Leave => {
-                let small = self.close_probed() || self.find.is_some();
+                let small = self.close_picker() || self.close_probed() || self.find.is_some();
                 self.close_small();
                 self.answer = None;
                 if !small {
@@ -222,6 +228,7 @@ impl Editor {
     pub(super) fn close_small(&mut self) {
         self.find = None;
         self.proposing = None;
+        self.close_picker();
         self.revision += 1;
     }
 

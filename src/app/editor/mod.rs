@@ -12,6 +12,7 @@ mod probed;
 mod proposing;
 #[cfg(test)]
 mod tests;
+mod triples;
 mod turning;
 
 use std::io;
@@ -43,14 +44,12 @@ pub(super) enum Effect {
     Reload,
     /// This scene is shown.
     Show(SceneSource),
-    /// The number whose digits begin at a byte of a file's text, as it was last loaded, has this value.
+    /// The numbers whose digits begin at these bytes of a file's text, as it was last loaded, have these values.
     Turn {
         /// The file.
         file: PathBuf,
-        /// The byte.
-        digits: usize,
-        /// The value.
-        value: f32,
+        /// The bytes and the values.
+        values: Vec<(usize, f32)>,
     },
     /// The editor closes.
     Close,
@@ -79,8 +78,16 @@ pub enum EditorRequest {
         /// How far that turns it.
         speed: TurnSpeed,
     },
-    /// It has let go of the number.
+    /// It has let go of the number, or of the three.
     LetGo,
+    /// To pick the colour whose three numbers are at a place.
+    PickColor(usize),
+    /// To pick no colour any more.
+    ClosePicker,
+    /// The colour that is picked, as it is in the text.
+    SetColor([f64; 3]),
+    /// To move the position at the cursor by so much.
+    MovePlace([f64; 3]),
     /// It scrolls by so many lines and columns.
     Scroll {
         /// Down.
@@ -147,6 +154,8 @@ pub struct Editor {
     find: Option<Find>,
     proposing: Option<Proposing>,
     turn: Option<Turn>,
+    /// Where the colour stands that is picked.
+    picked: Option<usize>,
     /// What it knows of the picture.
     picture: probed::Picture,
     effects: Vec<Effect>,
@@ -189,6 +198,7 @@ impl Editor {
             find: None,
             proposing: None,
             turn: None,
+            picked: None,
             picture: probed::Picture::default(),
             effects: Vec::new(),
             answer: None,
@@ -353,9 +363,14 @@ impl Editor {
         self.proposing.as_ref()
     }
 
-    /// Where the number stands that is being turned.
+    /// Where the number stands that is being turned, or the three.
     pub(super) fn turned(&self) -> Option<Range<usize>> {
         self.turn.as_ref().map(Turn::range)
+    }
+
+    /// Whether three numbers are turned together.
+    pub(super) fn turns_three(&self) -> bool {
+        self.turn.as_ref().is_some_and(Turn::is_triple)
     }
 
     /// The answer to the last key.

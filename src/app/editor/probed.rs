@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::{Document, Editor};
 use crate::app::probing::{Answer, Probed};
+use crate::frame::camera::Camera;
 use crate::placement::Map;
 use mariana_field::sight::{ObjectShare, Survey};
 
@@ -15,6 +16,8 @@ use mariana_field::sight::{ObjectShare, Survey};
 pub(super) struct Picture {
     /// Leads from places in the window to places in the picture.
     map: Option<Map>,
+    /// From where it is seen.
+    camera: Option<Camera>,
     probed: Option<Probed>,
     /// Whether what the lines at the cursor make is lit up.
     lights: bool,
@@ -33,10 +36,13 @@ pub(crate) struct Light {
 }
 
 impl Editor {
-    /// Notes how the picture lies in the window.
-    pub(in crate::app) fn set_map(&mut self, map: Map) {
-        if self.picture.map != Some(map) {
-            self.picture.map = Some(map);
+    /// Notes how the picture lies in the window, and from where it is seen.
+    pub(in crate::app) fn set_view(&mut self, map: Map, camera: Option<Camera>) {
+        let is_new = self.picture.map != Some(map);
+        let moves = self.picture.camera != camera;
+        (self.picture.map, self.picture.camera) = (Some(map), camera);
+        // Only a cross in the picture goes with the camera.
+        if is_new || moves && self.place().is_some() {
             self.revision += 1;
         }
     }
@@ -148,6 +154,11 @@ impl Editor {
     /// Leads from places in the window to places in the picture, both as shares.
     pub(in crate::app) fn map(&self) -> Option<&Map> {
         self.picture.map.as_ref()
+    }
+
+    /// The same, and from where the picture is seen.
+    pub(in crate::app) fn view(&self) -> Option<(&Map, &Camera)> {
+        self.picture.map.as_ref().zip(self.picture.camera.as_ref())
     }
 
     /// The point that was clicked.

@@ -1,7 +1,9 @@
 //! The editor over the left of the picture: the scene's text between a line of names and buttons and what is to be told.
 
 mod card;
+mod cross;
 mod light;
+mod picker;
 mod popup;
 mod profile;
 mod text;
@@ -44,6 +46,7 @@ pub(super) fn show(
     let screen = context.viewport_rect();
     light::show(context, screen, editor);
     let area = style::area(Id::unique("editor"), Order::Middle).fixed_pos(rect.min);
+    let mut parts = vec![rect];
     area.show(context, |ui| {
         ui.set_clip_rect(rect);
         ui.allocate_rect(rect, Sense::click_and_drag());
@@ -54,11 +57,13 @@ pub(super) fn show(
         inner.min.y = question(ui, inner, document, &mut ask);
         inner.max.y = footer(ui, inner, editor, document);
         inner.max.y = profile::show(ui, inner, editor, &mut ask);
-        text::show(ui, inner, editor, document, &mut ask);
+        parts.extend(text::show(ui, inner, editor, document, &mut ask));
     });
+    parts.extend(cross::show(context, screen, rect, editor, &mut ask));
     let mut beside = space;
     beside.min.x = (rect.right() + 8.0).min(space.right() - 60.0);
-    [Some(rect), card::show(context, screen, beside, editor, &mut ask)].into_iter().flatten().collect()
+    parts.extend(card::show(context, screen, beside, editor, &mut ask));
+    parts
 }
 
 /// Names of the texts, and buttons; returns where what follows begins.

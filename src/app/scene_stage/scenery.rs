@@ -2,6 +2,7 @@
 
 use super::SceneStage;
 use crate::app::probing::Scenery;
+use crate::frame::camera::Camera;
 use crate::gpu::scene_resources::RegionRequest;
 use mariana_field::region::RegionOptions;
 
@@ -37,6 +38,13 @@ impl SceneStage {
             maker: cast.resources.region_maker(),
             request: RegionRequest { options, programs: Default::default(), ..request },
         })
+    }
+
+    /// From where the picture that shows is seen, if it shows one scene.
+    pub(crate) fn seen_camera(&self) -> Option<Camera> {
+        let (id, frame) = self.seen_frame.as_ref()?;
+        let world = self.cast(*id)?.resources.world();
+        world.blended.is_none().then_some(frame.camera)
     }
 
     /// How often the picture that shows was another one.

@@ -124,7 +124,7 @@ impl Stage {
                         editor.show_scene(self.scene.wanted_source());
                     }
                 }
-                Effect::Turn { file, digits, value } => self.scene.turn_number(&file, digits, value),
+                Effect::Turn { file, values } => self.scene.turn_numbers(&file, values),
                 Effect::Close => {
                     if self.is_edited() {
                         self.toggle_panel(Panel::Editor);

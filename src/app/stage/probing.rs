@@ -20,7 +20,7 @@ impl Stage {
     pub(super) fn note_map(&mut self, map: Map) {
         self.probing.map = Some(map);
         if let Some(editor) = &mut self.desk.editor {
-            editor.set_map(map);
+            editor.set_view(map, self.scene.seen_camera());
         }
     }
 

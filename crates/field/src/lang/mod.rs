@@ -104,16 +104,16 @@ pub fn compile(name: &str, text: &str, resolve: &mut Resolver<'_>) -> Compiled {
 }
 
 /// The same for a text in which the numbers of these places are being changed ([`changed_numbers`]): the expressions
-/// read them as inputs of a frame, behind the scene's parameters. One of them may be `turning`: it gets a range, in
-/// which a frame may set it without the text being read again.
+/// read them as inputs of a frame, behind the scene's parameters. Some of them may be `turning`: they get a range, in
+/// which a frame may set them without the text being read again.
 pub fn compile_while_changing(
     name: &str,
     text: &str,
     resolve: &mut Resolver<'_>,
     changing: &BTreeSet<usize>,
-    turning: Option<Turning>,
+    turning: &[Turning],
 ) -> Compiled {
-    if !changing.is_empty() || turning.is_some() {
+    if !changing.is_empty() || !turning.is_empty() {
         let compiled =
             compile_all(name, text, resolve, &LIMITS, ChangingNumbers::of(text, changing, turning));
         if compiled.scene.is_some() {

@@ -66,25 +66,59 @@ pub(super) fn show(context: &Context, screen: Rect, editor: &Editor) {
     context.layer_painter(LayerId::new(Order::Background, id)).add(Shape::mesh(mesh));
 }
 
-/// A pixel for each cell.
+/// Pixels for each cell along each axis: its outline is smooth.
+const FINER: usize = 3;
+/// How near a half the share of lit cells around a place is at the outline.
+const OUTLINE: f32 = 0.17;
+
+/// The outline of what is lit up, and its inside.
 fn mask(light: &Light) -> ColorImage {
     let (columns, rows) = (light.columns.max(1), light.cells.len() / light.columns.max(1));
-    let is_lit = |column: usize, row: usize| light.cells.get(row * columns + column).is_some_and(|lit| *lit);
-    let inside = |column: usize, row: usize| {
-        let beside = [(1, 1), (1, 0), (1, 2), (0, 1), (2, 1)];
-        beside.into_iter().all(|(dx, dy)| {
-            let (x, y) = ((column + dx).wrapping_sub(1), (row + dy).wrapping_sub(1));
-            x >= columns || y >= rows || is_lit(x, y)
-        })
+    let cell = |column: i64, row: i64| {
+        let column = column.clamp(0, columns as i64 - 1) as usize;
+        let row = row.clamp(0, rows as i64 - 1) as usize;
+        f32::from(u8::from(light.cells.get(row * columns + column).is_some_and(|lit| *lit)))
     };
-    let mut image = ColorImage::filled([columns, rows], Color32::TRANSPARENT);
+    // Between the cells around a place.
+    let share = |x: f32, y: f32| {
+        let (left, top) = (x.floor(), y.floor());
+        let (right_share, lower_share) = (x - left, y - top);
+        let row = |row: i64| {
+            let (a, b) = (cell(left as i64, row), cell(left as i64 + 1, row));
+            a + (b - a) * right_share
+        };
+        let (upper, lower) = (row(top as i64), row(top as i64 + 1));
+        upper + (lower - upper) * lower_share
+    };
+    let [r, g, b, _] = style::ACCENT.to_array();
+    let mut image = ColorImage::filled([FINER * columns, FINER * rows], Color32::TRANSPARENT);
     for (place, pixel) in image.pixels.iter_mut().enumerate() {
-        let (column, row) = (place % columns, place / columns);
-        if is_lit(column, row) {
-            let covers = if inside(column, row) { INSIDE } else { EDGE };
-            let [r, g, b, _] = style::ACCENT.to_array();
-            *pixel = Color32::from_rgba_unmultiplied(r, g, b, covers);
-        }
+        let at = |place: usize| (place as f32 + 0.5) / FINER as f32 - 0.5;
+        let (x, y) = (at(place % (FINER * columns)), at(place / (FINER * columns)));
+        // A mean of the place's surroundings, so that steps of the grid become slopes.
+        let around = [(-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)];
+        let lit = around.into_iter().map(|(dx, dy)| share(x + dx, y + dy)).sum::<f32>() / 4.0;
+        let covers = match lit {
+            lit if (lit - 0.5).abs() < OUTLINE => EDGE,
+            lit if lit > 0.5 => INSIDE,
+            _ => continue,
+        };
+        *pixel = Color32::from_rgba_unmultiplied(r, g, b, covers);
     }
     image
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_lit_has_an_outline_and_what_is_not_has_no_colour() {
+        let cells = (0..16 * 8).map(|cell| (4..12).contains(&(cell % 16))).collect();
+        let image = mask(&Light { columns: 16, cells });
+        assert_eq!(image.size, [48, 24]);
+        let alpha = |x: usize| image.pixels[12 * 48 + x].a();
+        assert_eq!((alpha(0), alpha(24), alpha(47)), (0, INSIDE, 0));
+        assert!((0..48).filter(|x| alpha(*x) == EDGE).count() >= 2, "no outline");
+    }
 }

@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2, pos2,
-    vec2,
+    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2,
+    pos2, vec2,
 };
-use mariana_editing::{Buffer, TurnSpeed, cells, column_of, offset_of};
+use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of};
 use mariana_field::lang::WordKind;
 
-use super::popup;
+use super::{picker, popup};
 use crate::app::editor::{Document, Editor, EditorRequest};
 use crate::app::overlay::{assisted, style};
 
@@ -85,14 +85,14 @@ pub(super) fn cell(painter: &Painter) -> Vec2 {
     })
 }
 
-/// Draws the text in `space`.
+/// Draws the text in `space`; returns where more of it is.
 pub(super) fn show(
     ui: &Ui,
     space: Rect,
     editor: &Editor,
     document: &Document,
     ask: &mut impl FnMut(EditorRequest),
-) {
+) -> Option<Rect> {
     let buffer = document.editing.buffer();
     let font = style::monospace(SIZE);
     let cell = cell(ui.painter());
@@ -113,6 +113,7 @@ pub(super) fn show(
         draw_number(&painter, space.left() + gutter - 1.5 * cell.x, &page, line, document);
         let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
         draw_line(&clipped, &page, document, line, &font);
+        draw_colors(&clipped, &page, document, line);
     }
     draw_mistakes(&painter, space, &page, document, &seen);
     draw_cursor(&painter, &page, document, editor.has_focus());
@@ -126,6 +127,8 @@ pub(super) fn show(
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
         popup::show(ui, space, at, cell.y, proposing, ask);
     }
+    let (at, _) = editor.picked_color()?;
+    picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
 }
 
 /// The line of the cursor, and what is selected.
@@ -200,6 +203,17 @@ fn draw_line(painter: &Painter, page: &Page, document: &Document, line: usize, f
         }
     }
     run.flush(painter, page, line, font);
+}
+
+/// The colours of a line, each below its `vec3`.
+fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize) {
+    let (triples, start) = document.triples(line);
+    for triple in triples.into_iter().filter(|triple| triple.kind == TripleKind::Color) {
+        let word = start + triple.word.start..start + triple.word.end;
+        let mut rect = page.rect_of(document.editing.buffer(), &word);
+        rect.min.y = rect.bottom() - 3.5;
+        painter.rect(rect, 1.5, picker::look(triple.values()), Stroke::new(0.5, style::AHEAD), StrokeKind::Outside);
+    }
 }
 
 /// Letters of ASCII that stand side by side.
@@ -313,6 +327,13 @@ fn point(
             input.smooth_scroll_delta(),
         )
     });
+    if editor.turns_three() {
+        // What turns them lies elsewhere.
+        if !down {
+            ask(EditorRequest::LetGo);
+        }
+        return;
+    }
     if let Some(turned) = editor.turned() {
         let speed = match (modifiers.shift, modifiers.ctrl) {
             (true, _) => TurnSpeed::Fine,
@@ -339,13 +360,19 @@ fn point(
     if let Some(rect) = number.filter(|_| !response.dragged()) {
         draw_grip(painter, grip_of(rect), grips.is_some());
     }
-    let icon = if grips.is_some() { CursorIcon::ResizeHorizontal } else { CursorIcon::Text };
-    ui.ctx().set_cursor_icon(icon);
+    let color = color_at(page, document, at);
+    ui.ctx().set_cursor_icon(match (grips.is_some(), color.is_some()) {
+        (true, _) => CursorIcon::ResizeHorizontal,
+        (false, true) => CursorIcon::PointingHand,
+        (false, false) => CursorIcon::Text,
+    });
     if let Some(rect) = grips.filter(|_| pressed) {
         return ask(EditorRequest::Grab(page.offset(buffer, rect.center())));
     }
     if pressed && response.contains_pointer() {
         ask(EditorRequest::Press { at: offset, clicks: 1, select: modifiers.shift });
+    } else if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
+        ask(EditorRequest::PickColor(color));
     } else if response.triple_clicked() {
         ask(EditorRequest::Press { at: offset, clicks: 3, select: false });
     } else if response.double_clicked() {
@@ -373,6 +400,17 @@ fn number_at(page: &Page, document: &Document, at: Pos2) -> Option<Rect> {
         let (number, start) = document.number(offset)?;
         let rect = page.rect_of(buffer, &(start + number.range.start..start + number.range.end));
         (rect.contains(near) || grip_of(rect).contains(at)).then_some(rect)
+    })
+}
+
+/// The byte of the colour on whose `vec3` the pointer is.
+fn color_at(page: &Page, document: &Document, at: Pos2) -> Option<usize> {
+    let buffer = document.editing.buffer();
+    let (triples, start) = document.triples(buffer.line_of(page.offset(buffer, at)));
+    let mut words = triples.into_iter().filter(|triple| triple.kind == TripleKind::Color);
+    words.find_map(|triple| {
+        let word = start + triple.word.start..start + triple.word.end;
+        page.rect_of(buffer, &word).contains(at).then_some(word.start)
     })
 }
 
