@@ -39,6 +39,7 @@ use fading::Fading;
 use hands::{Hands, Knob};
 use kept::KeptPrograms;
 use mixing::Mixing;
+use scenery::Pictured;
 use turning::TurnedNumbers;
 use universal::UniversalInterpreters;
 use views::{Views, ViewsOf};
@@ -47,7 +48,6 @@ use super::edits::Edits;
 use super::overlay::Slider;
 use super::scene_regions::SceneRegions;
 use crate::config::SdfChoice;
-use crate::frame::Frame;
 use crate::frame::orbit_controls::OrbitControls;
 use crate::gpu::background::{BackgroundCompiler, Sources, WorkerContext};
 use crate::gpu::error::GpuError;
@@ -144,9 +144,9 @@ pub(super) struct SceneStage {
     is_written: bool,
     /// The numbers of a text that a hand turns.
     turned: Option<TurnedNumbers>,
-    /// The frame of the picture that was begun last, and of the one that shows, each with its scene.
-    begun_frame: Option<(u64, Frame)>,
-    seen_frame: Option<(u64, Frame)>,
+    /// The picture that was begun last, and the one that shows.
+    begun_picture: Option<Pictured>,
+    seen_picture: Option<Pictured>,
     pictures_seen: u64,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
@@ -210,8 +210,8 @@ impl SceneStage {
             awaited: None,
             is_written: false,
             turned: None,
-            begun_frame: None,
-            seen_frame: None,
+            begun_picture: None,
+            seen_picture: None,
             pictures_seen: 0,
             pictured: None,
             revision: 0,

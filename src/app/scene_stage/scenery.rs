@@ -1,10 +1,15 @@
 //! The picture that shows, for those who ask what is in it.
 
-use super::SceneStage;
+use std::sync::Arc;
+
+use super::{Cast, SceneStage};
 use crate::app::probing::Scenery;
+use crate::frame::Frame;
 use crate::frame::camera::Camera;
-use crate::gpu::scene_resources::RegionRequest;
+use crate::gpu::scene_resources::{RegionMaker, RegionRequest};
+use crate::scenes::SceneSource;
 use mariana_field::region::RegionOptions;
+use mariana_field::world::World;
 
 /// Why nobody can be told what is in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -17,34 +22,50 @@ pub(crate) enum NoScenery {
     Between,
 }
 
+/// What a picture shows, in whatever way it was drawn. It may outlive its scene's place on the stage.
+pub(super) struct Pictured {
+    source: SceneSource,
+    world: Arc<World>,
+    frame: Frame,
+    maker: RegionMaker,
+    options: RegionOptions,
+}
+
+impl Pictured {
+    /// A picture of a scene.
+    pub(super) fn of(cast: &Cast, frame: Frame) -> Self {
+        let resources = &cast.resources;
+        let options = RegionOptions { cells: true, ..resources.region_options(&frame) };
+        let (source, world, maker) =
+            (cast.source.clone(), resources.world().clone(), resources.region_maker());
+        Self { source, world, frame, maker, options }
+    }
+}
+
 impl SceneStage {
     /// The picture that shows.
     ///
     /// # Errors
     /// There is none, or it shows two scenes.
     pub(crate) fn scenery(&self) -> Result<Scenery, NoScenery> {
-        let (id, frame) = self.seen_frame.as_ref().ok_or(NoScenery::NoPicture)?;
-        let cast = self.cast(*id).ok_or(NoScenery::NoPicture)?;
-        let world = cast.resources.world();
+        let Pictured { source, world, frame, maker, options } =
+            self.seen_picture.as_ref().ok_or(NoScenery::NoPicture)?;
         if world.blended.is_some() {
             return Err(NoScenery::Between);
         }
-        let request = cast.resources.region_request(frame);
-        let options = RegionOptions { cells: true, ..request.options };
         Ok(Scenery {
-            source: cast.source.clone(),
+            source: source.clone(),
             world: world.clone(),
             frame: frame.clone(),
-            maker: cast.resources.region_maker(),
-            request: RegionRequest { options, programs: Default::default(), ..request },
+            maker: maker.clone(),
+            request: RegionRequest::of(&maker.plan, frame, *options),
         })
     }
 
     /// From where the picture that shows is seen, if it shows one scene.
     pub(crate) fn seen_camera(&self) -> Option<Camera> {
-        let (id, frame) = self.seen_frame.as_ref()?;
-        let world = self.cast(*id)?.resources.world();
-        world.blended.is_none().then_some(frame.camera)
+        let picture = self.seen_picture.as_ref()?;
+        picture.world.blended.is_none().then_some(picture.frame.camera)
     }
 
     /// How often the picture that shows was another one.

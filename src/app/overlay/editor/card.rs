@@ -30,6 +30,7 @@ pub(super) fn show(
         marks.circle_stroke(point, radius, Stroke::new(width, color));
     }
     let rows = rows(probed.surface.as_ref());
+    let names = if probed.surface.is_some() { NAMES } else { 0.0 };
     let written = probed.surface.as_ref().and_then(|surface| surface.written.clone());
     let line = written.and_then(|(file, range)| editor.line_at(file, range));
     let head = probed.surface.as_ref().map_or("the sky", |surface| surface.object.as_str());
@@ -59,8 +60,9 @@ pub(super) fn show(
         };
         add(left, head, style::proportional(style::TEXT_SIZE), style::ACCENT, width - ROW, ROW + 2.0);
         for (name, value) in &rows {
-            add(left, name, style::proportional(style::SMALL_SIZE), style::DIM, NAMES, 0.0);
-            add(left + NAMES, value, style::monospace(12.0), style::TEXT, width - NAMES, ROW);
+            add(left, name, style::proportional(style::SMALL_SIZE), style::DIM, names, 0.0);
+            let font = if names > 0.0 { style::monospace(12.0) } else { style::proportional(style::SMALL_SIZE) };
+            add(left + names, value, font, style::TEXT, width - names, ROW);
         }
         let Some((name, number, words)) = &line else { return };
         let place = Rect::from_min_max(pos2(rect.left() + 4.0, y), rect.max - vec2(4.0, 4.0));
@@ -110,7 +112,8 @@ fn rows(surface: Option<&Surface>) -> Vec<(&'static str, String)> {
 fn placed(space: Rect, point: Pos2, size: egui::Vec2) -> Rect {
     let right = point.x + APART + size.x <= space.right();
     let x = if right { point.x + APART } else { point.x - APART - size.x };
-    let x = x.min(space.right() - size.x).max(space.left());
+    // Where there is too little room beside the text, over it.
+    let x = x.max(space.left()).min(space.right() - size.x);
     let y = (point.y + APART).min(space.bottom() - size.y).max(space.top());
     // Never over the point itself, if there is room above it.
     let covers = Rect::from_min_size(pos2(x, y), size).contains(point);

@@ -369,10 +369,10 @@ fn point(
     if let Some(rect) = grips.filter(|_| pressed) {
         return ask(EditorRequest::Grab(page.offset(buffer, rect.center())));
     }
-    if pressed && response.contains_pointer() {
-        ask(EditorRequest::Press { at: offset, clicks: 1, select: modifiers.shift });
-    } else if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
+    if let Some(color) = color.filter(|_| response.clicked() && !modifiers.shift) {
         ask(EditorRequest::PickColor(color));
+    } else if pressed && response.contains_pointer() {
+        ask(EditorRequest::Press { at: offset, clicks: 1, select: modifiers.shift });
     } else if response.triple_clicked() {
         ask(EditorRequest::Press { at: offset, clicks: 3, select: false });
     } else if response.double_clicked() {
