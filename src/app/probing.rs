@@ -328,6 +328,10 @@ camera { position = vec3(0)  target = vec3(0, 0, 5)  fov = 90 }";
         };
         assert_eq!(source, scenery.source);
         assert_eq!((survey.columns, survey.cells.len()), (COLUMNS, COLUMNS * COLUMNS / 2));
-        assert!(survey.objects.iter().all(|object| object.rays > 0 && object.run > 0), "{:?}", survey.objects);
+        assert!(
+            survey.objects.iter().all(|object| object.rays > 0 && object.run > 0),
+            "{:?}",
+            survey.objects
+        );
     }
 }

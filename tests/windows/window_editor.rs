@@ -424,7 +424,9 @@ fn a_position_is_dragged_in_the_picture_and_saved() {
     });
     app.xdotool(&["mouseup", "1"]);
     app.press(&["ctrl+s"]);
-    wait_until("the position in the file", || !place.saved().is_empty() && !place.saved().contains("3.5, 0, 5"));
+    wait_until("the position in the file", || {
+        !place.saved().is_empty() && !place.saved().contains("3.5, 0, 5")
+    });
     let saved = place.saved();
     let numbers = saved.split("p - vec3(").nth(1).and_then(|rest| rest.split(", ").next()).unwrap();
     let x: f64 = numbers.parse().unwrap();

@@ -184,11 +184,8 @@ mod tests {
         );
         assert_eq!(of(text, 1), [("vec3(3, 2, 1)".to_owned(), TripleKind::Color, [3.0, 2.0, 1.0])]);
         let kinds: Vec<_> = of(text, 2).into_iter().map(|(_, kind, values)| (kind, values)).collect();
-        let wanted = [
-            (place(false), [1.0, -2.0, 3.5]),
-            (place(true), [1.0, 0.0, 0.0]),
-            (TripleKind::Other, [1.0; 3]),
-        ];
+        let wanted =
+            [(place(false), [1.0, -2.0, 3.5]), (place(true), [1.0, 0.0, 0.0]), (TripleKind::Other, [1.0; 3])];
         assert_eq!(kinds, wanted);
         let kinds: Vec<_> = of(text, 3).into_iter().map(|(_, kind, _)| kind).collect();
         assert_eq!(kinds, [place(false), place(true)]);
@@ -196,7 +193,9 @@ mod tests {
 
     #[test]
     fn a_vec3_of_anything_but_three_numbers_is_none() {
-        for text in ["vec3(1)", "vec3(1, 2)", "vec3(a, 1, 2)", "vec3(1, 2, 3", "vec3(1, 2 + 1, 3)", "vec2(1, 2, 3)"] {
+        for text in
+            ["vec3(1)", "vec3(1, 2)", "vec3(a, 1, 2)", "vec3(1, 2, 3", "vec3(1, 2 + 1, 3)", "vec2(1, 2, 3)"]
+        {
             assert_eq!(of(text, 0), [], "{text}");
         }
     }

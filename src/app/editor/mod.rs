@@ -8,6 +8,7 @@ mod acting;
 mod document;
 mod files;
 pub mod keys;
+mod portraits;
 mod probed;
 mod proposing;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub(crate) use acting::Press;
 pub(crate) use document::{Document, Marked, Owner, Question};
 pub use keys::Command;
 use mariana_editing::{About, TurnSpeed};
+pub(crate) use portraits::{Portrait, SIDE as PORTRAIT_SIDE};
 pub(crate) use probed::Light;
 pub(crate) use proposing::Proposing;
 use turning::Turn;
@@ -153,6 +155,7 @@ pub struct Editor {
     ignores_repeats: bool,
     find: Option<Find>,
     proposing: Option<Proposing>,
+    portraits: portraits::Portraits,
     turn: Option<Turn>,
     /// Where the colour stands that is picked.
     picked: Option<usize>,
@@ -187,7 +190,7 @@ impl Editor {
         Ok(Self {
             drafts,
             clerk: Clerk::start(kept, wake.clone())?,
-            clipboard: Clipboard::new(wake),
+            clipboard: Clipboard::new(wake.clone()),
             documents: Vec::new(),
             shown: 0,
             source: None,
@@ -197,6 +200,7 @@ impl Editor {
             ignores_repeats: false,
             find: None,
             proposing: None,
+            portraits: portraits::Portraits::new(wake.clone()),
             turn: None,
             picked: None,
             picture: probed::Picture::default(),
@@ -262,6 +266,7 @@ impl Editor {
         for findings in self.drafts.take_findings() {
             self.take_findings(findings);
         }
+        self.want_portrait();
         if self.answer.as_ref().is_some_and(|(_, since)| since.elapsed() > ANSWER_STAYS) {
             self.answer = None;
             self.revision += 1;

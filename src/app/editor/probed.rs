@@ -167,7 +167,11 @@ impl Editor {
     }
 
     /// The line of a place of the text as it was loaded: its file's name, its number from 1, and its words.
-    pub(in crate::app) fn line_at(&self, file: usize, range: Range<usize>) -> Option<(String, usize, String)> {
+    pub(in crate::app) fn line_at(
+        &self,
+        file: usize,
+        range: Range<usize>,
+    ) -> Option<(String, usize, String)> {
         let document = self.document_of(file)?;
         let now = document.place_as_shown(range)?;
         let buffer = document.editing.buffer();
@@ -199,7 +203,9 @@ impl Editor {
         let mut known = BTreeMap::new();
         let mut is_lit = |byte: usize| {
             *known.entry(byte).or_insert_with(|| {
-                document.place_as_shown(byte..byte).is_some_and(|now| lines.contains(&buffer.line_of(now.start)))
+                document
+                    .place_as_shown(byte..byte)
+                    .is_some_and(|now| lines.contains(&buffer.line_of(now.start)))
             })
         };
         let parts: Vec<bool> = survey

@@ -28,7 +28,9 @@ impl Editor {
         self.set_focus(true);
         self.close_small();
         let found = self.document().and_then(|document| document.triple_at(at));
-        let Some((triple, start)) = found.filter(|(triple, _)| triple.kind == TripleKind::Color) else { return };
+        let Some((triple, start)) = found.filter(|(triple, _)| triple.kind == TripleKind::Color) else {
+            return;
+        };
         if self.document().is_some_and(|document| !document.is_open()) {
             // It says why not.
             self.edit(|_| Ok(()));

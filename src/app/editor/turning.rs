@@ -163,7 +163,9 @@ impl Editor {
 
     /// Writes numbers in the place of those that are turned, and hands their values on.
     fn write_turned(&mut self, texts: &[String]) {
-        let (Some(turn), Some(document)) = (&mut self.turn, self.documents.get_mut(self.shown)) else { return };
+        let (Some(turn), Some(document)) = (&mut self.turn, self.documents.get_mut(self.shown)) else {
+            return;
+        };
         let whole = turn.range();
         let (mut new, mut behind) = (Vec::new(), whole.start);
         for ((_, now), text) in turn.numbers.iter_mut().zip(texts) {

@@ -240,8 +240,7 @@ mod tests {
     fn a_number_that_is_turned_has_a_range_and_its_place_in_the_text() {
         let text = "param k = 0.5 in 0 .. 1\nsphere(p, k) - 0.25";
         let turning = Turning { place: 3, least: 0.125, most: 1.0 };
-        let compiled =
-            compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), &[turning]);
+        let compiled = compile_while_changing("test", text, &mut no_includes, &BTreeSet::new(), &[turning]);
         let scene = compiled.scene.unwrap();
         let number = scene.params.last().unwrap();
         assert_eq!((number.is_number, number.default, number.min, number.max), (true, 0.25, 0.125, 1.0));

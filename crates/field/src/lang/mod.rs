@@ -48,7 +48,7 @@ pub use about::{About, Way};
 pub use changing::{Turning, changed_numbers, number_place};
 pub use diagnostic::{Diagnostic, Fault, columns, render_all};
 pub use fields::{DefaultValue, Field, Holds, MaterialRange};
-pub use library::{Accuracy, Entry, entries, inputs};
+pub use library::{Accuracy, Entry, PICTURES, entries, inputs};
 pub use lower::section_fields;
 pub(crate) use material::material_members;
 pub use material::{Material, material_glsl};

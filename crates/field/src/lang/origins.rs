@@ -261,7 +261,10 @@ object floor { shape = y + 1 }";
         let main = "include \"part.scene\"\nobject one { shape = ball(p) }";
         let scene = compile("main", main, &mut texts).scene.unwrap();
         let (file, range) = scene.origins.written_at(scene.objects[0].shape).unwrap();
-        assert_eq!((file, range), (1, "# a part\nfn ball(q) = ".len().."# a part\nfn ball(q) = sphere(q, 1)".len()));
+        assert_eq!(
+            (file, range),
+            (1, "# a part\nfn ball(q) = ".len().."# a part\nfn ball(q) = sphere(q, 1)".len())
+        );
         let places = scene.origins.places(0, scene.objects[0].material, &[scene.objects[0].shape]);
         let files: std::collections::BTreeSet<usize> = places.iter().map(|place| place.0).collect();
         assert_eq!(files.into_iter().collect::<Vec<_>>(), [0, 1]);

@@ -5,6 +5,7 @@
 //! counted, with the clauses of the tape that the cell still needs.
 
 mod deciding;
+mod portrait;
 mod survey;
 #[cfg(test)]
 mod tests;
@@ -13,6 +14,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 pub use deciding::Deciding;
+pub use portrait::portrait;
 pub use survey::{ObjectShare, Part, Survey, SurveyOptions};
 
 use crate::graph::{FrameInputs, NodeId};

@@ -76,9 +76,10 @@ impl Survey {
         let mut survey = Self { columns: options.columns, ..Self::default() };
         for (object, deciding) in scene.objects.iter().zip(&deciding) {
             let numbers = scene.materials.get(object.material).map(|one| one.numbers()).unwrap_or_default();
-            let of_material = scene.graph.order(&numbers).map_or(0, |order| {
-                order.nodes.iter().filter(|id| scene.graph.is_clause(**id)).count()
-            });
+            let of_material = scene
+                .graph
+                .order(&numbers)
+                .map_or(0, |order| order.nodes.iter().filter(|id| scene.graph.is_clause(**id)).count());
             survey.objects.push(ObjectShare {
                 name: object.name.clone(),
                 clauses: (deciding.as_ref().map_or(0, Deciding::clauses), of_material),

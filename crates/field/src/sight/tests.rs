@@ -189,7 +189,10 @@ fn a_survey_counts_rays_and_clauses_by_object() {
         .filter(|part| part.object == 2)
         .map(|part| part.places.iter().map(|(_, byte)| line(*byte)).collect())
         .collect();
-    assert!(of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)), "{of_pair:?}");
+    assert!(
+        of_pair.len() == 2 && of_pair.iter().any(|lines| lines.contains(&6) && !lines.contains(&7)),
+        "{of_pair:?}"
+    );
     // Right in the middle is the ball, and above it the sky.
     let at = |row: usize| survey.cells[row * 48 + 24];
     let ball = survey.parts.iter().position(|part| part.object == 1).unwrap() as u16 + 1;

@@ -43,7 +43,10 @@ fn a_point_that_is_clicked_brings_the_cursor_to_what_made_it() {
     let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
     let (file, range) = surface.written.unwrap();
     let (name, line, words) = desk.editor.line_at(file, range).unwrap();
-    assert_eq!((name.as_str(), line, words.as_str()), ("main.scene", 4, "shape = sphere(p - vec3(0, 0, 5), 1)"));
+    assert_eq!(
+        (name.as_str(), line, words.as_str()),
+        ("main.scene", 4, "shape = sphere(p - vec3(0, 0, 5), 1)")
+    );
     // The sky has no line, and Esc closes what is told before it closes the editor.
     probe(&mut desk, [0.5, 0.1]);
     assert_eq!((line_of_cursor(&desk), desk.editor.probed().unwrap().surface.as_ref()), (4, None));
@@ -220,4 +223,24 @@ fn only_a_cross_in_the_picture_is_drawn_again_when_the_camera_moves() {
     assert!(!moves(&mut desk));
     desk.go_to("0, 0, 5), 1)");
     assert!(moves(&mut desk));
+}
+
+#[test]
+fn a_shape_that_is_proposed_has_a_small_picture() {
+    let mut desk = Desk::new(b"object o { shape =  }");
+    desk.go_to(" }");
+    desk.type_text("toru");
+    assert_eq!(desk.editor.proposing().unwrap().list[0].name, "torus");
+    desk.wait("its picture", |editor| editor.portrait().is_some());
+    let picture = desk.editor.portrait().unwrap();
+    assert_eq!(picture.len(), super::super::PORTRAIT_SIDE * super::super::PORTRAIT_SIDE);
+    let covered = picture.iter().filter(|pixel| pixel[3] == 255).count();
+    assert!((200..2000).contains(&covered), "{covered}");
+    // What one has written oneself has none.
+    let mut desk = Desk::new(b"fn torus_of_mine(p) = length(p) - 1\nobject o { shape =  }");
+    desk.go_to(" }");
+    desk.type_text("torus_of");
+    assert_eq!(desk.editor.proposing().unwrap().list[0].name, "torus_of_mine");
+    desk.editor.update();
+    assert!(desk.editor.portrait().is_none());
 }

@@ -61,7 +61,8 @@ pub(super) fn show(
         add(left, head, style::proportional(style::TEXT_SIZE), style::ACCENT, width - ROW, ROW + 2.0);
         for (name, value) in &rows {
             add(left, name, style::proportional(style::SMALL_SIZE), style::DIM, names, 0.0);
-            let font = if names > 0.0 { style::monospace(12.0) } else { style::proportional(style::SMALL_SIZE) };
+            let font =
+                if names > 0.0 { style::monospace(12.0) } else { style::proportional(style::SMALL_SIZE) };
             add(left + names, value, font, style::TEXT, width - names, ROW);
         }
         let Some((name, number, words)) = &line else { return };

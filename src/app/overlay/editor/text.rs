@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use egui::text::{LayoutJob, TextFormat};
 use egui::{
-    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2,
-    pos2, vec2,
+    Color32, CursorIcon, FontId, Galley, Id, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui,
+    Vec2, pos2, vec2,
 };
 use mariana_editing::{Buffer, TripleKind, TurnSpeed, cells, column_of, offset_of};
 use mariana_field::lang::WordKind;
@@ -125,7 +125,7 @@ pub(super) fn show(
     assisted::text(ui.ctx(), "editor", &format!("{}, line {}: {words}", document.name(), line + 1), false);
     if let Some(proposing) = editor.proposing() {
         let at = page.rect_of(buffer, &(proposing.from..cursor)).left_bottom();
-        popup::show(ui, space, at, cell.y, proposing, ask);
+        popup::show(ui, space, at, cell.y, (proposing, editor.portrait()), ask);
     }
     let (at, _) = editor.picked_color()?;
     picker::show(ui.ctx(), page.rect_of(buffer, &(at..at)), editor, ask)
@@ -212,7 +212,13 @@ fn draw_colors(painter: &Painter, page: &Page, document: &Document, line: usize)
         let word = start + triple.word.start..start + triple.word.end;
         let mut rect = page.rect_of(document.editing.buffer(), &word);
         rect.min.y = rect.bottom() - 3.5;
-        painter.rect(rect, 1.5, picker::look(triple.values()), Stroke::new(0.5, style::AHEAD), StrokeKind::Outside);
+        painter.rect(
+            rect,
+            1.5,
+            picker::look(triple.values()),
+            Stroke::new(0.5, style::AHEAD),
+            StrokeKind::Outside,
+        );
     }
 }
 

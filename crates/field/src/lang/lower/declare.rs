@@ -232,7 +232,14 @@ impl<'a> Lowering<'a> {
                         let index = self.lets.len() as u32;
                         self.globals[name.symbol.index()].value = GlobalValue::Let(index);
                         let (name, span) = (name.symbol, name.span);
-                        self.lets.push(GlobalLet { name, span, value: *value, known: None, by: Stretch::default(), open: false });
+                        self.lets.push(GlobalLet {
+                            name,
+                            span,
+                            value: *value,
+                            known: None,
+                            by: Stretch::default(),
+                            open: false,
+                        });
                     }
                 }
                 Item::Fn(function) => {

@@ -273,7 +273,11 @@ impl<'a> Lowering<'a> {
 
     fn local(&self, symbol: Symbol) -> Option<(Value, Stretch)> {
         let index = *self.innermost.get(symbol.index())? as usize;
-        if index < self.frame { None } else { self.scope.get(index).map(|binding| (binding.value, binding.by)) }
+        if index < self.frame {
+            None
+        } else {
+            self.scope.get(index).map(|binding| (binding.value, binding.by))
+        }
     }
 
     /// The value of a name.
