@@ -316,7 +316,7 @@ fn click(app: &App, x: u32, y: u32) {
 }
 
 #[test]
-fn a_click_in_the_picture_tells_what_is_there_and_brings_the_cursor_to_its_line() {
+fn a_click_in_the_picture_tells_what_is_there_and_leads_to_its_line() {
     let place = Place::new(BALL);
     let mut app = place.open(&["-vv"]);
     write(&app);
@@ -326,12 +326,12 @@ fn a_click_in_the_picture_tells_what_is_there_and_brings_the_cursor_to_its_line(
     let told = app.told();
     let probed = told.lines().find(|line| line.contains("probed:")).unwrap_or_default();
     assert!(probed.contains("object: \"ball\", material: \"m\""), "{probed}");
-    // The card shows, and the cursor is where the ball is written: E gives the keys back to the text.
+    // The card shows, and a click on its line brings keys and cursor to where the ball is written.
     wait_until("the card", || {
         let right = part(&app.picture(), 510, 200, 250, 200);
         group(&right, GRIP).is_some()
     });
-    app.press(&["e"]);
+    click(&app, 600, 343);
     type_text(&app, "1 * ");
     app.press(&["ctrl+s"]);
     wait_until("the letters in the file", || place.saved() == BALL.replace("sphere(", "1 * sphere("));

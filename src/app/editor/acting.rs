@@ -20,6 +20,9 @@ pub(crate) struct Press<'a> {
     pub repeat: bool,
 }
 
+/// Most letters that are shown while they are put together.
+const PREEDIT_MAX: usize = 64;
+
 /// What a scene's text says that cannot be changed.
 const READ_ONLY: &str =
     "this scene comes with Mariana: Ctrl+S copies it to your folder, and there it can be changed";
@@ -96,8 +99,15 @@ impl Editor {
         }
     }
 
+    /// Shows letters at the cursor that are being put together and are not typed yet.
+    pub(crate) fn set_preedit(&mut self, letters: &str) {
+        self.preedit = letters.chars().filter(|letter| !letter.is_control()).take(PREEDIT_MAX).collect();
+        self.revision += 1;
+    }
+
     /// Puts in letters that were typed.
     pub(crate) fn type_text(&mut self, text: &str) {
+        self.preedit.clear();
         if let Some(find) = self.find.as_mut().filter(|find| find.typing) {
             find.query.push_str(text);
             self.revision += 1;
@@ -160,7 +170,7 @@ impl Editor {
             }
             EditorRequest::Do(command) => self.act_with(command, false),
             EditorRequest::ShowText(number) => self.show_text(number),
-            EditorRequest::GoToProbed => self.go_to_probed(true),
+            EditorRequest::GoToProbed => self.go_to_probed(),
             EditorRequest::CloseProbed => {
                 self.close_probed();
             }

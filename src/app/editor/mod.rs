@@ -154,6 +154,8 @@ pub struct Editor {
     /// Whether a key is still held that was not meant for the text.
     ignores_repeats: bool,
     find: Option<Find>,
+    /// Letters that are being put together at the cursor.
+    preedit: String,
     proposing: Option<Proposing>,
     portraits: portraits::Portraits,
     turn: Option<Turn>,
@@ -199,6 +201,7 @@ impl Editor {
             focused: false,
             ignores_repeats: false,
             find: None,
+            preedit: String::new(),
             proposing: None,
             portraits: portraits::Portraits::new(wake.clone()),
             turn: None,
@@ -310,6 +313,7 @@ impl Editor {
         self.revision += u64::from(self.focused != focused);
         self.focused = focused;
         if !focused {
+            self.preedit.clear();
             self.close_small();
         }
     }
@@ -361,6 +365,11 @@ impl Editor {
     /// What is looked for.
     pub(super) fn find_line(&self) -> Option<&Find> {
         self.find.as_ref()
+    }
+
+    /// The letters that are being put together at the cursor.
+    pub(super) fn preedit(&self) -> &str {
+        &self.preedit
     }
 
     /// What may be written at the cursor.

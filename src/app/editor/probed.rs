@@ -62,7 +62,7 @@ impl Editor {
             Answer::Point(probed) if Some(&probed.source) == self.source.as_ref() => {
                 tracing::debug!("probed: {probed:?}");
                 self.picture.probed = Some(probed);
-                self.go_to_probed(false);
+                self.show_probed();
             }
             // Of a scene that has gone.
             Answer::Point(_) | Answer::Survey(..) => return,
@@ -70,15 +70,23 @@ impl Editor {
         self.revision += 1;
     }
 
-    /// Brings the cursor to what made the point that was clicked; `focus`: and the keys to the text.
-    pub(super) fn go_to_probed(&mut self, focus: bool) {
+    /// Brings the line that made the point that was clicked into sight, if its text shows. The cursor stays where one
+    /// writes.
+    fn show_probed(&mut self) {
+        let Some(line) = self.probed_line() else { return };
+        let rows = self.rows.max(3) as f32;
+        let Some(document) = self.document_mut() else { return };
+        let (top, left) = document.view;
+        document.view = (top.min(line as f32 - 1.0).max(line as f32 + 3.0 - rows).max(0.0), left);
+    }
+
+    /// Brings cursor and keys to what made the point that was clicked.
+    pub(super) fn go_to_probed(&mut self) {
         let surface = self.picture.probed.as_ref().and_then(|probed| probed.surface.as_ref());
         if let Some((file, range)) = surface.and_then(|surface| surface.written.clone()) {
             self.go_to_place(file, range);
         }
-        if focus {
-            self.set_focus(true);
-        }
+        self.set_focus(true);
     }
 
     /// Brings the cursor to a place of the text as it was loaded.
@@ -178,6 +186,15 @@ impl Editor {
         let line = buffer.line_of(now.start);
         let words = String::from_utf8_lossy(buffer.line(line)).trim().to_owned();
         Some((document.name(), line + 1, words))
+    }
+
+    /// The line, from 0, of the text that shows which made the point that was clicked.
+    pub(in crate::app) fn probed_line(&self) -> Option<usize> {
+        let (file, range) = self.picture.probed.as_ref()?.surface.as_ref()?.written.clone()?;
+        let document = self.document_of(file)?;
+        let shows = self.document().is_some_and(|shown| std::ptr::eq(shown, document));
+        let now = document.place_as_shown(range).filter(|_| shows)?;
+        Some(document.editing.buffer().line_of(now.start))
     }
 
     fn document_of(&self, file: usize) -> Option<&Document> {

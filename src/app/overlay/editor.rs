@@ -210,7 +210,8 @@ fn footer(ui: &Ui, space: Rect, editor: &Editor, document: &Document) -> f32 {
         (Some(find), answer) => {
             let cursor = if find.typing { "|" } else { "" };
             let answer = answer.map_or(String::new(), |answer| format!("   {answer}"));
-            add(&format!("find: {}{cursor}{answer}", find.query), small, style::TEXT);
+            let letters = if find.typing { editor.preedit() } else { "" };
+            add(&format!("find: {}{letters}{cursor}{answer}", find.query), small, style::TEXT);
         }
         (None, Some(answer)) => {
             assisted::text(ui.ctx(), "answer", answer, true);

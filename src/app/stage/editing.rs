@@ -60,6 +60,10 @@ impl Stage {
                 editor.set_focus(false);
                 false
             }
+            WindowEvent::Ime(Ime::Preedit(letters, _)) if editor.has_focus() => {
+                editor.set_preedit(letters);
+                true
+            }
             WindowEvent::Ime(Ime::Commit(text)) if editor.has_focus() => {
                 editor.type_text(text);
                 true

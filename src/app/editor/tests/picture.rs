@@ -25,20 +25,25 @@ fn probe(desk: &mut Desk, at: [f64; 2]) {
 }
 
 #[test]
-fn a_point_that_is_clicked_brings_the_cursor_to_what_made_it() {
+fn the_card_of_a_point_brings_the_cursor_to_what_made_it() {
     let mut desk = Desk::new(SCENE.as_bytes());
     assert!(desk.load());
     probe(&mut desk, [0.5, 0.5]);
-    assert_eq!(line_of_cursor(&desk), 3);
+    assert_eq!((line_of_cursor(&desk), desk.editor.probed_line()), (1, Some(2)), "one goes on writing");
+    desk.editor.set_focus(false);
+    desk.editor.obey(EditorRequest::GoToProbed);
+    assert_eq!((line_of_cursor(&desk), desk.editor.has_focus()), (3, true));
     let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
     assert_eq!((surface.object.as_str(), surface.material.as_str()), ("near", "red"));
     probe(&mut desk, [0.5, 0.9]);
+    desk.editor.obey(EditorRequest::GoToProbed);
     assert_eq!(line_of_cursor(&desk), 6);
     // The picture knows the text that was loaded; meanwhile a line was put in above.
     let scenery = scenery_of(desk.source());
     desk.go_to("object near");
     desk.type_text("# far\n");
     desk.editor.take_answer_about_the_picture(Answer::Point(probed_at(&scenery, [0.5, 0.5])));
+    desk.editor.obey(EditorRequest::GoToProbed);
     assert_eq!(line_of_cursor(&desk), 4);
     let surface = desk.editor.probed().unwrap().surface.clone().unwrap();
     let (file, range) = surface.written.unwrap();
@@ -49,6 +54,7 @@ fn a_point_that_is_clicked_brings_the_cursor_to_what_made_it() {
     );
     // The sky has no line, and Esc closes what is told before it closes the editor.
     probe(&mut desk, [0.5, 0.1]);
+    desk.editor.obey(EditorRequest::GoToProbed);
     assert_eq!((line_of_cursor(&desk), desk.editor.probed().unwrap().surface.as_ref()), (4, None));
     let _ = desk.effects();
     desk.named(NamedKey::Escape);
@@ -65,6 +71,8 @@ fn a_point_that_an_included_text_made_shows_that_text() {
     let mut desk = Desk::in_folder(folder);
     assert!(desk.load());
     probe(&mut desk, [0.5, 0.5]);
+    assert_eq!(desk.editor.probed_line(), None, "it stands in another text");
+    desk.editor.obey(EditorRequest::GoToProbed);
     desk.wait("the included text", |editor| {
         editor.document().is_some_and(|document| document.disk.is_some() && document.name() == "part.scene")
     });
@@ -72,6 +80,7 @@ fn a_point_that_an_included_text_made_shows_that_text() {
     // It is there already.
     desk.editor.show_text(0);
     probe(&mut desk, [0.5, 0.5]);
+    desk.editor.obey(EditorRequest::GoToProbed);
     assert_eq!((desk.editor.document().unwrap().name().as_str(), line_of_cursor(&desk)), ("part.scene", 2));
 }
 
@@ -243,4 +252,17 @@ fn a_shape_that_is_proposed_has_a_small_picture() {
     assert_eq!(desk.editor.proposing().unwrap().list[0].name, "torus_of_mine");
     desk.editor.update();
     assert!(desk.editor.portrait().is_none());
+}
+
+#[test]
+fn letters_that_are_put_together_are_not_in_the_text_before_they_are_typed() {
+    let mut desk = Desk::new(b"# ");
+    desk.editor.obey(EditorRequest::Press { at: 2, clicks: 1, select: false });
+    desk.editor.set_preedit("\u{304b}\n");
+    assert_eq!((desk.editor.preedit(), desk.text().as_str()), ("\u{304b}", "# "));
+    desk.editor.type_text("\u{5bb6}");
+    assert_eq!((desk.editor.preedit(), desk.text().as_str()), ("", "# \u{5bb6}"));
+    desk.editor.set_preedit("\u{304b}");
+    desk.editor.set_focus(false);
+    assert_eq!(desk.editor.preedit(), "", "keys are the show's");
 }

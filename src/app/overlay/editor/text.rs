@@ -109,6 +109,11 @@ pub(super) fn show(
     let painter = ui.painter().with_clip_rect(space.intersect(ui.clip_rect()));
     let seen = top as usize..((top + rows).ceil() as usize + 1).min(buffer.line_count());
     draw_ground(&painter, space, &page, document, &seen);
+    if let Some(line) = editor.probed_line().filter(|line| seen.contains(line)) {
+        // What made the point of the picture that was clicked.
+        let rect = Rect::from_min_size(pos2(space.left(), page.at(line, 0.0).y), vec2(3.0, cell.y));
+        painter.rect_filled(rect, 1.0, style::ACCENT);
+    }
     for line in seen.clone() {
         draw_number(&painter, space.left() + gutter - 1.5 * cell.x, &page, line, document);
         let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
@@ -117,6 +122,9 @@ pub(super) fn show(
     }
     draw_mistakes(&painter, space, &page, document, &seen);
     draw_cursor(&painter, &page, document, editor.has_focus());
+    if editor.find_line().is_none_or(|find| !find.typing) {
+        draw_preedit(&painter, &page, document, editor.preedit(), &font);
+    }
     point(ui, &painter, &page, editor, document, &response, ask);
     lane(ui, space, document, rows, ask);
     let cursor = document.editing.cursor();
@@ -309,6 +317,20 @@ fn draw_cursor(painter: &Painter, page: &Page, document: &Document, focused: boo
         let color = if focused { style::TEXT } else { style::AHEAD };
         painter.vline(rect.left(), rect.y_range(), Stroke::new(1.6, color));
     }
+}
+
+/// Letters that are being put together, underlined over what stands behind the cursor.
+fn draw_preedit(painter: &Painter, page: &Page, document: &Document, letters: &str, font: &FontId) {
+    if letters.is_empty() {
+        return;
+    }
+    let cursor = document.editing.cursor();
+    let at = page.rect_of(document.editing.buffer(), &(cursor..cursor)).left_top();
+    let galley = style::line(painter, letters, font.clone(), style::TEXT, f32::MAX);
+    let rect = Rect::from_min_size(at, vec2(galley.size().x + 2.0, page.cell.y));
+    painter.rect_filled(rect, 0.0, style::ON_ACCENT);
+    painter.galley(at, galley, style::TEXT);
+    painter.hline(rect.x_range(), rect.bottom() - 1.5, Stroke::new(1.5, style::ACCENT));
 }
 
 /// What the pointer does to the text.
