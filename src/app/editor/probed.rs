@@ -117,7 +117,7 @@ impl Editor {
     }
 
     /// Closes what is told of a point. Whether there was something.
-    pub(super) fn close_probed(&mut self) -> bool {
+    pub(in crate::app) fn close_probed(&mut self) -> bool {
         let was = self.picture.probed.take().is_some();
         self.revision += u64::from(was);
         was

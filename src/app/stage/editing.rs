@@ -41,6 +41,9 @@ impl Stage {
         self.window.window().set_ime_allowed(open);
         let Some(editor) = &mut self.desk.editor else { return };
         editor.set_focus(open);
+        if !open {
+            editor.close_probed();
+        }
         if open {
             editor.show_scene(self.scene.wanted_source());
         }

@@ -41,7 +41,7 @@ pub(super) fn show(
 
     let height = 14.0 + ROW * (1 + rows.len() + 2 * usize::from(line.is_some())) as f32;
     let rect = placed(space, point, vec2(WIDTH, height));
-    let area = style::area(Id::unique("probed card"), Order::Middle).fixed_pos(rect.min);
+    let area = style::area(Id::unique("probed card"), Order::Foreground).fixed_pos(rect.min);
     area.show(context, |ui| {
         ui.set_clip_rect(rect.expand(1.0));
         ui.allocate_rect(rect, Sense::click_and_drag());

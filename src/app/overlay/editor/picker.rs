@@ -58,14 +58,21 @@ pub(super) fn show(
         let frame = style::frame().fill(style::ON_ACCENT);
         frame.show(ui, |ui| {
             ui.spacing_mut().slider_width = WIDTH;
-            ui.horizontal(|ui| {
-                let words = match picked.bright > 1.0 {
-                    true => format!("colour, {} times as bright as white", short(picked.bright)),
-                    false => "colour".to_owned(),
-                };
-                ui.label(egui::RichText::new(words).size(style::SMALL_SIZE).color(style::DIM));
-            });
-            color_picker_hsva_2d(ui, &mut picked.color, Alpha::Opaque)
+            let corner = ui.cursor().min;
+            let changed = color_picker_hsva_2d(ui, &mut picked.color, Alpha::Opaque);
+            // egui's first row has numbers for screens and a button for its own clipboard: the text has the numbers.
+            let row =
+                Rect::from_min_size(corner, egui::vec2(ui.min_rect().width(), ui.spacing().interact_size.y));
+            ui.painter().rect_filled(row, 0.0, style::ON_ACCENT);
+            ui.interact(row, Id::unique("picker heading"), egui::Sense::click_and_drag());
+            let words = match picked.bright > 1.0 {
+                true => format!("colour, {} times as bright as white", short(picked.bright)),
+                false => "colour".to_owned(),
+            };
+            let font = style::proportional(style::SMALL_SIZE);
+            let galley = style::line(ui.painter(), &words, font, style::DIM, row.width() - 24.0);
+            ui.painter().galley(row.min, galley, style::DIM);
+            changed
         })
     });
     let rect = shown.response.rect;
