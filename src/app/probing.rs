@@ -173,6 +173,8 @@ fn work(shared: &Shared, wake: &dyn Fn()) {
             }
             (None, None) => None,
         }));
+        let what = if is_asked { "a point" } else { "a grid" };
+        tracing::debug!("looked at {what} of the picture in {:.1} ms", 1e3 * begun.elapsed().as_secs_f64());
         let mut state = shared.lock();
         state.surveys = false;
         match answer {
