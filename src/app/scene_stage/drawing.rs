@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::mixing::Place;
+use super::scenery::Pictured;
 use super::{Cast, FirstTree, SceneStage};
 use crate::app::dynamic_resolution::Level;
 use crate::app::scene_regions::{Shown, Wishes};
@@ -113,6 +114,8 @@ impl SceneStage {
             renderer.put_legend(legend.as_deref())?;
         }
         self.pictured = self.on_stage.as_ref().map(|cast| cast.id);
+        self.seen_picture = self.begun_picture.take();
+        self.pictures_seen += 1;
         if self.fading.goes_on() {
             self.revision += 1;
         }
@@ -178,7 +181,7 @@ impl SceneStage {
             Some(under) => renderer.set_fade(Some(under.share)),
             None => self.fading.begin_picture(renderer, Instant::now()),
         }
-        Ok(match self.views.program(cast, mode) {
+        let begun = match self.views.program(cast, mode) {
             None => {
                 renderer.begin(&frame, &cast.resources)?;
                 cast.program(mode).cloned().map(making)
@@ -187,7 +190,9 @@ impl SceneStage {
                 let legend = self.views.begin(renderer, &frame, (cast, mode), view)?;
                 Some(Making { legend, ..making(program) })
             }
-        })
+        };
+        self.begun_picture = Some(Pictured::of(cast, frame));
+        Ok(begun)
     }
 
     /// Whether a picture was begun and is not finished.
