@@ -67,6 +67,11 @@ impl Listening {
         self.paused
     }
 
+    /// Whether what is listened to goes on.
+    pub(super) fn runs(&mut self) -> bool {
+        !self.paused && !self.with_song(|player| player.status().ended).unwrap_or_default()
+    }
+
     /// Notes whether the user wants a pause.
     pub(super) fn want_paused(&mut self, paused: bool) {
         self.paused = paused;

@@ -144,6 +144,8 @@ pub(super) struct SceneStage {
     turned: Option<TurnedNumber>,
     /// The scene whose picture was finished last.
     pictured: Option<u64>,
+    /// How long that took.
+    picture_took: Duration,
     /// Counts the changes that make the same moment look different.
     revision: u64,
     /// The scene on the stage and its mode when they were last announced.
@@ -205,6 +207,7 @@ impl SceneStage {
             is_written: false,
             turned: None,
             pictured: None,
+            picture_took: Duration::ZERO,
             revision: 0,
             announced: None,
             regions,
@@ -378,7 +381,9 @@ impl SceneStage {
 
     /// Whether the scene on the stage also moves without sound.
     pub(super) fn moves_by_itself(&self) -> bool {
-        self.is_moved_by_the_show() || self.on_stage.as_ref().is_none_or(|cast| cast.moves)
+        self.is_moved_by_the_show()
+            || self.fading.follows_song()
+            || self.on_stage.as_ref().is_none_or(|cast| cast.moves)
     }
 }
 

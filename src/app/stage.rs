@@ -374,6 +374,9 @@ impl Stage {
         let moment = self.moment();
         self.direct(moment);
         let moves = self.pace.note_wanted(moment, self.scene.revision(), now);
+        if self.holds_picture() {
+            self.record_again(now);
+        }
         // A picture that is held changes no more.
         let changes = (moves || self.could_be_better(now)) && !self.holds_picture();
         let moving = changes

@@ -184,8 +184,17 @@ impl Renderer {
     /// As [`Renderer::new`].
     pub fn prepare_for_window(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
         self.upscale = Some(LazyProgram::new(&self.gl, library, UPSCALE_SHADER, &Variant::default())?);
-        self.placing = Some(Placing::new(&self.gl, library)?);
+        self.add_dimming(library)?;
         self.time_pictures()
+    }
+
+    /// From now on [`Renderer::dim`] takes effect.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn add_dimming(&mut self, library: &ShaderLibrary) -> Result<(), GpuError> {
+        self.placing = Some(Placing::new(&self.gl, library)?);
+        Ok(())
     }
 
     /// From now on a GPU's times of pictures are taken, so that their parts become smaller where pixels become dearer.

@@ -52,6 +52,7 @@ impl Stage {
         }
         self.scene.follow(moment.song_time);
         self.scene.follow_hands(moment.song_time);
+        self.follow_masters(moment.song_time);
     }
 
     /// Brings what a show file holds for a key.

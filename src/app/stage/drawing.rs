@@ -58,7 +58,8 @@ impl Stage {
             let Moment { features, song, .. } = moment;
             let sound = mariana_music::Sound { features, tables: curves, song };
             let aspect = f64::from(whole.0) / f64::from(whole.1.max(1));
-            let picture = WantedPicture { moment, sound, size: drawn, aspect, level };
+            let runs = self.scene.begins_fade() && self.listening.runs();
+            let picture = WantedPicture { moment, sound, size: drawn, aspect, level, runs };
             let drawn = self.scene.draw(&mut self.renderer, picture);
             new = self.without_room_smaller(drawn)?;
             if new.is_none() {
@@ -72,8 +73,10 @@ impl Stage {
             self.renderer.limit_flashes(self.pace.note_picture(begun))?;
             self.feeds.note_picture();
         }
-        if let Some(Drawn { shown, .. }) = new {
-            self.record(shown.moment);
+        match new {
+            Some(Drawn { shown, .. }) => self.record(shown.moment, begun),
+            None if dims => self.record_again(begun),
+            None => {}
         }
         let corner = self.corner_line(begun);
         let is_drawing = self.scene.is_drawing();
