@@ -4,6 +4,7 @@
 //! seeds and changed ones in every test run.
 
 mod bytes;
+mod control;
 mod expression;
 mod files;
 #[allow(dead_code, reason = "tests/pictures/agreement.rs uses the rest")]
@@ -62,9 +63,16 @@ pub(crate) const LISTS: Target =
 pub(crate) const SETTINGS: Target =
     Target { name: "settings", run: files::settings, seeds: seeds::settings, speaks: false, changes: 300 };
 
+/// A packet of OSC.
+pub(crate) const OSC: Target =
+    Target { name: "osc", run: control::osc, seeds: seeds::packets, speaks: false, changes: 4_000 };
+/// The bytes of a MIDI device.
+pub(crate) const MIDI: Target =
+    Target { name: "midi", run: control::midi, seeds: seeds::midi, speaks: false, changes: 4_000 };
+
 /// All of them.
-pub(crate) const TARGETS: [&Target; 8] =
-    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS];
+pub(crate) const TARGETS: [&Target; 10] =
+    [&SYNTAX, &SCENE, &REGIONS, &TAPE, &DIFFERENTIAL, &DECODE, &LISTS, &SETTINGS, &OSC, &MIDI];
 
 /// What a libFuzzer program begins with. Where `MARIANA_FUZZ_SEEDS` names a folder, seeds and the dictionary are written
 /// there and the program ends.

@@ -18,6 +18,7 @@ mod fading;
 mod hands;
 mod kept;
 mod mixing;
+mod preview;
 mod requests;
 mod told;
 mod turning;

@@ -11,6 +11,7 @@ mod mastering;
 mod opening;
 mod outputs;
 mod panels;
+mod preview;
 mod recording;
 mod sending;
 mod settings;
@@ -23,6 +24,8 @@ use winit::event::WindowEvent;
 use cues::Cues;
 use desk::Desk;
 pub(super) use opening::{Opening, renewed};
+pub(super) use preview::NextScene;
+use preview::Preview;
 
 use super::accessibility::{Assistance, ControlsTeller};
 use super::announcer::TrackOrder;
@@ -75,6 +78,8 @@ pub(super) struct Stage {
     masters: Masters,
     /// Where pictures are sent.
     feeds: Feeds,
+    /// The scene that comes next, for the desk.
+    preview: Preview,
     reports: Reports,
     /// What is recorded of the show.
     recording: Recording,
@@ -392,13 +397,18 @@ impl Stage {
         if !moving || !seen {
             // Paused, ended or covered: there is nothing to draw until something happens. In silence it may happen at
             // any time.
+            if seen {
+                self.update_preview(now, None)?;
+            }
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due() || self.scene.has_regions() {
             self.window.window().request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {
-            Ok(to_send.map_or(self.pace.due(), |due| due.min(self.pace.due())))
+            let due = self.pace.due();
+            self.update_preview(now, Some(due.saturating_duration_since(now)))?;
+            Ok(to_send.map_or(due, |sends| sends.min(due)))
         }
     }
 

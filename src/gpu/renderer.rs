@@ -23,6 +23,7 @@ mod fade;
 mod making;
 mod placing;
 mod rehearsal;
+mod sketch;
 
 use std::rc::Rc;
 use std::time::Duration;
@@ -51,6 +52,7 @@ pub use making::Progress;
 use mariana_field::world::ToneMap;
 pub use placing::PLACING_SHADERS;
 use placing::Placing;
+pub use sketch::Sketch;
 
 /// Numbers in the `PassBlock` of `frame_block.glsl`.
 const PASS_BLOCK_NUMBERS: usize = 8 + 2 * 16;

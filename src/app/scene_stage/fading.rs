@@ -20,6 +20,8 @@ const STEP_MAX: Duration = Duration::from_millis(125);
 pub(super) struct Fading {
     /// How long a fade takes; zero is a cut.
     length: Duration,
+    /// Whether scenes are cut all the same.
+    cuts: bool,
     /// How long the next one takes instead.
     next: Option<Duration>,
     /// How long the one takes that goes on.
@@ -74,7 +76,7 @@ impl Fading {
     pub(super) fn of(seconds: f64) -> Self {
         let length = Duration::from_secs_f64(seconds);
         let (from, state) = (From::Scene, State::None);
-        Self { length, next: None, going: length, from, state, begun: None, share: 0.0, announced: false }
+        Self { length, cuts: false, next: None, going: length, from, state, begun: None, share: 0.0, announced: false }
     }
 
     /// How many seconds a fade takes.
@@ -85,11 +87,23 @@ impl Fading {
     /// From now on fades take this many seconds; 0 is a cut.
     pub(super) fn set_seconds(&mut self, seconds: f64) {
         self.length = Duration::try_from_secs_f64(seconds).unwrap_or_default();
+        self.cuts = false;
+    }
+
+    /// Whether scenes are cut.
+    pub(super) fn cuts(&self) -> bool {
+        self.cuts || self.length.is_zero()
+    }
+
+    /// From now on scenes are cut, or fade as they did before.
+    pub(super) fn set_cuts(&mut self, cuts: bool) {
+        self.cuts = cuts;
     }
 
     /// The next picture shows another scene.
     pub(super) fn want(&mut self) {
-        self.going = self.next.take().unwrap_or(self.length);
+        let usual = if self.cuts { Duration::ZERO } else { self.length };
+        self.going = self.next.take().unwrap_or(usual);
         (self.from, self.announced) = (From::Scene, false);
         self.state = if self.going.is_zero() { State::None } else { State::Wanted };
     }
@@ -303,6 +317,13 @@ mod tests {
         let mut fading = Fading::of(0.0);
         fading.want();
         assert!(!fading.goes_on());
+        fading.set_seconds(3.0);
+        fading.set_cuts(true);
+        fading.want();
+        assert!(!fading.goes_on());
+        fading.set_cuts(false);
+        fading.want();
+        assert!(fading.goes_on());
     }
 
     #[test]

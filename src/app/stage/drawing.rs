@@ -89,6 +89,7 @@ impl Stage {
         let seen = self.look_around_desk(begun);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
         self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, begun);
+        content.next = self.preview.next().filter(|_| !self.desk.bare);
         let Some(shown) = new.map(|new| new.shown).or(self.pace.shown()) else {
             return self.show_waiting(size).map(|()| false);
         };
@@ -162,6 +163,7 @@ impl Stage {
         let seen = self.look_around_desk(now);
         let mut content = self.scene.overlay(corner.as_deref(), self.desk.panels);
         self.desk.add_to(&mut content, &seen, &self.hands, &self.listening, &self.reports, now);
+        content.next = self.preview.next().filter(|_| !self.desk.bare);
         let due = self.overlay.due(&content, now);
         // The bar goes when the pointer has rested.
         let goes = self.pointer_rest.falls_asleep().filter(|_| seen.awake);

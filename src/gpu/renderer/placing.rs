@@ -23,7 +23,7 @@ pub(super) struct Placing {
     /// The share of the light that is left, 0..1.
     gain: f32,
     /// The finished picture with that share.
-    dimmed: Option<Target>,
+    pub(super) dimmed: Option<Target>,
     /// Whether [`Renderer`]'s copy without flashes is of what shows now.
     has_copy: bool,
 }
