@@ -195,7 +195,7 @@ impl GlWindowContext {
     /// driver gives fewer.
     pub(super) fn worker_contexts(&self, count: usize) -> Vec<WorkerContext> {
         let made = (0..count).map(|_| {
-            WorkerContext::new(&self.config.display(), &self.config).map_err(|error| {
+            WorkerContext::new(&self.config.display(), &self.config, self.gl.info()).map_err(|error| {
                 tracing::info!("no second context ({error}); scenes are compiled between frames");
             })
         });

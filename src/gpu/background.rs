@@ -45,11 +45,21 @@ pub struct WorkerContext {
 }
 
 impl WorkerContext {
-    /// A context on the display that shares nothing with any other.
+    /// A context of the driver `info` on the display, or on one of its own, that shares nothing with any other.
+    ///
+    /// **llvmpipe's contexts stay apart.** Before it hands out memory of a texture or buffer, it looks through what all
+    /// contexts of the display still draw (`llvmpipe_flush_resource`), and Mesa 22.3 does that while their threads change
+    /// it: drawing in one context could crash another.
     ///
     /// # Errors
     /// What EGL says.
-    pub fn new(display: &Display, config: &Config) -> glutin::error::Result<Self> {
+    pub fn new(display: &Display, config: &Config, info: &GlInfo) -> glutin::error::Result<Self> {
+        #[cfg(all(unix, not(target_os = "macos")))]
+        if info.software
+            && let Some((display, context)) = super::headless::software_context()
+        {
+            return Ok(Self { display: Display::Egl(display), context: NotCurrentContext::Egl(context) });
+        }
         let attributes = ContextAttributesBuilder::new()
             .with_profile(GlProfile::Core)
             .with_context_api(ContextApi::OpenGl(Some(Version::new(3, 3))))

@@ -43,11 +43,13 @@ impl Headless {
         let no_context = |reason: String| GpuError::NoHeadlessContext { reason };
         let mut devices: Vec<Device> =
             Device::query_devices().map_err(|error| no_context(error.to_string()))?.collect();
-        devices.sort_by_key(|device| device.extensions().contains("EGL_MESA_device_software"));
+        devices.sort_by_key(is_software);
         let mut reasons = Vec::new();
         let mut too_old = None;
         for device in &devices {
-            match context_on(device) {
+            let current = context_on(device)
+                .and_then(|(display, context)| Ok((display, context.make_current_surfaceless()?)));
+            match current {
                 Ok((display, context)) => {
                     use glutin::display::GlDisplay;
                     match Gl::load(|name| display.get_proc_address(name), log_debug) {
@@ -81,12 +83,25 @@ impl Headless {
 }
 
 #[cfg(all(unix, not(target_os = "macos")))]
+fn is_software(device: &glutin::api::egl::device::Device) -> bool {
+    device.extensions().contains("EGL_MESA_device_software")
+}
+
+/// A context of the software renderer on a display of its own, not current yet; none where EGL lists no such device.
+#[cfg(all(unix, not(target_os = "macos")))]
+pub(super) fn software_context()
+-> Option<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)> {
+    let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut devices = glutin::api::egl::device::Device::query_devices().ok()?;
+    let device = devices.find(is_software)?;
+    context_on(&device).inspect_err(|error| tracing::info!("no context on the software device: {error}")).ok()
+}
+
+#[cfg(all(unix, not(target_os = "macos")))]
 fn context_on(
     device: &glutin::api::egl::device::Device,
-) -> glutin::error::Result<(
-    glutin::api::egl::display::Display,
-    glutin::api::egl::context::PossiblyCurrentContext,
-)> {
+) -> glutin::error::Result<(glutin::api::egl::display::Display, glutin::api::egl::context::NotCurrentContext)>
+{
     use glutin::config::{Api, ConfigSurfaceTypes, ConfigTemplateBuilder};
     use glutin::context::{ContextApi, ContextAttributesBuilder, GlProfile, Version};
     use glutin::display::GlDisplay;
@@ -113,8 +128,7 @@ fn context_on(
             .build(None);
         let context = display
             .create_context(&config, &wanted)
-            .or_else(|error| display.create_context(&config, &any).map_err(|_| error))?
-            .make_current_surfaceless()?;
+            .or_else(|error| display.create_context(&config, &any).map_err(|_| error))?;
         Ok((display, context))
     }
 }

@@ -55,7 +55,11 @@ fn accept(listener: &TcpListener, newest: &Arc<Newest>) {
         if newest.is_over() {
             return;
         }
-        let Ok(stream) = stream else { continue };
+        let Ok(stream) = stream else {
+            // Such as too many open files: asked again at once, the system would say it again at once.
+            newest.rest(PARTING_TIME);
+            continue;
+        };
         // Counted here, so that no more threads are started than there may be readers.
         if readers.count.fetch_add(1, Ordering::AcqRel) >= LIMITS.send_readers_max {
             readers.count.fetch_sub(1, Ordering::AcqRel);

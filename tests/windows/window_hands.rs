@@ -293,6 +293,18 @@ fn what_is_heard_is_sent() {
     quit(app);
 }
 
+/// What the newest bundle that has come says of a number of the sound.
+pub(crate) fn sent_number(lights: &UdpSocket, address: &str) -> Option<f32> {
+    lights.set_nonblocking(true).unwrap();
+    let (mut buffer, mut newest) = ([0; 2_048], None);
+    while let Ok((length, _)) = lights.recv_from(&mut buffer) {
+        newest = Some(buffer[..length].to_vec());
+    }
+    let (packet, head) = (newest?, [padded(address), padded(",f")].concat());
+    let place = packet.windows(head.len()).position(|part| part == head)? + head.len();
+    Some(f32::from_be_bytes(packet.get(place..place + 4)?.try_into().unwrap()))
+}
+
 /// A knob at a value: the first of the first channel.
 fn turned(value: u8) -> [u8; 3] {
     [0xb0, 1, value]

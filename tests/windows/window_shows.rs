@@ -4,10 +4,12 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
+use std::net::UdpSocket;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::support::desktop::{App, Desktop, PROGRAM, command_in};
+use crate::window_hands::{Sender, sent_number};
 use image::RgbaImage;
 use mariana::scenes::shipped_names;
 use mariana_testing::process::{output_of, wait_until};
@@ -250,5 +252,31 @@ fn whoever_watches_overrules_the_show_until_its_next_scene_or_keeps_a_scene() {
     wait_for_channel(&app, 0);
     app.press(&["a"]);
     wait_for_channel(&app, 1);
+    quit(app);
+}
+
+#[test]
+fn a_show_went_on_to_other_scenes_while_the_text_of_one_was_written() {
+    let place = Place::new();
+    let show = place.path("my.show");
+    place.write("my.show", "at start red.scene\nat 20 s green.scene\nat 60 s blue.scene\n");
+    let (sender, lights) = (Sender::new(), UdpSocket::bind("127.0.0.1:0").unwrap());
+    let lights_port = lights.local_addr().unwrap().to_string();
+    let mut app =
+        place.open(&["--osc", &sender.port.to_string(), "--osc-send", &lights_port, "--show", &show]);
+    app.wait_until_told("the scenes follow the song");
+    app.press(&["space"]);
+    app.wait_for_title("paused", |title| title.contains("paused"));
+    go_to(&mut app, 0);
+    wait_for_channel(&app, 0);
+    app.press(&["e"]);
+    wait_until("the editor", || channel(&app) != Some(0));
+    sender.send("/position", &[0.3]);
+    wait_until("the song's middle", || sent_number(&lights, "/sound/progress").is_some_and(|at| at > 0.25));
+    app.press(&["Escape"]);
+    wait_for_channel(&app, 0);
+    sender.send("/position", &[0.7]);
+    wait_for_channel(&app, 2);
+    assert!(!app.told().contains("green is shown"), "{}", app.told());
     quit(app);
 }

@@ -86,15 +86,7 @@ fn measure(
 ) -> anyhow::Result<()> {
     let log = folder.join("log.txt");
     let mut child = start(program, folder, &log)?;
-    let ready = Instant::now();
-    while !fs::read_to_string(&log)?.contains("is shown, compiled") {
-        ensure!(
-            ready.elapsed() < Duration::from_secs(120),
-            "the window shows nothing: {}",
-            fs::read_to_string(&log)?
-        );
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    wait_for(&log, "is shown, compiled")?;
     // Until drivers and caches have settled.
     std::thread::sleep(Duration::from_secs(3));
     let before = memory_mib(&child)?;
@@ -118,6 +110,19 @@ fn measure(
     );
     println!("  {}\n  {}", said(false), said(true));
     Ok(())
+}
+
+/// Waits until the program has said this in its log.
+pub fn wait_for(log: &Path, words: &str) -> anyhow::Result<()> {
+    let begun = Instant::now();
+    loop {
+        let said = fs::read_to_string(log)?;
+        if said.contains(words) {
+            return Ok(());
+        }
+        ensure!(begun.elapsed() < Duration::from_secs(120), "the window shows nothing: {said}");
+        std::thread::sleep(Duration::from_millis(50));
+    }
 }
 
 fn start(program: &str, folder: &Path, log: &PathBuf) -> anyhow::Result<Child> {

@@ -10,6 +10,8 @@ mod gpu;
 mod hands;
 mod language_page;
 mod textures;
+#[cfg(unix)]
+mod typing;
 
 /// The root of the project.
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
@@ -52,6 +54,13 @@ const TOOLS: &[Tool] = &[
     ),
     ("language-page", "[FOLDER]", "writes docs/language.md and draws its shapes", language_page::run),
     ("textures", "[FOLDER]", "paints assets/textures", textures::run),
+    #[cfg(unix)]
+    (
+        "typing",
+        "PROGRAM [KEYS]",
+        "measures from a key of the editor to its letter and its picture, in a window of this desktop",
+        typing::run,
+    ),
 ];
 
 fn main() -> anyhow::Result<()> {

@@ -25,6 +25,8 @@ pub(super) struct Directed {
     overruled: Option<usize>,
     /// Whether the scene stays until the user says otherwise.
     is_locked: bool,
+    /// Whether it stayed because its text was being written.
+    was_written: bool,
     /// The stay that was entered last, and whether its transition mixes worlds.
     entered: Option<(usize, bool)>,
     /// What the show asked for last.
@@ -104,11 +106,16 @@ impl SceneStage {
 
     /// Asks for what the show has on at `time` seconds of the song.
     pub(in crate::app) fn follow(&mut self, time: f64) {
-        let Some(programme) = self.directed.programme.clone().filter(|_| !self.directed.is_locked) else {
-            return;
-        };
+        let Some(programme) = self.directed.programme.clone() else { return };
         let Some(moment) = programme.plan().at(time) else { return };
         let is_new = self.directed.entered.is_none_or(|(index, _)| index != moment.index);
+        if self.directed.is_locked || self.is_written {
+            return self.stay(moment.leaving.is_some() && !is_new);
+        }
+        if std::mem::take(&mut self.directed.was_written) {
+            // What was written is looked at: the show comes back with its next scene.
+            self.directed.overruled = Some(moment.index);
+        }
         if self.directed.is_overruled(moment.index) {
             return;
         }
@@ -148,6 +155,19 @@ impl SceneStage {
         }
         self.directed.asked = Some(wanted.clone());
         self.ask_for_source(wanted);
+    }
+
+    /// Lets the scene stay, whatever the show has on. A transition that is under way comes to its end.
+    fn stay(&mut self, is_under_way: bool) {
+        self.directed.was_written = self.is_written;
+        if let SceneSource::Blend(blend) = &self.source
+            && !is_under_way
+        {
+            let scene = blend.to.source.clone();
+            self.fading.next_takes(0.0);
+            self.directed.asked = Some(scene.clone());
+            self.ask_for_source(scene);
+        }
     }
 
     /// Prepares the scene that goes, if it is not there although the song stands still in its fade.

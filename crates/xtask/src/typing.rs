@@ -1,0 +1,89 @@
+//! What keys of the editor cost: how long from a key to its letter and to the picture of the text with it.
+//!
+//! It starts the program in a window of this desktop with a scene of 300 lines, opens the editor, changes a number of the
+//! text again and again with `xdotool`, and reads what the program says of itself when it ends.
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context, ensure};
+
+use crate::hands;
+
+/// Objects of the scene, each of five lines.
+const OBJECTS: usize = 59;
+/// Between keys: more than a frame takes on a slow machine, and no multiple of one on a fast one.
+const PAUSE: Duration = Duration::from_millis(437);
+
+/// Presses so many keys.
+pub fn run(arguments: &[String]) -> anyhow::Result<()> {
+    let program = arguments.first().context("name the program: target/release/mariana")?;
+    let keys: usize =
+        arguments.get(1).map_or(Ok(200), |text| text.parse()).context("the keys are no number")?;
+    let folder = std::env::temp_dir().join(format!("mariana-typing-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    let scene = folder.join("sixty.scene");
+    fs::write(&scene, text_of_scene())?;
+    for mode in ["interpreted", "compiled"] {
+        let log = folder.join(format!("{mode}.txt"));
+        let mut child = Command::new(program)
+            .args(["--silent", "--new", "--clean", "-v", "--prepare-ahead", "off", "--size", "640x360"])
+            .args(["--mode", mode, "--scene"])
+            .arg(&scene)
+            .env("HOME", &folder)
+            .env_remove("XDG_CONFIG_HOME")
+            .stdout(Stdio::null())
+            .stderr(fs::File::create(&log)?)
+            .spawn()?;
+        let pressed = hands::wait_for(&log, &format!("is shown, {mode}")).and_then(|()| press_keys(keys));
+        Command::new("kill").arg(child.id().to_string()).status()?;
+        child.wait()?;
+        pressed?;
+        let said = fs::read_to_string(&log)?;
+        println!("{mode}, {keys} keys");
+        for part in [" frames", "work for a key"] {
+            let line = said.lines().rfind(|line| line.contains(part)).unwrap_or("nothing was told");
+            println!("  {}", line.rsplit_once("app::show: ").map_or(line, |(_, words)| words));
+        }
+    }
+    Ok(fs::remove_dir_all(&folder)?)
+}
+
+/// Opens the editor, goes to the number at the end of the sixth line and makes it longer and shorter by turns.
+fn press_keys(keys: usize) -> anyhow::Result<()> {
+    // Until drivers and caches have settled.
+    std::thread::sleep(Duration::from_secs(3));
+    let press = |names: &[&str]| -> anyhow::Result<()> {
+        let status =
+            Command::new("xdotool").arg("key").args(names).status().context("xdotool is not there")?;
+        ensure!(status.success(), "xdotool could not press {names:?}");
+        Ok(())
+    };
+    press(&["e"])?;
+    std::thread::sleep(Duration::from_secs(2));
+    press(&["ctrl+Home", "Down", "Down", "End", "Left"])?;
+    for number in 0..keys {
+        press(&[if number % 2 == 0 { "1" } else { "BackSpace" }])?;
+        std::thread::sleep(PAUSE);
+    }
+    Ok(())
+}
+
+fn text_of_scene() -> String {
+    let mut text = "material paint { color = vec3(0.6, 0.3, 0.2)  roughness = 0.6 }\n".to_owned();
+    for number in 0..OBJECTS {
+        let (x, z) = ((number % 10) as f32 * 1.2 - 5.4, (number / 10) as f32 * 1.2 - 3.0);
+        let shape = [
+            "sphere(q, 0.4)",
+            "box(q, vec3(0.3, 0.3, 0.3))",
+            "torus(q, 0.3, 0.1)",
+            "capsule(q, vec3(0, -0.2, 0), vec3(0, 0.2, 0), 0.15)",
+        ][number % 4];
+        text += &format!(
+            "object thing{number} {{\n    let q = p - vec3({x:.2}, 0.5 + 0.2 * sin(t + {number}), {z:.2})\n    \
+             shape = {shape}\n    material = paint\n}}\n"
+        );
+    }
+    text + "object floor { shape = p.y  material = paint }\ncamera { position = vec3(6, 5, 9)  target = vec3(0, 0, 0) }\n"
+}
