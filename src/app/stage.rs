@@ -403,6 +403,7 @@ impl Stage {
             let idle = now + self.idle_interval(seen);
             Ok(overlay_due.filter(|_| seen).into_iter().chain(to_send).fold(idle, Instant::min))
         } else if now >= self.pace.due() || self.scene.has_regions() {
+            self.update_preview(now, Some(Duration::ZERO))?;
             self.window.window().request_redraw();
             Ok(to_send.map_or(now + IDLE_INTERVAL, |due| due.min(now + IDLE_INTERVAL)))
         } else {

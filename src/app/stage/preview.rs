@@ -1,7 +1,8 @@
 //! The scene that comes next, as a small picture on the desk: beside an output, or where the settings say so.
 //!
 //! **It costs no picture of the show.** It is drawn a few times a second, and only where there is time until the next
-//! picture is due: as long as such a picture took lately. It is read back without waiting.
+//! picture is due: as long as such a picture took lately. It is read back without waiting. Only the first picture of each
+//! scene is drawn in any case, as each scene is once before it shows.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -98,7 +99,8 @@ impl Stage {
             (next.level, next.beat) = (level, beat);
             next.revision += 1;
         }
-        if self.preview.took.mul_f64(RESERVE) > rest {
+        let has_one = self.preview.drawn.as_ref().is_some_and(|(drawn, _)| *drawn == title);
+        if has_one && self.preview.took.mul_f64(RESERVE) > rest {
             // What took long once may take less time later.
             self.preview.took = self.preview.took.mul_f64(0.9);
             return Ok(());
