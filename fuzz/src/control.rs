@@ -28,7 +28,9 @@ pub(crate) fn osc(data: &[u8]) {
         match understand(message, DEEDS) {
             Ok(Asked::Turn(wish)) => {
                 let (Amount::Value(to) | Amount::Share(to)) = wish.to;
-                assert!(to.is_finite() && wish.seconds.is_finite() && wish.name.len() <= LIMITS.name_bytes_max);
+                assert!(
+                    to.is_finite() && wish.seconds.is_finite() && wish.name.len() <= LIMITS.name_bytes_max
+                );
             }
             Ok(Asked::Act(deed)) => match deed.given {
                 Given::Number(number) => assert!(number.is_finite(), "{deed:?}"),

@@ -482,7 +482,10 @@ pub(crate) mod tests {
         assert_eq!(press(&mut panel, Enter), Some(SettingChange::FlashLimiter(true)));
         (0..99).for_each(|_| drop(press(&mut panel, ArrowDown)));
         assert_eq!(panel.rows()[panel.selected()].name, "Crop");
-        assert_eq!(press(&mut panel, ArrowRight), Some(SettingChange::Crop(Crop::try_from([1.0; 4]).unwrap())));
+        assert_eq!(
+            press(&mut panel, ArrowRight),
+            Some(SettingChange::Crop(Crop::try_from([1.0; 4]).unwrap()))
+        );
         for key in [Key::Character("q".into()), Key::Named(NamedKey::Escape), Key::Named(NamedKey::Space)] {
             assert_eq!(panel.take_key(&key), (false, None), "{key:?} is the show's");
         }

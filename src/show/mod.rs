@@ -31,7 +31,7 @@ pub use plan::{Entrance, Moment, Move, Moved, Plan, Stay, blend_kind};
 pub use programme::{Programme, ShowError, ShowSource, name_of, seed_of};
 pub use resolve::resolve;
 pub use script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition, UNTURNED,
-    When,
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
+    UNTURNED, When,
 };
 pub use text::print;

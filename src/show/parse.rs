@@ -15,7 +15,8 @@
 mod words;
 
 use super::script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, When, is_of_no_scene,
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, Script, Setting, Step, Transition, When,
+    is_of_no_scene,
 };
 use crate::limits::LIMITS;
 use mariana_field::lang::{Diagnostic, Sources, Span, Way, nearest, render_all};

@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 
 use super::plan::{Entrance, Move};
 use super::script::{
-    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition, UNTURNED,
-    When,
+    Anchor, CAMERA_TURNS, Entry, Length, PICTURE_NUMBERS, PLAIN_PICTURE, Script, Setting, Step, Transition,
+    UNTURNED, When,
 };
 use crate::limits::LIMITS;
 use mariana_field::lang::{Span, Way};
@@ -207,7 +207,9 @@ impl Performance {
         let Some(played) = self.scenes.last_mut().filter(|_| !picture.is_shown) else { return };
         for ((name, plain), value) in PICTURE_NUMBERS.into_iter().zip(PLAIN_PICTURE).zip(picture.numbers) {
             if value.to_bits() != plain.to_bits() {
-                played.lines.insert(name.to_owned(), Line { own: plain, points: vec![(played.start, value)] });
+                played
+                    .lines
+                    .insert(name.to_owned(), Line { own: plain, points: vec![(played.start, value)] });
             }
         }
         self.finish = picture.numbers;

@@ -119,7 +119,10 @@ mod tests {
              set picture brightness = 0 -> 0.5 over 1 s after 1 s",
         );
         let at = |time| plan.picture_at(time).brightness;
-        assert_eq!([0.0, 4.0, 5.0, 6.0, 9.0, 10.5, 11.5, 99.0].map(at), [1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.25, 0.5]);
+        assert_eq!(
+            [0.0, 4.0, 5.0, 6.0, 9.0, 10.5, 11.5, 99.0].map(at),
+            [1.0, 1.0, 0.5, 0.0, 0.0, 0.0, 0.25, 0.5]
+        );
         assert!(plan.dims());
         assert!(plan.stays().iter().all(|stay| stay.turns_at(5.0) == crate::show::UNTURNED));
     }
@@ -139,7 +142,9 @@ mod tests {
 
     #[test]
     fn another_picture_is_held_while_one_fades_away() {
-        let plan = plan("at 0 one\n set picture freeze = 1 -> 0 over 2 s after 1 s\n set picture freeze = 1 after 2 s");
+        let plan = plan(
+            "at 0 one\n set picture freeze = 1 -> 0 over 2 s after 1 s\n set picture freeze = 1 after 2 s",
+        );
         let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
         assert_eq!([at(1.5), at(2.5)], [Some((0.0, 0.75)), Some((2.0, 1.0))]);
         assert_eq!(Plan::default().picture_at(1.0), Picture::PLAIN);

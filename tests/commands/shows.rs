@@ -95,7 +95,8 @@ fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
     // Half the light is left half way, and none until it is set again.
     let light = |picture: Vec<u8>| {
         let picture = image::load_from_memory(&picture).unwrap().to_rgb8();
-        let sum = |pixel: &image::Rgb<u8>| pixel.0.iter().map(|byte| linear(f32::from(*byte) / 255.0)).sum::<f32>();
+        let sum =
+            |pixel: &image::Rgb<u8>| pixel.0.iter().map(|byte| linear(f32::from(*byte) / 255.0)).sum::<f32>();
         picture.pixels().map(sum).sum::<f32>()
     };
     let share = light(frame(12.0)) / light(alone("blue.scene", "12"));
@@ -135,7 +136,10 @@ fn what_is_wrong_with_a_show_is_told_with_its_place() {
     refused("at start red.scene\nat 3 s gren.scene\n", &["gren.scene"]);
     refused("at start red.scene mlet over 2 bars\n", &["bad.show:1:20", "did you mean `melt`?"]);
     refused("at start red.scene\n set siz = 3\n", &["`siz`", "its parameters are size"]);
-    refused("at start red.scene\n set picture brightness = 7\n", &["bad.show:2:", "7 is no share of a picture"]);
+    refused(
+        "at start red.scene\n set picture brightness = 7\n",
+        &["bad.show:2:", "7 is no share of a picture"],
+    );
     refused("at start red.scene camera far\n", &["`far`", "its cameras are near"]);
     place.run(&["video", "--show", "none.show", "-o", "a.mp4"]).refused(&["none.show"]);
     // What the song does not have costs a sentence, not the video.

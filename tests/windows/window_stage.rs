@@ -136,13 +136,16 @@ fn the_desk_shows_the_scene_that_comes_next_where_it_costs_no_picture() {
     let settings = place.path(".config/mariana/settings.toml");
     std::fs::create_dir_all(settings.parent().unwrap()).unwrap();
     std::fs::write(settings, "[choices]\nnext_scene = \"on\"\n").unwrap();
-    let mut app = place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
+    let mut app =
+        place.open("a.scene", &["--prepare-ahead", "on", "--sdf", "compiled", "-vv", "--fade", "0"]);
     app.wait_until_told("b is ready ahead");
     let corner = |picture: &RgbaImage| at(picture, 0.87, 0.15);
     let first = wait_for(&app, "the next scene in the corner", |picture| is_blue(corner(picture)));
     assert!(is_red(at(&first, 0.3, 0.5)), "the picture itself is another one");
     // It moves as it will when it is on.
-    wait_for(&app, "a moving picture", |picture| is_blue(corner(picture)) && corner(picture) != corner(&first));
+    wait_for(&app, "a moving picture", |picture| {
+        is_blue(corner(picture)) && corner(picture) != corner(&first)
+    });
     // Then the other one is the next.
     app.press(&["n"]);
     wait_for(&app, "the other scene, and the one behind it", |picture| {

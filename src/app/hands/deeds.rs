@@ -62,7 +62,10 @@ const TABLE: &[Row] = &[
         name: "cut",
         takes: Takes::Switch,
         meaning: "cut from scene to scene by hand, or fade",
-        does: Does::Turn { set: |stage, on| stage.cut_by_hand(on), is_on: |stage| stage.scene.is_cut_by_hand() },
+        does: Does::Turn {
+            set: |stage, on| stage.cut_by_hand(on),
+            is_on: |stage| stage.scene.is_cut_by_hand(),
+        },
     },
     Row {
         name: "fade",

@@ -9,8 +9,8 @@ use super::content::{Notice, OverlayContent};
 use super::fonts::Fallback;
 use super::requests::Request;
 use super::{
-    assisted, bar, browser, corners, editor, files, hands, help, params, preview, problem, settings, sources, style,
-    tracks, welcome,
+    assisted, bar, browser, corners, editor, files, hands, help, params, preview, problem, settings, sources,
+    style, tracks, welcome,
 };
 use crate::system_fonts::SystemFonts;
 

@@ -172,7 +172,8 @@ impl SceneStage {
 
     /// Prepares the scene that goes, if it is not there although the song stands still in its fade.
     fn need_leaving(&mut self, programme: &Programme, leaving: &Stay, time: f64) {
-        let Some(source) = programme.source(&leaving.scene).filter(|_| self.under_of_show(time).is_none()) else {
+        let Some(source) = programme.source(&leaving.scene).filter(|_| self.under_of_show(time).is_none())
+        else {
             return;
         };
         match self.ahead.give(source) {

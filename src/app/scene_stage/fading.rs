@@ -76,7 +76,17 @@ impl Fading {
     pub(super) fn of(seconds: f64) -> Self {
         let length = Duration::from_secs_f64(seconds);
         let (from, state) = (From::Scene, State::None);
-        Self { length, cuts: false, next: None, going: length, from, state, begun: None, share: 0.0, announced: false }
+        Self {
+            length,
+            cuts: false,
+            next: None,
+            going: length,
+            from,
+            state,
+            begun: None,
+            share: 0.0,
+            announced: false,
+        }
     }
 
     /// How many seconds a fade takes.
@@ -211,8 +221,10 @@ impl Fading {
 
     /// The share of what goes in a picture that is begun; none if there is no fade, or no longer.
     fn step(&mut self, begun: Begun<'_>) -> Option<f32> {
-        let since =
-            self.begun.replace(begun.now).map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
+        let since = self
+            .begun
+            .replace(begun.now)
+            .map_or(Duration::ZERO, |last| begun.now.saturating_duration_since(last));
         let share = match self.state {
             State::None | State::Told(_, false) => return None,
             State::Told(share, true) => Some(share),
@@ -275,9 +287,8 @@ mod tests {
         let start = Instant::now();
         let mut fading = Fading::of(0.5);
         let stands = at(7.0);
-        let share = |fading: &mut Fading, ms| {
-            fading.step(begun(start + Duration::from_millis(ms), &stands, false))
-        };
+        let share =
+            |fading: &mut Fading, ms| fading.step(begun(start + Duration::from_millis(ms), &stands, false));
         assert_eq!(share(&mut fading, 0), None);
         fading.want();
         assert!(fading.goes_on());

@@ -44,13 +44,7 @@ impl SceneStage {
         Ok(sent.then(|| cast.source.title()))
     }
 
-    fn frame_of_next(
-        &self,
-        cast: &Cast,
-        mode: Mode,
-        (time, sound): (f64, Sound),
-        size: (u32, u32),
-    ) -> Frame {
+    fn frame_of_next(&self, cast: &Cast, mode: Mode, (time, sound): (f64, Sound), size: (u32, u32)) -> Frame {
         let world = cast.resources.world();
         if world.steep || mode == Mode::Interpreted {
             return Frame::new(world, 0.0, Features::SILENCE, size);

@@ -14,7 +14,8 @@ pub(super) fn fade(place: usize) -> Option<f64> {
 }
 
 /// What each edge of the picture may lose, in percent. The command line takes any, and of each edge for itself.
-const CROPS: [(f64, &str); 6] = [(0.0, "0 %"), (1.0, "1 %"), (2.0, "2 %"), (3.0, "3 %"), (5.0, "5 %"), (10.0, "10 %")];
+const CROPS: [(f64, &str); 6] =
+    [(0.0, "0 %"), (1.0, "1 %"), (2.0, "2 %"), (3.0, "3 %"), (5.0, "5 %"), (10.0, "10 %")];
 
 /// What the edges lose at a place of that list.
 pub(super) fn crop(place: usize) -> Option<Crop> {

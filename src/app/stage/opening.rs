@@ -10,9 +10,9 @@ use std::time::Instant;
 use winit::event_loop::EventLoopProxy;
 
 use super::Stage;
-use super::preview::Preview;
 use super::desk::Desk;
 use super::drawing::paint_waiting;
+use super::preview::Preview;
 use crate::app::accessibility::{Assistance, ControlsTeller};
 use crate::app::announcer::Announcer;
 use crate::app::direction::Direction;

@@ -128,9 +128,10 @@ impl Stage {
     /// Takes a picture that has arrived.
     fn take_preview(&mut self, title: &str) {
         let Preview { reader, drawn, next, .. } = &mut self.preview;
-        let picture = reader.as_mut().and_then(PictureReader::take).filter(|_| {
-            drawn.as_ref().is_some_and(|(drawn, _)| drawn == title)
-        });
+        let picture = reader
+            .as_mut()
+            .and_then(PictureReader::take)
+            .filter(|_| drawn.as_ref().is_some_and(|(drawn, _)| drawn == title));
         let picture = picture.and_then(|bytes| RgbaImage::from_raw(SIZE.0, SIZE.1, bytes)).map(Arc::new);
         let is_known = next.as_ref().is_some_and(|next| next.title == title);
         if is_known && picture.is_none() {

@@ -151,8 +151,7 @@ fn note_orb(performance: &mut Performance, time: f64, scene: &str, numbers: [f32
     let picture = Finish { numbers, is_shown: numbers == PLAIN_PICTURE };
     let start = if scene == "orb" { 0.0 } else { 7.0 };
     let (entrance, params) = (Entrance::CUT, Vec::new());
-    let seen =
-        OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture };
+    let seen = OnStage { scene, camera: None, entrance, start, params, moves: &[], turns: UNTURNED, picture };
     performance.note(time, &seen);
 }
 
@@ -183,7 +182,10 @@ fn a_picture_that_is_held_is_held_from_its_moment_on_while_scenes_change() {
     let (plan, _) = resolve(&script, &SongStructure::default(), &[], |_, _| None);
     let at = |time| plan.picture_at(time).held.map(|held| (held.since, held.share));
     assert_eq!([1.5, 9.0].map(at), [None, None]);
-    assert_eq!([2.0, 6.5, 7.5, 8.0, 8.03125].map(at), [1.0, 1.0, 1.0, 1.0, 0.5].map(|share| Some((2.0, share))));
+    assert_eq!(
+        [2.0, 6.5, 7.5, 8.0, 8.03125].map(at),
+        [1.0, 1.0, 1.0, 1.0, 0.5].map(|share| Some((2.0, share)))
+    );
 }
 
 #[test]

@@ -118,7 +118,10 @@ mod tests {
         let times: Vec<u32> =
             messages(&packet).0.iter().filter_map(|(_, time)| time.map(|time| time.seconds)).collect();
         assert_eq!(times, [0, 7, 0]);
-        assert_eq!(messages(&encoder::encode(&sent("/a")).unwrap()).0.first().map(|(_, time)| *time), Some(None));
+        assert_eq!(
+            messages(&encoder::encode(&sent("/a")).unwrap()).0.first().map(|(_, time)| *time),
+            Some(None)
+        );
     }
 
     #[test]

@@ -133,7 +133,9 @@ fn one_of(set: &str) -> Part {
     while let [first, behind @ ..] = rest {
         // A hyphen at the end is one.
         (ranges, rest) = match behind {
-            ['-', last, behind @ ..] => ([ranges, vec![(*first.min(last), *first.max(last))]].concat(), behind),
+            ['-', last, behind @ ..] => {
+                ([ranges, vec![(*first.min(last), *first.max(last))]].concat(), behind)
+            }
             _ => ([ranges, vec![(*first, *first)]].concat(), behind),
         };
     }

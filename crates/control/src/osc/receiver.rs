@@ -192,7 +192,8 @@ impl Hearing {
             return self.obey_one(message, answers);
         }
         let pattern = Pattern::read(&message.addr);
-        let meant = known.into_iter().filter(|address| pattern.as_ref().is_some_and(|one| one.matches(address)));
+        let meant =
+            known.into_iter().filter(|address| pattern.as_ref().is_some_and(|one| one.matches(address)));
         let meant: Vec<String> = meant.take(LIMITS.osc_matches_max).collect();
         if meant.is_empty() {
             self.wishes.refuse(|refusals| refusals.unknown += 1);

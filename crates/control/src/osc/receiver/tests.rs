@@ -10,14 +10,8 @@ const DEEDS: &[DeedRow] = &[DeedRow { name: "pause", takes: Takes::Switch, meani
 
 fn hearing() -> Hearing {
     let board = Board::default();
-    let param = PresentParam {
-        name: "size".into(),
-        value: 2.0,
-        min: 0.0,
-        max: 4.0,
-        default: 1.0,
-        hand: Hand::Midi,
-    };
+    let param =
+        PresentParam { name: "size".into(), value: 2.0, min: 0.0, max: 4.0, default: 1.0, hand: Hand::Midi };
     board.put(Present {
         scene: "orb".into(),
         scenes: vec!["city".into(), "orb".into()],
@@ -83,7 +77,10 @@ fn a_title_with_signs_of_patterns_in_it_is_a_title() {
     let hearing = Hearing { deeds, ..hearing };
     heard(&hearing, &packet("/scene/orb [2]", Vec::new()));
     let deeds = hearing.wishes.take().deeds;
-    assert_eq!(deeds.iter().map(|deed| deed.given.clone()).collect::<Vec<_>>(), [Given::Text("orb [2]".into())]);
+    assert_eq!(
+        deeds.iter().map(|deed| deed.given.clone()).collect::<Vec<_>>(),
+        [Given::Text("orb [2]".into())]
+    );
 }
 
 #[test]
@@ -124,9 +121,7 @@ fn questions_are_answered_from_the_board() {
 #[test]
 fn questions_cost_no_more_answers_than_the_limit() {
     let hearing = hearing();
-    hearing
-        .board
-        .put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
+    hearing.board.put(Present { scenes: vec!["x".into(); LIMITS.osc_answers_max + 9], ..Present::default() });
     assert_eq!(heard(&hearing, &packet("/query/scenes", Vec::new())).len(), LIMITS.osc_answers_max);
 }
 
@@ -186,8 +181,5 @@ fn packets_come_through_a_real_socket_and_answers_go_back() {
     socket.send_to(&packet("/scene", Vec::new()), free).unwrap();
     let mut answer = [0; 64];
     let (length, from) = socket.recv_from(&mut answer).unwrap();
-    assert_eq!(
-        (from, &answer[..length]),
-        (free, &packet("/scene", vec![OscType::String("orb".into())])[..])
-    );
+    assert_eq!((from, &answer[..length]), (free, &packet("/scene", vec![OscType::String("orb".into())])[..]));
 }
