@@ -67,9 +67,9 @@ impl Listening {
         self.paused
     }
 
-    /// Whether what is listened to goes on.
+    /// Whether a song goes on. An input may fall silent at any time, and its time with it.
     pub(super) fn runs(&mut self) -> bool {
-        !self.paused && !self.with_song(|player| player.status().ended).unwrap_or_default()
+        !self.paused && self.with_song(|player| !player.status().ended).unwrap_or_default()
     }
 
     /// Notes whether the user wants a pause.
