@@ -69,7 +69,7 @@ fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
     let place = place_with_balls();
     place.write(
         "dark.show",
-        "at start red.scene\n  set picture freeze = 1 after 1 s\n  set picture freeze = 1 -> 0 over 2 s after 4 s\n\
+        "at start red.scene\n  set size = 0.5 -> 1.5 over 8 s\n  set picture freeze = 1 after 1 s\n  set picture freeze = 1 -> 0 over 2 s after 4 s\n\
          at 3 s green.scene cut\nat 8 s blue.scene fade over 2 s\n\
          \x20 set picture brightness = 1 -> 0 over 2 s after 3 s\nat 14 s green.scene cut\n\
          \x20 set picture brightness = 1\n",
@@ -86,7 +86,7 @@ fn a_show_dims_and_holds_pictures_whatever_scene_is_on() {
     }
     let alone = |scene: &str, time: &str| still(&place, &["--scene", scene, "--at", time]);
     // The picture of its moment is held, also when another scene comes, and fades into what is on then.
-    let held = alone("red.scene", "1");
+    let held = frame(1.0);
     assert!(frame(0.5) != held && [1.0, 2.5, 3.5].iter().all(|time| frame(*time) == held));
     assert!(frame(5.0) != held && frame(5.0) != alone("green.scene", "5"));
     assert!(frame(6.5) == alone("green.scene", "6.5"));
