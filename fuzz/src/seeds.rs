@@ -194,8 +194,10 @@ pub(crate) fn packets() -> Vec<Seed> {
     let half = 0.5_f32.to_be_bytes();
     let turn = osc_message("/param/size", ",ff", &[half, half].concat());
     let next = osc_message("/next", ",", &[]);
-    let nested =
-        osc_bundle([0, 1], &[turn.clone(), osc_bundle([3_900_000_000, 7], &[next.clone()]), next.clone()]);
+    let nested = osc_bundle(
+        [0, 1],
+        &[turn.clone(), osc_bundle([3_900_000_000, 7], std::slice::from_ref(&next)), next.clone()],
+    );
     vec![
         seed("turn", turn),
         seed("share", osc_message("/share/size", ",d", &0.25_f64.to_be_bytes())),
